@@ -1,0 +1,184 @@
+"""What a declaration must satisfy before anything else looks at it: one small function per rule.
+
+Each rule yields complaints; `check` raises ModelError with all of them, so that one run shows every mistake.
+What needs a solver (overlap, dead transitions, ranges) is an obligation, not a check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from safeloc.errors import ModelError
+from safeloc.expr import Bool, BoolVar, Compare, Expr, Lit, Num, NumVar, Optional, Past, Var, in_order, variables
+from safeloc.machine import ANY, STAY_NAME, Initial, Machine
+
+RESERVED = ("mode", "fired")
+
+
+def check(machine: Machine) -> None:
+    """Raise ModelError naming every offence, each with file and line."""
+    complaints = [complaint for rule in RULES for complaint in rule(machine)]
+    if complaints:
+        raise ModelError(f"machine {machine.name!r} ({machine.src}):\n" + "\n".join(f"  - {c}" for c in complaints))
+
+
+def input_variables(machine: Machine) -> list[Var]:
+    """All input variables, presence flags included."""
+    result: list[Var] = []
+    for item in machine.inputs:
+        result += [item.present, item.value] if isinstance(item, Optional) else [item]
+    return result
+
+
+def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
+    if not machine.modes:
+        yield "no modes; declare at least one with modes(...)."
+    elif any(mode.unit is not machine.modes[0].unit for mode in machine.modes):
+        yield "modes come from different enumerations; create them with one call of modes(...)."
+    elif [mode.value for mode in machine.modes] != list(range(len(machine.modes))):
+        yield "modes must be all members of their enumeration, in order."
+
+
+def _names_are_distinct(machine: Machine) -> Iterator[str]:
+    owned = [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]
+    yield from _repeated("variable", (var.name for var in owned))
+    own_value = {var.name for var in owned if machine.outputs.get(var.name) is var}
+    yield from _repeated("variable or output", {var.name for var in owned} - own_value | set(RESERVED), machine.outputs)
+    yield from _repeated("transition", (t.name for t in machine.transitions))
+    for var in owned:
+        if var.name in RESERVED or var.name.startswith(("before.", "observer.")):
+            yield f"variable {var.name!r} ({var.src}): this name is reserved; choose another."
+        if var.before is not None:
+            yield f"variable {var.name!r} ({var.src}) is a value before the step; only properties may use it."
+    if any(t.name == STAY_NAME for t in machine.transitions):
+        yield f"transition name {STAY_NAME!r} is reserved."
+
+
+def _repeated(what: str, *groups: Iterable[str]) -> Iterator[str]:
+    seen: set[str] = set()
+    for group in groups:
+        for name in group:
+            if name in seen:
+                yield f"{what} {name!r} is declared twice; names must be distinct."
+            seen.add(name)
+
+
+def _transitions_join_known_modes(machine: Machine) -> Iterator[str]:
+    for t in machine.transitions:
+        for mode in (*t.sources, t.target):
+            if not any(mode is known for known in machine.modes):
+                yield f"transition {t.name!r} ({t.src}): {mode.label!r} is not a mode of this machine."
+        if not t.sources:
+            yield f"transition {t.name!r} ({t.src}) has no source mode."
+
+
+def _ranks_are_in_order(machine: Machine) -> Iterator[str]:
+    for earlier, later in zip(machine.transitions, machine.transitions[1:], strict=False):
+        if later.rank < earlier.rank:
+            yield f"transition {later.name!r} ({later.src}) has rank {later.rank} but follows rank {earlier.rank}."
+
+
+def _updates_fit(machine: Machine) -> Iterator[str]:
+    for t in machine.transitions:
+        for var, value in t.set.items():
+            if var not in machine.state:
+                yield f"transition {t.name!r} ({t.src}) sets {var.name!r}, which is not a state variable."
+            else:
+                yield from _fits(f"transition {t.name!r} ({t.src}) sets {var.name!r}", var, value)
+    for var, move in machine.ghost_moves.items():
+        if var not in machine.ghosts:
+            yield f"ghost move of {var.name!r}, which is not a ghost."
+        else:
+            yield from _fits(f"ghost move of {var.name!r}", var, move)
+
+
+def _initial_values_fit(machine: Machine) -> Iterator[str]:
+    for var, value in [*machine.state.items(), *machine.ghosts.items()]:
+        if value is not ANY:
+            yield from _fits(f"initial value of {var.name!r} ({var.src})", var, value)
+
+
+def _fits(what: str, var: Var, value: Expr | Initial) -> Iterator[str]:
+    match var:
+        case BoolVar():
+            if not isinstance(value, (bool, Bool)):
+                yield f"{what}: {value!r} is not a truth value."
+        case NumVar(unit=unit, low=low, high=high):
+            if isinstance(value, (bool, Bool)) or not isinstance(value, (int, Num)):
+                yield f"{what}: {value!r} is not a number."
+            elif isinstance(value, Num) and not value.unit.same(unit):
+                yield f"{what}: unit is {value.unit.name}, expected {unit.name}."
+            constant = value.value if isinstance(value, Lit) else value
+            if isinstance(constant, int) and not isinstance(constant, bool) and not low <= constant <= high:
+                yield f"{what}: {constant} is outside {low}..{high}."
+
+
+def _reads_are_declared(machine: Machine) -> Iterator[str]:
+    inputs, state = set(input_variables(machine)), {*machine.state, machine.mode}
+    own, ghosts = inputs | state, {*machine.ghosts, *machine.ghost_inputs}
+    for t in machine.transitions:
+        terms = [t.when, *(value for value in t.set.values() if isinstance(value, (Num, Bool)))]
+        yield from _only(f"transition {t.name!r} ({t.src})", terms, own, "inputs and state")
+    for name, term in machine.outputs.items():
+        yield from _only(f"output {name!r}", [term], state, "state (after the step)")
+    for var, move in machine.ghost_moves.items():
+        yield from _only(f"ghost move of {var.name!r}", [move], own | ghosts, "declared variables")
+    yield from _only("assumption", [machine.assumption], own | ghosts, "declared variables")
+    yield from _only("initially", [machine.initially], state | set(machine.ghosts), "state and ghosts")
+    for name, lemma in machine.lemmas.items():
+        yield from _only(f"lemma {name!r}", [lemma], state | set(machine.ghosts), "state and ghosts")
+
+
+def _only(what: str, terms: list[Expr], allowed: set[Var], allowed_text: str) -> Iterator[str]:
+    for var in variables(terms):
+        if var not in allowed:
+            yield f"{what} reads {var.name!r}; it may read only {allowed_text}."
+    if any(isinstance(node, Past) for node in in_order(terms)):
+        yield f"{what} uses a past operator; only properties may."
+
+
+def _ghosts_move(machine: Machine) -> Iterator[str]:
+    for ghost in machine.ghosts:
+        if ghost not in machine.ghost_moves:
+            yield f"ghost {ghost.name!r} ({ghost.src}) has no move; give it one in ghost_moves (itself, if it rests)."
+
+
+def _guards_can_hold(machine: Machine) -> Iterator[str]:
+    for t in machine.transitions:
+        for node in in_order([t.when]):
+            if isinstance(node, Compare) and _is_constant(node):
+                yield f"transition {t.name!r} ({t.src}): a comparison in its guard never changes."
+
+
+def _is_constant(node: Compare) -> bool:
+    left, right = _range(node.left), _range(node.right)
+    if left is None or right is None:
+        return False
+    return {
+        "<": left[1] < right[0] or left[0] >= right[1],
+        "<=": left[1] <= right[0] or left[0] > right[1],
+        "==": left[1] < right[0] or left[0] > right[1],
+    }[node.op]
+
+
+def _range(term: Num) -> tuple[int, int] | None:
+    match term:
+        case Lit(value, _):
+            return value, value
+        case NumVar(low=low, high=high):
+            return low, high
+        case _:
+            return None
+
+
+RULES: tuple[Callable[[Machine], Iterator[str]], ...] = (
+    _modes_are_one_enumeration,
+    _names_are_distinct,
+    _transitions_join_known_modes,
+    _ranks_are_in_order,
+    _updates_fit,
+    _initial_values_fit,
+    _reads_are_declared,
+    _ghosts_move,
+    _guards_can_hold,
+)

@@ -1,0 +1,132 @@
+"""Several machines as one step: wired output to input, in declared order, synchronously.
+
+A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from safeloc.errors import ModelError
+from safeloc.expr import Expr, Num, NumVar, Optional, Substitution, Var, all_of, variables
+from safeloc.machine import Machine
+from safeloc.system import TransitionSystem, lower
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """The whole, and the way from a machine's own terms to terms over the whole."""
+
+    system: TransitionSystem
+    parts: Mapping[Machine, Substitution]
+    after: Mapping[Var, Expr]
+
+    def of(self, machine: Machine) -> Substitution:
+        """Rewrites terms over one machine's variables into terms over the whole (properties, outputs, lemmas)."""
+        return self.parts[machine]
+
+
+def compose(
+    name: str, machines: Sequence[Machine], wires: Mapping[Var, Expr], *, shared: Sequence[Var] = ()
+) -> Composition:
+    """Several machines as one TransitionSystem.
+
+    wires   an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
+            means the state after the step (so an output of theirs is written as `earlier.output("x")`)
+    shared  input or ghost variables that several machines declare as the very same object, kept once
+
+    Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for a wire to an
+    unknown input, a unit that does not fit, or a wire that reads a machine that is not earlier.
+    """
+    _check(name, machines, wires)
+    lowered = [(machine, lower(machine)) for machine in machines]
+    rename: dict[Machine, Substitution] = {}
+    renamed: dict[Var, Var] = {var: var for var in shared}
+    after: dict[Var, Expr] = {}
+    moved: dict[Var, Expr] = {}
+    merged = TransitionSystem(
+        name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
+    )
+    for machine, system in lowered:
+        own = {var: renamed.setdefault(var, _renamed(machine, var)) for var in (*system.state, *system.inputs)}
+        now = Substitution({**own, machine.fired_name: _renamed(machine, machine.fired_name)})
+        wired = {var: Substitution(after)(wires[var]) for var in system.inputs if var in wires}
+        step = Substitution({**own, **wired})
+        for var in system.state:
+            if own[var] not in moved:
+                moved[own[var]] = step(system.next[var])
+                after[var] = moved[own[var]]
+        after |= {var: step(var) for var in system.inputs}
+        rename[machine] = now
+        merged = replace(
+            merged,
+            state=_union(merged.state, [own[var] for var in system.state]),
+            inputs=_union(merged.inputs, [own[var] for var in system.inputs if var not in wires]),
+            init=all_of([merged.init, now.bool(system.init)]),
+            assume=all_of([merged.assume, step.bool(system.assume)]),
+            outputs={**merged.outputs, **{f"{machine.name}.{key}": now(term) for key, term in system.outputs.items()}},
+            fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
+            lemmas={
+                **merged.lemmas,
+                **{f"{machine.name}: {key}": now.bool(term) for key, term in system.lemmas.items()},
+            },
+            ghosts=merged.ghosts | {own[var] for var in system.ghosts if var not in wires},
+            initial={**merged.initial, **{own[var]: value for var, value in system.initial.items()}},
+            optionals=(*merged.optionals, *_kept_optionals(system, own, wires)),
+        )
+    return Composition(replace(merged, next=moved), rename, after)
+
+
+def _check(name: str, machines: Sequence[Machine], wires: Mapping[Var, Expr]) -> None:
+    names = [machine.name for machine in machines]
+    if len(set(names)) != len(names):
+        raise ModelError(f"composition {name!r}: machines {names} must have distinct names.")
+    earlier: set[Var] = set()
+    inputs: set[Var] = set()
+    for machine in machines:
+        system = lower(machine)
+        for var in system.inputs:
+            if var in wires:
+                _check_wire(name, var, wires[var], earlier)
+        inputs |= set(system.inputs)
+        earlier |= {*system.state, *system.inputs}
+    unknown = [var.name for var in wires if var not in inputs]
+    if unknown:
+        raise ModelError(f"composition {name!r}: wires lead to {unknown}, which are no inputs of {names}.")
+
+
+def _check_wire(name: str, var: Var, term: Expr, earlier: set[Var]) -> None:
+    if isinstance(var, NumVar) != isinstance(term, Num):
+        raise ModelError(f"composition {name!r}: the wire to {var.name!r} mixes a number and a truth value.")
+    if isinstance(var, NumVar) and isinstance(term, Num) and not term.unit.same(var.unit):
+        raise ModelError(
+            f"composition {name!r}: the wire to {var.name!r} carries {term.unit.name}, not {var.unit.name}."
+        )
+    late = [read.name for read in variables([term]) if read not in earlier]
+    if late:
+        raise ModelError(f"composition {name!r}: the wire to {var.name!r} reads {late}, which no earlier machine has.")
+
+
+def _renamed(machine: Machine, var: Var) -> Var:
+    return replace(var, name=f"{machine.name}.{var.name}")
+
+
+def _fired(now: Substitution, key: NumVar) -> NumVar:
+    term = now(key)
+    assert isinstance(term, NumVar)
+    return term
+
+
+def _union(first: tuple[Var, ...], more: Sequence[Var]) -> tuple[Var, ...]:
+    return (*first, *(var for var in more if var not in first))
+
+
+def _kept_optionals(system: TransitionSystem, own: Mapping[Var, Var], wires: Mapping[Var, Expr]) -> list[Optional]:
+    kept = []
+    for option in system.optionals:
+        value, present = own[option.value], own[option.present]
+        if option.value not in wires and option.present not in wires:
+            assert isinstance(value, NumVar) and not isinstance(present, NumVar)
+            kept.append(Optional(value, present))
+    return kept

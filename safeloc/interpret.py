@@ -1,0 +1,208 @@
+"""The reference interpreter: exact, slow, and the oracle every other back end is compared with.
+
+It reads only TransitionSystem and uses Python's unbounded integers; nothing is clipped and nothing is defaulted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import assert_never
+
+from safeloc.errors import InputError
+from safeloc.expr import (
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Value,
+    Var,
+    in_order,
+)
+from safeloc.machine import Any_
+from safeloc.system import TransitionSystem, canonical
+from safeloc.trace import Step, Trace
+from safeloc.units import Enumeration
+
+Values = dict[Var, Value]
+
+
+def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
+    """The value of each term where variables have `values`; KeyError for a variable that has none."""
+    wanted = list(terms)
+    found: dict[Expr, Value] = {}
+    for node in in_order(wanted):
+        found[node] = values[node] if isinstance(node, (NumVar, BoolVar)) else _value(node, found)
+    return [found[term] for term in wanted]
+
+
+def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
+    """The truth value of one term."""
+    return bool(evaluate([term], values)[0])
+
+
+def _value(node: Node, of: Mapping[Expr, Value]) -> Value:
+    match node:
+        case Lit(value, _) | Truth(value):
+            return value
+        case Add(a, b):
+            return of[a] + of[b]
+        case Sub(a, b):
+            return of[a] - of[b]
+        case Mul(a, b):
+            return of[a] * of[b]
+        case FloorDiv(a, k):
+            return of[a] // k
+        case Min(a, b):
+            return min(of[a], of[b])
+        case Max(a, b):
+            return max(of[a], of[b])
+        case Choose(c, a, b, _):
+            return of[a] if of[c] else of[b]
+        case Not(inner):
+            return not of[inner]
+        case And(parts):
+            return all(of[part] for part in parts)
+        case Or(parts):
+            return any(of[part] for part in parts)
+        case Compare("<", a, b):
+            return of[a] < of[b]
+        case Compare("<=", a, b):
+            return of[a] <= of[b]
+        case Compare("==", a, b):
+            return of[a] == of[b]
+        case Past() | NumVar() | BoolVar():
+            raise InputError(f"{type(node).__name__} cannot be evaluated here; a property is observed first.")
+        case Compare():
+            raise AssertionError(node)
+        case _:
+            assert_never(node)
+
+
+def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -> Values:
+    """The first state. `chosen` gives values to variables declared ANY (their value nearest zero otherwise).
+
+    Raises InputError for an unknown name, a value out of range, or a state that `initially` excludes.
+    """
+    given = dict(chosen or {})
+    values: Values = {}
+    for var in system.state:
+        declared = system.initial[var]
+        if isinstance(declared, Any_):
+            fallback = canonical(var) if isinstance(var, NumVar) else False
+            values[var] = admitted(var, given.pop(var.name, fallback))
+        else:
+            values[var] = declared.value if isinstance(declared, Lit) else declared
+            if var.name in given and given.pop(var.name) != values[var]:
+                raise InputError(
+                    f"{system.name}: {var.name} starts at {values[var]} by declaration; it cannot be chosen."
+                )
+    if given:
+        raise InputError(f"{system.name}: unknown state variables {sorted(given)}.")
+    if not holds(system.init, values):
+        raise InputError(f"{system.name}: the chosen first state breaks `initially`; choose values that satisfy it.")
+    return values
+
+
+def admitted(var: Var, value: object) -> Value:
+    """The value as this variable holds it (a label becomes its number); InputError if kind or range is wrong."""
+    if isinstance(var, BoolVar):
+        if not isinstance(value, bool):
+            raise InputError(f"{var.name}: expected true or false, got {value!r}.")
+        return value
+    if isinstance(value, str) and isinstance(var.unit, Enumeration) and value in var.unit.members:
+        return var.unit.index(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise InputError(f"{var.name}: expected a whole number of {var.unit.name}, got {value!r}.")
+    if not var.low <= value <= var.high:
+        raise InputError(f"{var.name}: {value} {var.unit.name} is outside {var.low}..{var.high}.")
+    return value
+
+
+def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Values:
+    """One step's inputs by name. Optional ones may be left out (or None); all others must be there.
+
+    Raises InputError for a missing or unknown name and for what `admitted` refuses.
+    """
+    left = dict(record)
+    values: Values = {}
+    for option in system.optionals:
+        raw = left.pop(option.value.name, None)
+        values[option.present] = raw is not None
+        values[option.value] = canonical(option.value) if raw is None else admitted(option.value, raw)
+        flag = left.pop(option.present.name, None)
+        if (
+            flag is not None
+            and flag != values[option.present]
+            and not (flag is False and raw == canonical(option.value))
+        ):
+            raise InputError(f"{system.name}: {option.present.name} is {flag!r} but {option.value.name} is {raw!r}.")
+        if flag is False:
+            values[option.present] = False
+    for var in system.inputs:
+        if var not in values:
+            if var.name not in left:
+                raise InputError(
+                    f"{system.name}: input {var.name!r} is missing; the step needs {[v.name for v in system.inputs]}."
+                )
+            values[var] = admitted(var, left.pop(var.name))
+    if left:
+        raise InputError(f"{system.name}: unknown inputs {sorted(left)}.")
+    return values
+
+
+def step(
+    system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]
+) -> tuple[Values, dict[NumVar, int]]:
+    """One step: the state after it and, per machine, the number of the transition that fired (0: none)."""
+    known = {**state, **inputs}
+    moved = evaluate([*system.next.values(), *system.fired.values()], known)
+    after = dict(zip(system.next, moved, strict=False))
+    fired = dict(zip(system.fired, map(int, moved[len(after) :]), strict=True))
+    return after, fired
+
+
+def run(
+    system: TransitionSystem, stream: Iterable[Mapping[str, object]], *, first: Mapping[str, Value] | None = None
+) -> Trace:
+    """A whole run, as a Trace. `stream` holds one mapping of inputs a step; `first` chooses ANY values."""
+    state = start(system, first)
+    initial = _named(state)
+    steps: list[Step] = []
+    for record in stream:
+        inputs = read_inputs(system, record)
+        state, fired = step(system, state, inputs)
+        steps.append(Step(_named(inputs), fired_names(fired), _named(state), outputs(system, state)))
+    return Trace(system, initial, tuple(steps))
+
+
+def outputs(system: TransitionSystem, state: Mapping[Var, Value]) -> dict[str, Value]:
+    """The outputs in a state."""
+    return dict(zip(system.outputs, evaluate(system.outputs.values(), state), strict=True))
+
+
+def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:
+    """Name of the fired variable -> name of the transition."""
+    result = {}
+    for var, index in fired.items():
+        assert isinstance(var.unit, Enumeration)
+        result[var.name] = var.unit.members[index]
+    return result
+
+
+def _named(values: Mapping[Var, Value]) -> dict[str, Value]:
+    return {var.name: value for var, value in values.items()}

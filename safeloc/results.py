@@ -1,0 +1,32 @@
+"""One checked statement, whatever checked it: what command line, report and tests exchange."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from safeloc.verdict import Result
+
+Kind = Literal["property", "obligation", "lemma", "test", "replay"]
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """A statement about a machine and what was found.
+
+    id            unique within a report: "machine/kind/name"
+    method        engine and what it relied on, for the reader
+    seconds       time it took
+    requirements  requirement ids it answers for
+    assumption    the assumption it was shown under, in words ("" for none)
+    """
+
+    id: str
+    machine: str
+    kind: Kind
+    statement: str
+    result: Result
+    method: str
+    seconds: float
+    requirements: tuple[str, ...] = ()
+    assumption: str = ""

@@ -1,0 +1,232 @@
+"""Properties: what must hold, and how a property becomes a few extra state variables.
+
+A property is a term over the state AFTER the step, `before(x)` / `was(x)` for the state before it, the step's
+inputs, and `machine.fired(...)`. A term that reads state only is also required of the first state.
+Past operators look over steps: `previous(p)` is false in the first step.
+
+    always(p)  never(p)  within(n, trigger, response)  reachable(p)      once(p)  since(p, q)  previous(p)
+
+`observe` compiles a property into a Goal: the same system with observer variables, and a term `good` over its
+state. Provers, the monitor, Hypothesis and replay all read that one Goal, so they cannot disagree on its meaning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from safeloc.errors import PropertyError, declared_at
+from safeloc.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Node,
+    NumVar,
+    Past,
+    Value,
+    Var,
+    all_of,
+    as_num,
+    children,
+    in_order,
+    ite,
+    rebuilt,
+    variables,
+)
+from safeloc.system import TransitionSystem
+from safeloc.units import COUNT
+
+
+@dataclass(frozen=True, eq=False)
+class Property:
+    """A named requirement on every run (or, for `reachable`, on some run).
+
+    kind       always: `term` holds in every step; within: each `term` is followed by `response` in at most `steps`
+               further steps; reachable: some run comes to `term`
+    given      a further assumption on every step, over state before, inputs and ghosts; reported with the verdict
+    statement  the requirement in words
+    trace      requirement ids
+    """
+
+    name: str
+    kind: Literal["always", "within", "reachable"]
+    term: Bool
+    response: Bool = TRUE
+    steps: int = 0
+    given: Bool = TRUE
+    statement: str = ""
+    trace: tuple[str, ...] = ()
+    src: str = field(default_factory=declared_at)
+
+
+def always(name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = ()) -> Property:
+    """`term` holds in every step (and at the start, if it reads state only)."""
+    return Property(name, "always", term, given=given, statement=statement or name, trace=trace)
+
+
+def never(name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = ()) -> Property:
+    """`term` holds in no step."""
+    return Property(name, "always", ~term, given=given, statement=statement or name, trace=trace)
+
+
+def within(
+    name: str,
+    steps: int,
+    trigger: Bool,
+    response: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+) -> Property:
+    """After each `trigger`, `response` holds in the same step or at most `steps` later; PropertyError if negative."""
+    if steps < 0:
+        raise PropertyError(f"{declared_at()}: within({name!r}): steps is {steps}; it must be 0 or more.")
+    return Property(name, "within", trigger, response, steps, given, statement or name, trace)
+
+
+def reachable(
+    name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = ()
+) -> Property:
+    """Some run comes to `term`; a proof of it is a witness stream."""
+    return Property(name, "reachable", term, given=given, statement=statement or name, trace=trace)
+
+
+def previous(term: Bool) -> Bool:
+    """`term` held in the step before; false in the first step."""
+    return Past("previous", (term,))
+
+
+def once(term: Bool) -> Bool:
+    """`term` holds now or held in some earlier step."""
+    return Past("once", (term,))
+
+
+def since(term: Bool, start: Bool) -> Bool:
+    """`start` held in some step up to now, and `term` in every step after it up to now."""
+    return Past("since", (term, start))
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """A system with observer variables and the state term `good`.
+
+    For `always` and `within`, every run must keep `good`; for `reachable`, some run must break it.
+    `observers` are the added state variables; `prop` is where it came from.
+    """
+
+    system: TransitionSystem
+    good: Bool
+    prop: Property
+    observers: tuple[Var, ...]
+
+
+def observe(system: TransitionSystem, prop: Property) -> Goal:
+    """The property as extra state on `system`. PropertyError if it reads what the system does not have."""
+    _check_reads(system, prop)
+    observer = _Observer(system)
+    good = observer.goal(prop)
+    moved = {**system.next, **observer.moves}
+    initial = {**system.initial, **observer.initial}
+    first = all_of([system.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
+    state = (*system.state, *observer.moves)
+    assume = all_of([system.assume, prop.given])
+    extended = replace(system, state=state, next=moved, init=first, initial=initial, assume=assume)
+    return Goal(extended, good, prop, tuple(observer.moves))
+
+
+def _is_initially(var: Var, value: Value) -> Bool:
+    if isinstance(var, NumVar):
+        return var.eq(int(value))
+    return var if value else ~var
+
+
+def _check_reads(system: TransitionSystem, prop: Property) -> None:
+    known = {*system.state, *system.inputs, *system.fired}
+    state = set(system.state)
+    for var in variables([prop.term, prop.response]):
+        if var.before is not None and var.before not in state:
+            raise PropertyError(
+                f"{prop.src}: property {prop.name!r} reads {var.name!r}: before() is for state variables."
+            )
+        if var.before is None and var not in known:
+            raise PropertyError(
+                f"{prop.src}: property {prop.name!r} reads {var.name!r}, which {system.name} does not have."
+            )
+    for var in variables([prop.given]):
+        if var not in {*system.state, *system.inputs}:
+            raise PropertyError(
+                f"{prop.src}: property {prop.name!r}: `given` reads {var.name!r}; it may read state before "
+                "the step, inputs and ghosts."
+            )
+
+
+class _Observer:
+    """Builds observer variables; terms handed over are over after-state, before-state, inputs and fired."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self.system = system
+        self.moves: dict[Var, Expr] = {}
+        self.initial: dict[Var, Value] = {}
+        self._after: dict[Var, Expr] = {**system.next, **{name: term for name, term in system.fired.items()}}
+        self._lifted: dict[Expr, Expr] = {}
+
+    def goal(self, prop: Property) -> Bool:
+        match prop.kind:
+            case "always":
+                return prop.term if self._state_only(prop.term) else ~self._latched(~self._now(prop.term))
+            case "reachable":
+                return ~prop.term if self._state_only(prop.term) else ~self._latched(self._now(prop.term))
+            case "within":
+                return self._answered(prop)
+
+    def _state_only(self, term: Bool) -> bool:
+        state = set(self.system.state)
+        nodes = in_order([term])
+        return all(var in state for var in variables([term])) and not any(isinstance(node, Past) for node in nodes)
+
+    def _answered(self, prop: Property) -> Bool:
+        waiting = NumVar(f"observer.{len(self.moves)}.waiting", COUNT, 0, prop.steps + 1, None, prop.src)
+        trigger, response = self._now(prop.term), self._now(prop.response)
+        counted = ite(waiting > 0, waiting + 1, ite(trigger, as_num(1, COUNT), as_num(0, COUNT)))
+        late = Lit(prop.steps + 1, COUNT)
+        self.moves[waiting] = ite(waiting.eq(late), late, ite(response, as_num(0, COUNT), counted))
+        self.initial[waiting] = 0
+        return waiting < late
+
+    def _latched(self, event: Bool) -> Bool:
+        return self._flag("seen", lambda var: var | event)
+
+    def _flag(self, what: str, move: Callable[[BoolVar], Bool]) -> BoolVar:
+        var = BoolVar(f"observer.{len(self.moves)}.{what}")
+        self.moves[var] = move(var)
+        self.initial[var] = False
+        return var
+
+    def _now(self, term: Bool) -> Bool:
+        """The term over state before the step and inputs, past operators replaced by observer variables."""
+        for node in in_order([term]):
+            if node not in self._lifted:
+                self._lifted[node] = self._lift(node)
+        result = self._lifted[term]
+        assert isinstance(result, Bool)
+        return result
+
+    def _lift(self, node: Node) -> Expr:
+        if isinstance(node, (NumVar, BoolVar)):
+            return node.before if node.before is not None else self._after.get(node, node)
+        parts = tuple(self._lifted[child] for child in children(node))
+        if not isinstance(node, Past):
+            return rebuilt(node, parts)
+        args = [part for part in parts if isinstance(part, Bool)]
+        match node.op:
+            case "previous":
+                return self._flag("previous", lambda _: args[0])
+            case "once":
+                return args[0] | self._flag("once", lambda var: var | args[0])
+            case "since":
+                var = self._flag("since", lambda var: args[1] | (args[0] & var))
+                return args[1] | (args[0] & var)

@@ -1,0 +1,179 @@
+"""Lowering: a machine as one functional next-state map.
+
+Modes, priorities and staying put become terms. Every back end and every prover reads only TransitionSystem.
+
+    lower(machine)                      one machine, ghosts included
+    without_ghosts(system)              what runs on board: no environment, no assumption
+    composition.compose(...)            several machines, wired output to input, as one
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from safeloc.checks import input_variables
+from safeloc.errors import ModelError
+from safeloc.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Optional,
+    Substitution,
+    Var,
+    all_of,
+    as_bool,
+    as_num,
+    between,
+    ite,
+)
+from safeloc.machine import ANY, Initial, Machine, Transition
+from safeloc.units import Enumeration
+
+
+@dataclass(frozen=True, eq=False)
+class TransitionSystem:
+    """State, inputs and how they move. Ranges of variables are implied; `assume` adds what the environment keeps.
+
+    init      what holds of the first state (ranges apart)
+    next      state variable -> term over state before and inputs
+    assume    over state before and inputs; TRUE for what runs on board
+    outputs   name -> term over state (after the step)
+    fired     name variable of a machine -> term for the transition that fires (0: none)
+    lemmas    name -> term over state, to be proved and then used
+    ghosts    the variables of the environment, a subset of state and inputs
+    initial   state variable -> its declared first value, ANY where open
+    optionals the inputs that may be absent
+    machines  the machines it was made of
+    """
+
+    name: str
+    state: tuple[Var, ...]
+    inputs: tuple[Var, ...]
+    init: Bool
+    next: Mapping[Var, Expr]
+    assume: Bool
+    outputs: Mapping[str, Expr]
+    fired: Mapping[NumVar, Num]
+    lemmas: Mapping[str, Bool]
+    ghosts: frozenset[Var]
+    initial: Mapping[Var, Initial]
+    optionals: tuple[Optional, ...]
+    machines: tuple[Machine, ...]
+
+    def variable(self, name: str) -> Var:
+        """A state or input variable by name; KeyError if there is none."""
+        for var in (*self.state, *self.inputs):
+            if var.name == name:
+                return var
+        raise KeyError(f"{self.name} has no variable {name!r}; it has {[v.name for v in (*self.state, *self.inputs)]}.")
+
+
+def lower(machine: Machine) -> TransitionSystem:
+    """One machine with its ghosts."""
+    state = (machine.mode, *machine.state, *machine.ghosts)
+    guards = _exclusive_guards(machine)
+    moved: dict[Var, Expr] = {machine.mode: _chain(guards, {t: t.target for t in guards}, machine.mode)}
+    for var in machine.state:
+        moved[var] = _chain(guards, {t: t.set.get(var, var) for t in guards}, var)
+    moved |= machine.ghost_moves
+    fired = machine.fired_name.unit
+    index = {t: Lit(number, fired) for number, t in enumerate(machine.transitions, 1)}
+    initial = {machine.mode: machine.modes[0], **machine.state, **machine.ghosts}
+    optionals = tuple(item for item in machine.inputs if isinstance(item, Optional))
+    return TransitionSystem(
+        name=machine.name,
+        state=state,
+        inputs=(*input_variables(machine), *machine.ghost_inputs),
+        init=all_of([*_initial_terms(initial), machine.initially]),
+        next=moved,
+        assume=machine.assumption,
+        outputs=dict(machine.outputs),
+        fired={machine.fired_name: _as_num(_chain(guards, index, Lit(0, fired)))},
+        lemmas=dict(machine.lemmas),
+        ghosts=frozenset((*machine.ghosts, *machine.ghost_inputs)),
+        initial=initial,
+        optionals=optionals,
+        machines=(machine,),
+    )
+
+
+def _exclusive_guards(machine: Machine) -> dict[Transition, Bool]:
+    """Source mode and guard of each transition; order does the rest."""
+    return {
+        t: machine.mode.one_of(*t.sources) & t.when if len(t.sources) < len(machine.modes) else t.when
+        for t in machine.transitions
+    }
+
+
+def _chain(guards: Mapping[Transition, Bool], values: Mapping[Transition, Expr | int | bool], stay: Expr) -> Expr:
+    """First enabled transition's value, else `stay`. All chains share the same guard terms, in the same order."""
+    result = stay
+    for t in reversed(list(guards)):
+        value = values[t]
+        if isinstance(result, Num):
+            then = as_num(value if isinstance(value, (Num, int)) else 0, result.unit)
+            result = ite(guards[t], then, result)
+        else:
+            result = ite(guards[t], as_bool(value if isinstance(value, (Bool, bool)) else False), result)
+    return result
+
+
+def _as_num(term: Expr) -> Num:
+    assert isinstance(term, Num)
+    return term
+
+
+def _initial_terms(initial: Mapping[Var, Initial]) -> list[Bool]:
+    terms: list[Bool] = []
+    for var, value in initial.items():
+        if value is ANY:
+            continue
+        if isinstance(var, NumVar) and isinstance(value, (int, Lit)):
+            terms.append(var.eq(value))
+        elif isinstance(var, BoolVar) and isinstance(value, bool):
+            terms.append(var if value else ~var)
+    return terms
+
+
+def canonical(var: NumVar) -> int:
+    """The value that stands in an absent optional input: the one nearest zero."""
+    return min(max(0, var.low), var.high)
+
+
+def in_range(variables: Sequence[Var]) -> Bool:
+    """Every numeric variable lies in its declared range."""
+    return all_of(_range_term(var) for var in variables if isinstance(var, NumVar))
+
+
+def _range_term(var: NumVar) -> Bool:
+    if isinstance(var.unit, Enumeration):
+        return var.one_of(*(Lit(index, var.unit) for index in range(var.low, var.high + 1)))
+    return between(var.low, var, var.high)
+
+
+def environment(system: TransitionSystem, *, assume: bool = True) -> Bool:
+    """What every step's inputs satisfy: ranges, canonical absent values and, if asked for, the assumption."""
+    absent = [option.present | option.value.eq(canonical(option.value)) for option in system.optionals]
+    return all_of([in_range(system.inputs), *absent, system.assume if assume else TRUE])
+
+
+def without_ghosts(system: TransitionSystem) -> TransitionSystem:
+    """The system as it runs on board."""
+    kept = tuple(var for var in system.state if var not in system.ghosts)
+    initial = {var: system.initial[var] for var in kept}
+    return replace(
+        system,
+        state=kept,
+        inputs=tuple(var for var in system.inputs if var not in system.ghosts),
+        init=all_of(_initial_terms(initial)),
+        next={var: system.next[var] for var in kept},
+        assume=TRUE,
+        lemmas={},
+        ghosts=frozenset(),
+        initial=initial,
+    )

@@ -1,0 +1,73 @@
+"""Units of whole-number quantities, and enumerations.
+
+A unit is a scale times powers of metre, second and count. Two units are the same when dimension and scale
+agree: `MM_S * MS` is a micrometre, not a millimetre, and has to be converted on purpose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A physical unit: `scale` x metre^length x second^time x count^count."""
+
+    name: str
+    length: int = 0
+    time: int = 0
+    count: int = 0
+    scale: Fraction = Fraction(1)
+
+    def same(self, other: Unit | Enumeration) -> bool:
+        """Whether quantities of both units may be added and compared."""
+        return isinstance(other, Unit) and self.dimension == other.dimension and self.scale == other.scale
+
+    @property
+    def dimension(self) -> tuple[int, int, int]:
+        """Powers of (metre, second, count)."""
+        return (self.length, self.time, self.count)
+
+    def times(self, other: Unit) -> Unit:
+        """The unit of a product; a named unit of the table below where one fits."""
+        length, time, count = self.length + other.length, self.time + other.time, self.count + other.count
+        scale = self.scale * other.scale
+        for unit in NAMED_UNITS:
+            if unit.dimension == (length, time, count) and unit.scale == scale:
+                return unit
+        return Unit(f"{self.name}*{other.name}", length, time, count, scale)
+
+
+@dataclass(frozen=True, slots=True)
+class Enumeration:
+    """A finite set of named values, held as 0, 1, 2 ...; only equality is defined on it."""
+
+    name: str
+    members: tuple[str, ...]
+
+    def same(self, other: Unit | Enumeration) -> bool:
+        """Whether values of both may be compared."""
+        return self == other
+
+    def index(self, member: str) -> int:
+        """The number that stands for `member`; ValueError if there is none of that name."""
+        return self.members.index(member)
+
+
+ONE = Unit("1")
+COUNT = Unit("count", count=1)
+PPM = Unit("ppm", scale=Fraction(1, 10**6))
+PER_MILLE = Unit("per mille", scale=Fraction(1, 1000))
+NM = Unit("nm", length=1, scale=Fraction(1, 10**9))
+UM = Unit("um", length=1, scale=Fraction(1, 10**6))
+MM = Unit("mm", length=1, scale=Fraction(1, 1000))
+CM = Unit("cm", length=1, scale=Fraction(1, 100))
+M = Unit("m", length=1)
+MS = Unit("ms", time=1, scale=Fraction(1, 1000))
+S = Unit("s", time=1)
+MM_S = Unit("mm/s", length=1, time=-1, scale=Fraction(1, 1000))
+MM_S2 = Unit("mm/s2", length=1, time=-2, scale=Fraction(1, 1000))
+MM_S3 = Unit("mm/s3", length=1, time=-3, scale=Fraction(1, 1000))
+
+NAMED_UNITS = (ONE, COUNT, PPM, PER_MILLE, NM, UM, MM, CM, M, MS, S, MM_S, MM_S2, MM_S3)
