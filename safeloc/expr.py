@@ -347,6 +347,14 @@ def members(name: str, *labels: str) -> tuple[Lit, ...]:
     return tuple(Lit(index, enumeration) for index in range(len(labels)))
 
 
+def enumeration(constants: tuple[Lit, ...]) -> Enumeration:
+    """The enumeration that constants made by `members` belong to."""
+    unit = constants[0].unit
+    if not isinstance(unit, Enumeration):
+        raise UnitError(f"{declared_at()}: {constants[0].label} is a number, not a member of an enumeration.")
+    return unit
+
+
 def before(var: NumVar) -> NumVar:
     """In a property: the value of a state variable before the step."""
     return NumVar(f"before.{var.name}", var.unit, var.low, var.high, var, declared_at())
@@ -613,6 +621,52 @@ class Substitution:
                 if node not in self._done:
                     self._done[node] = rebuilt(node, tuple(self._done[child] for child in children(node)))
         return self._done[term]
+
+
+class Sharing:
+    """Makes equal sub-terms the same node, so that every back end computes each of them once."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[object, ...], Expr] = {}
+        self._done: dict[Expr, Expr] = {}
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term with equal parts shared, also with every term that was handed over before."""
+        for node in in_order([term]):
+            if node not in self._done:
+                parts = tuple(self._done[child] for child in children(node))
+                shared = rebuilt(node, parts)
+                self._done[node] = self._kept.setdefault(_shape(shared), shared)
+        return self._done[term]
+
+    def num(self, term: Num) -> Num:
+        """The same for a numeric term."""
+        return _n(self(term))
+
+    def bool(self, term: Bool) -> Bool:
+        """The same for a truth-valued term."""
+        return _b(self(term))
+
+
+def _shape(term: Expr) -> tuple[object, ...]:
+    """What tells two nodes apart, given that their parts are shared already."""
+    assert isinstance(term, Node)
+    parts = tuple(id(child) for child in children(term))
+    match term:
+        case NumVar() | BoolVar():
+            return (id(term),)
+        case Lit(value, unit):
+            return (Lit, value, unit)
+        case Truth(value):
+            return (Truth, value)
+        case FloorDiv(_, divisor, _):
+            return (FloorDiv, divisor, parts)
+        case Compare(op, _, _) | Past(op, _):
+            return (type(term), op, parts)
+        case Add() | Sub() | Mul() | Min() | Max() | Choose() | Not() | And() | Or():
+            return (type(term), parts)
+        case _:
+            assert_never(term)
 
 
 def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:

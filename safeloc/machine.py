@@ -73,6 +73,7 @@ class Machine:
     initially    what holds of the initial values (over state and ghosts)
     lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
     doc          one paragraph for the reader of the report
+    mode_variable  what `current_mode` made, where terms were built before the machine
     """
 
     name: str
@@ -88,6 +89,7 @@ class Machine:
     initially: Bool = TRUE
     lemmas: Mapping[str, Bool] = field(default_factory=dict)
     doc: str = ""
+    mode_variable: NumVar | None = None
     src: str = field(default_factory=declared_at)
     mode: NumVar = field(init=False)
     fired_name: NumVar = field(init=False)
@@ -99,7 +101,10 @@ class Machine:
         if self.modes and isinstance(self.modes[0].unit, Enumeration):
             modes = self.modes[0].unit
         fired = Enumeration(f"{self.name}.fired", (STAY_NAME, *(t.name for t in self.transitions)))
-        object.__setattr__(self, "mode", NumVar("mode", modes, 0, len(modes.members) - 1, None, self.src))
+        mode = self.mode_variable
+        if mode is None:
+            mode = NumVar("mode", modes, 0, len(modes.members) - 1, None, self.src)
+        object.__setattr__(self, "mode", mode)
         object.__setattr__(self, "fired_name", NumVar("fired", fired, 0, len(fired.members) - 1, None, self.src))
         check(self)
 
@@ -137,6 +142,12 @@ def modes(*labels: str) -> tuple[Lit, ...]:
     """The modes of a machine, as constants to write transitions with; the first one is the initial mode."""
     enumeration = Enumeration("mode", labels)
     return tuple(Lit(index, enumeration) for index in range(len(labels)))
+
+
+def current_mode(modes_: Sequence[Lit]) -> NumVar:
+    """The mode variable of a machine yet to be built, for terms that depend on the mode."""
+    unit = modes_[0].unit
+    return NumVar("mode", unit, 0, len(modes_) - 1, None, declared_at())
 
 
 MachineFunction = Callable[..., Machine]

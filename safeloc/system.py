@@ -23,7 +23,7 @@ from safeloc.expr import (
     Num,
     NumVar,
     Optional,
-    Substitution,
+    Sharing,
     Var,
     all_of,
     as_bool,
@@ -85,16 +85,17 @@ def lower(machine: Machine) -> TransitionSystem:
     index = {t: Lit(number, fired) for number, t in enumerate(machine.transitions, 1)}
     initial = {machine.mode: machine.modes[0], **machine.state, **machine.ghosts}
     optionals = tuple(item for item in machine.inputs if isinstance(item, Optional))
+    share = Sharing()
     return TransitionSystem(
         name=machine.name,
         state=state,
         inputs=(*input_variables(machine), *machine.ghost_inputs),
-        init=all_of([*_initial_terms(initial), machine.initially]),
-        next=moved,
-        assume=machine.assumption,
-        outputs=dict(machine.outputs),
-        fired={machine.fired_name: _as_num(_chain(guards, index, Lit(0, fired)))},
-        lemmas=dict(machine.lemmas),
+        init=share.bool(all_of([*_initial_terms(initial), machine.initially])),
+        next={var: share(term) for var, term in moved.items()},
+        assume=share.bool(machine.assumption),
+        outputs={name: share(term) for name, term in machine.outputs.items()},
+        fired={machine.fired_name: share.num(_as_num(_chain(guards, index, Lit(0, fired))))},
+        lemmas={name: share.bool(term) for name, term in machine.lemmas.items()},
         ghosts=frozenset((*machine.ghosts, *machine.ghost_inputs)),
         initial=initial,
         optionals=optionals,

@@ -1,0 +1,150 @@
+"""Configuration and variables of the odometry machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.expr import Bool, BoolVar, NumVar, boolean, choice, enumeration, members, number
+from safeloc.models.odometry_parts.distance_device import Device, Limits, Unit, device
+from safeloc.models.odometry_parts.error_law import NM_PER_MM, RADAR, WHEEL, ErrorLaw
+from safeloc.models.odometry_parts.marker_reading import Pending, Reader, reader
+from safeloc.units import COUNT, MM, NM
+
+REASON = members("reason", "NONE", "NO_REFERENCE", "TOLERANCE", "SENSOR_FAILURE", "CONTRADICTION")
+LOCATED, NO_REFERENCE, TOLERANCE, SENSOR_FAILURE, CONTRADICTION = REASON
+
+
+class OdometryConfig(Config):
+    """Everything about vehicle, sensors and line that the odometry machine depends on."""
+
+    devices: Literal[1, 2] = 2
+    first_unit: ErrorLaw = WHEEL
+    second_unit: ErrorLaw = RADAR
+    period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
+    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
+    vehicle_length_mm: int = quantity(204_700, "mm", 0, 2_000_000, "[S] V90 + 10 Facs 124")
+    vehicle_length_tolerance_mm: int = quantity(300, "mm", 0, 50_000, "[S] OCORA: up to + 0.30 m")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
+    measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
+    gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
+    lone_limit_cycles: int = quantity(100, "cycles", 0, 1_000_000, "[M] 10 s without the cross-check")
+    age_limit_ms: int = quantity(
+        86_400_000, "ms", 1_000, 259_200_000, "[D] one day, below 72 h of cold movement detection"
+    )
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+    marker_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m; overridden per marker")
+    reader_latency_ms: int = quantity(12, "ms", 0, 1_000, "[S] balise reader 10 +- 2 ms")
+    reversal_mm: int = quantity(2_000, "mm", 0, 100_000, "[S] D_NVROLL 2 m")
+    pending_markers: int = quantity(4, "count", 1, 8, "[D] markers under one vehicle")
+    last_marker_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
+    trust_first_marker: bool = False
+
+    @model_validator(mode="after")
+    def _can_locate(self) -> OdometryConfig:
+        least = min(self.first_unit.constant_mm, self.second_unit.constant_mm)
+        if least >= self.tolerance_mm:
+            raise ValueError(
+                f"tolerance_mm {self.tolerance_mm} is not above the units' one-off constant {least} mm: no distance can be "
+                "run within it; raise the tolerance or use better units."
+            )
+        if self.lone_limit_cycles < self.gap_limit_cycles:
+            raise ValueError(
+                "lone_limit_cycles must not be below gap_limit_cycles: losing both units is the worse fault."
+            )
+        if self.reader_latency_ms > self.period_ms:
+            raise ValueError(
+                "reader_latency_ms must not exceed period_ms; an older reading is stale and must be dropped."
+            )
+        return self
+
+    @property
+    def limits(self) -> Limits:
+        """What the devices need, rounded so that gates are no tighter than physics."""
+        step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
+        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        return Limits(
+            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, self.gap_limit_cycles,
+            self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables the machine is made of; properties read them by name."""
+
+    config: OdometryConfig
+    devices: tuple[Device, ...]
+    readers: tuple[Reader, Reader]
+    pending: Pending
+    backwards: BoolVar
+    rolled: NumVar
+    last_marker: NumVar
+    last_place: NumVar
+    reason: NumVar
+    truth: NumVar
+    true_step: NumVar
+    wanders: tuple[tuple[NumVar, NumVar], ...]
+
+    @property
+    def units(self) -> tuple[Unit, ...]:
+        """All measuring units."""
+        return tuple(unit for device in self.devices for unit in device.units)
+
+    def set_by(self, end: int) -> Device:
+        """The device that the reader at end 0 (A, front) or 1 (B, rear) sets."""
+        return self.devices[min(end, len(self.devices) - 1)]
+
+    def leads(self, end: int) -> Bool:
+        """Whether the reader at that end is the leading one."""
+        return self.backwards if end else ~self.backwards
+
+
+def parts(config: OdometryConfig) -> Parts:
+    """Fresh variables for one machine."""
+    limits = config.limits
+    laws = (config.first_unit, config.second_unit)
+    names = ("front", "rear")[: config.devices]
+    length = config.vehicle_length_mm, config.vehicle_length_tolerance_mm
+    reach_nm = (config.position_limit_mm + 2 * config.tolerance_mm + length[0]) * NM_PER_MM
+    identities = config.last_marker_identity
+    place = config.position_limit_mm
+    devices = tuple(device(name, laws, limits) for name in names)
+    return Parts(
+        config,
+        devices,
+        (_reader(config, "front", (0, 0)), _reader(config, "rear", length)),
+        Pending(tuple(number(f"pending_{n}", COUNT, 0, identities) for n in range(1, config.pending_markers + 1))),
+        boolean("backwards"),
+        number("rolled_mm", MM, 0, config.reversal_mm),
+        number("last_marker", COUNT, 0, identities),
+        number("last_marker_position_mm", MM, -place, place),
+        choice("reason", enumeration(REASON)),
+        number("truth_nm", NM, -reach_nm, reach_nm),
+        number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
+        tuple(_wander(unit) for device in devices for unit in device.units),
+    )
+
+
+def _wander(unit: Unit) -> tuple[NumVar, NumVar]:
+    """The one-off part of a unit's error: its value before the cycle and, freely chosen, after it."""
+    most = unit.law.wander_nm
+    return number(f"{unit.name}_wander_nm", NM, -most, most), number(f"{unit.name}_next_wander_nm", NM, -most, most)
+
+
+def _reader(config: OdometryConfig, name: str, offset: tuple[int, int]) -> Reader:
+    return reader(
+        name,
+        offset_mm=offset[0],
+        offset_tolerance_mm=offset[1],
+        accuracy_mm=config.marker_accuracy_mm,
+        latency_ppm=-(-config.reader_latency_ms * 1_000_000 // config.period_ms),
+        since_ppm=max(config.first_unit.rate_ppm, config.second_unit.rate_ppm),
+        position_limit_mm=config.position_limit_mm,
+        max_step_mm=config.limits.max_step_mm,
+        last_identity=config.last_marker_identity,
+    )
