@@ -40,6 +40,9 @@ class _Node:
     def __hash__(self) -> int:
         return id(self)
 
+    def __repr__(self) -> str:
+        return text(self)  # type: ignore[arg-type] # every node is a Num or a Bool
+
     def __format__(self, spec: str) -> NoReturn:
         raise TruthValueError(f"{declared_at()}: a symbolic term in an f-string has no value yet. Use repr(term).")
 
@@ -150,7 +153,7 @@ class Bool(_Node):
         return (self & other) | (~self & ~other)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Lit(Num):
     """A constant."""
 
@@ -163,7 +166,7 @@ class Lit(Num):
         return self.unit.members[self.value] if isinstance(self.unit, Enumeration) else str(self.value)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class NumVar(Num):
     """A variable with an inclusive range; `before` names the variable whose value before the step this is."""
 
@@ -175,7 +178,7 @@ class NumVar(Num):
     src: str = field(default="", compare=False)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Add(Num):
     """left + right."""
 
@@ -184,7 +187,7 @@ class Add(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Sub(Num):
     """left - right."""
 
@@ -193,7 +196,7 @@ class Sub(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Mul(Num):
     """left * right."""
 
@@ -202,7 +205,7 @@ class Mul(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class FloorDiv(Num):
     """left / divisor, rounded towards minus infinity; the divisor is a positive constant."""
 
@@ -211,7 +214,7 @@ class FloorDiv(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Min(Num):
     """The smaller one."""
 
@@ -220,7 +223,7 @@ class Min(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Max(Num):
     """The greater one."""
 
@@ -229,7 +232,7 @@ class Max(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Choose(Num):
     """`then` where the condition holds, else `other`."""
 
@@ -239,14 +242,14 @@ class Choose(Num):
     unit: Unit | Enumeration
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Truth(Bool):
     """A constant truth value."""
 
     value: bool
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class BoolVar(Bool):
     """A truth-valued variable; `before` as in NumVar."""
 
@@ -255,28 +258,28 @@ class BoolVar(Bool):
     src: str = field(default="", compare=False)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Not(Bool):
     """Negation."""
 
     inner: Bool
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class And(Bool):
     """All parts hold."""
 
     parts: tuple[Bool, ...]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Or(Bool):
     """At least one part holds."""
 
     parts: tuple[Bool, ...]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Compare(Bool):
     """left < right, left <= right or left == right."""
 
@@ -285,7 +288,7 @@ class Compare(Bool):
     right: Num
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Past(Bool):
     """A pure-past operator; properties only (`spec.observe` turns it into a state variable)."""
 
@@ -706,8 +709,24 @@ def _b(term: Expr) -> Bool:
     return term
 
 
-def text(term: Expr) -> str:
-    """An S-expression of the term; meant for messages and tests (shared sub-terms are written out each time)."""
+def text(term: Expr, most: int = 200) -> str:
+    """An S-expression of the term; after `most` nodes the rest is "...", since shared parts are written out each time."""
+    return _Writer(most).write(term)
+
+
+class _Writer:
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def write(self, term: Expr) -> str:
+        self._left -= 1
+        if self._left < 0:
+            return "..."
+        parts = children(term)
+        return f"({_head(term)} {' '.join(self.write(part) for part in parts)}{_tail(term)})" if parts else _head(term)
+
+
+def _head(term: Expr) -> str:
     assert isinstance(term, Node)
     match term:
         case Lit():
@@ -716,29 +735,27 @@ def text(term: Expr) -> str:
             return name
         case Truth(value):
             return "true" if value else "false"
-        case Add(a, b):
-            return f"(+ {text(a)} {text(b)})"
-        case Sub(a, b):
-            return f"(- {text(a)} {text(b)})"
-        case Mul(a, b):
-            return f"(* {text(a)} {text(b)})"
-        case FloorDiv(a, k):
-            return f"(floor_div {text(a)} {k})"
-        case Min(a, b):
-            return f"(min {text(a)} {text(b)})"
-        case Max(a, b):
-            return f"(max {text(a)} {text(b)})"
-        case Choose(c, a, b, _):
-            return f"(ite {text(c)} {text(a)} {text(b)})"
-        case Not(inner):
-            return f"(not {text(inner)})"
-        case And(parts):
-            return f"(and {' '.join(map(text, parts))})"
-        case Or(parts):
-            return f"(or {' '.join(map(text, parts))})"
-        case Compare(op, a, b):
-            return f"({op} {text(a)} {text(b)})"
-        case Past(op, parts):
-            return f"({op} {' '.join(map(text, parts))})"
+        case Compare(op, _, _) | Past(op, _):
+            return op
+        case Add() | Sub() | Mul() | FloorDiv() | Min() | Max() | Choose() | Not() | And() | Or():
+            return _WORDS[type(term)]
         case _:
             assert_never(term)
+
+
+def _tail(term: Expr) -> str:
+    return f" {term.divisor}" if isinstance(term, FloorDiv) else ""
+
+
+_WORDS: dict[type[Expr], str] = {
+    Add: "+",
+    Sub: "-",
+    Mul: "*",
+    FloorDiv: "floor_div",
+    Min: "min",
+    Max: "max",
+    Choose: "ite",
+    Not: "not",
+    And: "and",
+    Or: "or",
+}

@@ -115,13 +115,14 @@ class Goal:
     """A system with observer variables and the state term `good`.
 
     For `always` and `within`, every run must keep `good`; for `reachable`, some run must break it.
-    `observers` are the added state variables; `prop` is where it came from.
+    `observers` are the added state variables; `prop` and `original` are where it came from.
     """
 
     system: TransitionSystem
     good: Bool
     prop: Property
     observers: tuple[Var, ...]
+    original: TransitionSystem
 
 
 def observe(system: TransitionSystem, prop: Property) -> Goal:
@@ -135,7 +136,7 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     state = (*system.state, *observer.moves)
     assume = all_of([system.assume, prop.given])
     extended = replace(system, state=state, next=moved, init=first, initial=initial, assume=assume)
-    return Goal(extended, good, prop, tuple(observer.moves))
+    return Goal(extended, good, prop, tuple(observer.moves), system)
 
 
 def _is_initially(var: Var, value: Value) -> Bool:

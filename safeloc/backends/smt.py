@@ -1,4 +1,4 @@
-"""z3 terms of a TransitionSystem, and the same as SMT-LIB2 text.
+"""z3 terms of a TransitionSystem, step by step.
 
 The only module besides `provers/` that imports z3. Numbers become mathematical integers (`Int`): the overflow
 obligation makes that sound for machine words. Sub-terms that several terms share stay shared.
@@ -146,17 +146,3 @@ class Unrolling:
             named = {var: constant(var, f"@{number}") for var in (*self.system.state, *self.system.inputs)}
             self._states.append(Terms(named))
         return self._states[step]
-
-
-def smtlib(assertions: Iterable[z3.BoolRef], comment: str) -> str:
-    """SMT-LIB2 text whose expected answer is unsat: what a second solver re-checks, and what a certificate keeps."""
-    solver = z3.Solver()
-    solver.add(*assertions)
-    body = solver.to_smt2()
-    header = "".join(f"; {line}\n" for line in comment.splitlines())
-    return f"{header}(set-logic ALL)\n(set-info :status unsat)\n{_without_headers(body)}"
-
-
-def _without_headers(body: str) -> str:
-    skip = ("(set-info", "; benchmark", "(set-logic")
-    return "\n".join(line for line in body.splitlines() if not line.startswith(skip)) + "\n"

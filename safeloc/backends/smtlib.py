@@ -1,0 +1,112 @@
+"""SMT-LIB2 text of a query, written from our own terms: z3 has no part in it.
+
+A query states hypotheses and goals over free variables; each goal follows from the hypotheses exactly when the
+answer to its `check-sat` is `unsat`. Shared sub-terms become definitions, so the text stays as small as the terms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import assert_never
+
+from safeloc.expr import (
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Num,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    in_order,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Hypotheses, and goals (name -> term) that are to follow from them."""
+
+    name: str
+    hypotheses: Sequence[Bool]
+    goals: Mapping[str, Bool]
+
+
+def to_smtlib(query: Query) -> str:
+    """The query as text with one `check-sat` a goal; every answer is expected to be `unsat`."""
+    names: dict[Expr, str] = {}
+    lines = [f"; {query.name}", "(set-logic ALL)", "(set-info :status unsat)"]
+    for node in in_order([*query.hypotheses, *query.goals.values()]):
+        lines += _line(node, names, len(lines))
+    lines += [f"(assert {names[term]})" for term in query.hypotheses]
+    for name, goal in query.goals.items():
+        lines += ["(push 1)", f"; {_comment(name)}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
+    return "\n".join(lines) + "\n"
+
+
+def _comment(name: str) -> str:
+    return name.replace("\n", " ")
+
+
+def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:
+    """Registers the node's name, and declares or defines it where it is more than a constant."""
+    if isinstance(node, (Lit, Truth)):
+        names[node] = _text(node, names)
+        return []
+    if isinstance(node, (NumVar, BoolVar)):
+        names[node] = f"|{node.name}|"
+        return [f"(declare-const |{node.name}| {_sort(node)})"]
+    names[node] = f"t{number}"
+    return [f"(define-fun t{number} () {_sort(node)} {_text(node, names)})"]
+
+
+def _sort(node: Expr) -> str:
+    return "Int" if isinstance(node, Num) else "Bool"
+
+
+def _text(node: Node, of: Mapping[Expr, str]) -> str:
+    match node:
+        case Lit(value, _):
+            return str(value) if value >= 0 else f"(- {-value})"
+        case Truth(value):
+            return "true" if value else "false"
+        case NumVar() | BoolVar():
+            return f"|{node.name}|"
+        case Add(a, b):
+            return f"(+ {of[a]} {of[b]})"
+        case Sub(a, b):
+            return f"(- {of[a]} {of[b]})"
+        case Mul(a, b):
+            return f"(* {of[a]} {of[b]})"
+        case FloorDiv(a, divisor, _):
+            return f"(div {of[a]} {divisor})"
+        case Min(a, b):
+            return f"(ite (<= {of[a]} {of[b]}) {of[a]} {of[b]})"
+        case Max(a, b):
+            return f"(ite (>= {of[a]} {of[b]}) {of[a]} {of[b]})"
+        case Choose(c, a, b, _):
+            return f"(ite {of[c]} {of[a]} {of[b]})"
+        case Not(inner):
+            return f"(not {of[inner]})"
+        case And(parts):
+            return f"(and {' '.join(of[part] for part in parts)})"
+        case Or(parts):
+            return f"(or {' '.join(of[part] for part in parts)})"
+        case Compare(op, a, b):
+            return f"({'=' if op == '==' else op} {of[a]} {of[b]})"
+        case Past():
+            raise TypeError("a past operator has no SMT-LIB text; observe the property first")
+        case _:
+            assert_never(node)

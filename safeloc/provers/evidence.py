@@ -1,0 +1,50 @@
+"""Counterexamples and witnesses: what a solver found counts only after exact replay in the interpreter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from safeloc.errors import EngineError, InputError
+from safeloc.expr import Value, Var
+from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.spec import Goal
+from safeloc.system import environment
+from safeloc.trace import Step, Trace
+
+
+def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[str, object]]) -> Trace | None:
+    """The run up to the first step in which `good` fails; None if it never does or the assumption is broken before."""
+    system, allowed = goal.system, environment(goal.system)
+    state = start(system, first)
+    initial = _shown(goal, state)
+    steps: list[Step] = []
+    if not holds(goal.good, state):
+        return Trace(goal.original, initial, ())
+    for record in stream:
+        inputs = read_inputs(system, record)
+        if not evaluate([allowed], {**state, **inputs})[0]:
+            return None
+        state, fired = step(system, state, inputs)
+        named = {var.name: value for var, value in inputs.items()}
+        steps.append(Step(named, fired_names(fired), _shown(goal, state), outputs(system, state)))
+        if not holds(goal.good, state):
+            return Trace(goal.original, initial, tuple(steps))
+    return None
+
+
+def confirmed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[str, object]], engine: str) -> Trace:
+    """The replayed run; EngineError if the interpreter does not confirm what the engine claims."""
+    try:
+        trace = replayed(goal, first, stream)
+    except InputError as error:
+        raise EngineError(f"{engine}: its stream for {goal.prop.name!r} is not admissible: {error}") from error
+    if trace is None:
+        raise EngineError(
+            f"{engine}: its stream for {goal.prop.name!r} does not break the property in the interpreter."
+        )
+    return trace
+
+
+def _shown(goal: Goal, state: Mapping[Var, Value]) -> dict[str, Value]:
+    hidden = set(goal.observers)
+    return {var.name: value for var, value in state.items() if var not in hidden}
