@@ -119,7 +119,7 @@ def _fired(now: Substitution, key: NumVar) -> NumVar:
 
 
 def _union(first: tuple[Var, ...], more: Sequence[Var]) -> tuple[Var, ...]:
-    return (*first, *(var for var in more if var not in first))
+    return tuple(dict.fromkeys((*first, *more)))
 
 
 def _kept_optionals(system: TransitionSystem, own: Mapping[Var, Var], wires: Mapping[Var, Expr]) -> list[Optional]:

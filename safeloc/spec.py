@@ -48,6 +48,7 @@ class Property:
                further steps; reachable: some run comes to `term`
     given      a further assumption on every step, over state before, inputs and ghosts; reported with the verdict
     statement  the requirement in words
+    assumption what the proof relies on, in words
     trace      requirement ids
     """
 
@@ -59,6 +60,7 @@ class Property:
     given: Bool = TRUE
     statement: str = ""
     trace: tuple[str, ...] = ()
+    assumption: str = ""
     src: str = field(default_factory=declared_at)
 
 
@@ -128,7 +130,7 @@ class Goal:
 def observe(system: TransitionSystem, prop: Property) -> Goal:
     """The property as extra state on `system`. PropertyError if it reads what the system does not have."""
     _check_reads(system, prop)
-    observer = _Observer(system)
+    observer = _Observer(system, prop.name)
     good = observer.goal(prop)
     moved = {**system.next, **observer.moves}
     initial = {**system.initial, **observer.initial}
@@ -168,8 +170,8 @@ def _check_reads(system: TransitionSystem, prop: Property) -> None:
 class _Observer:
     """Builds observer variables; terms handed over are over after-state, before-state, inputs and fired."""
 
-    def __init__(self, system: TransitionSystem) -> None:
-        self.system = system
+    def __init__(self, system: TransitionSystem, name: str) -> None:
+        self.system, self._prefix = system, name
         self.moves: dict[Var, Expr] = {}
         self.initial: dict[Var, Value] = {}
         self._after: dict[Var, Expr] = {**system.next, **{name: term for name, term in system.fired.items()}}
@@ -190,7 +192,7 @@ class _Observer:
         return all(var in state for var in variables([term])) and not any(isinstance(node, Past) for node in nodes)
 
     def _answered(self, prop: Property) -> Bool:
-        waiting = NumVar(f"observer.{len(self.moves)}.waiting", COUNT, 0, prop.steps + 1, None, prop.src)
+        waiting = NumVar(self._name("waiting"), COUNT, 0, prop.steps + 1, None, prop.src)
         trigger, response = self._now(prop.term), self._now(prop.response)
         counted = ite(waiting > 0, waiting + 1, ite(trigger, as_num(1, COUNT), as_num(0, COUNT)))
         late = Lit(prop.steps + 1, COUNT)
@@ -198,11 +200,14 @@ class _Observer:
         self.initial[waiting] = 0
         return waiting < late
 
+    def _name(self, what: str) -> str:
+        return f"observer.{self._prefix}.{len(self.moves)}.{what}"
+
     def _latched(self, event: Bool) -> Bool:
         return self._flag("seen", lambda var: var | event)
 
     def _flag(self, what: str, move: Callable[[BoolVar], Bool]) -> BoolVar:
-        var = BoolVar(f"observer.{len(self.moves)}.{what}")
+        var = BoolVar(self._name(what))
         self.moves[var] = move(var)
         self.initial[var] = False
         return var

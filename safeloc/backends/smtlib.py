@@ -47,13 +47,19 @@ class Query:
 def to_smtlib(query: Query) -> str:
     """The query as text with one `check-sat` a goal; every answer is expected to be `unsat`."""
     names: dict[Expr, str] = {}
-    lines = [f"; {query.name}", "(set-logic ALL)", "(set-info :status unsat)"]
-    for node in in_order([*query.hypotheses, *query.goals.values()]):
+    nodes = in_order([*query.hypotheses, *query.goals.values()])
+    logic = "QF_NIA" if any(_is_product(node) for node in nodes) else "QF_LIA"
+    lines = [f"; {query.name}", f"(set-logic {logic})", "(set-info :status unsat)"]
+    for node in nodes:
         lines += _line(node, names, len(lines))
     lines += [f"(assert {names[term]})" for term in query.hypotheses]
     for name, goal in query.goals.items():
         lines += ["(push 1)", f"; {_comment(name)}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
     return "\n".join(lines) + "\n"
+
+
+def _is_product(node: Node) -> bool:
+    return isinstance(node, Mul) and not (isinstance(node.left, Lit) or isinstance(node.right, Lit))
 
 
 def _comment(name: str) -> str:

@@ -62,8 +62,8 @@ def run_of(
     goal: Goal, unrolling: Unrolling, model: z3.ModelRef, depth: int
 ) -> tuple[dict[str, int | bool], list[dict[str, int | bool]]]:
     """First state and inputs of every step, read from a model."""
-    system = goal.system
-    first = unrolling.values(model, 0, [var for var in system.state if var not in goal.observers])
+    hidden = set(goal.observers)
+    first = unrolling.values(model, 0, [var for var in goal.system.state if var not in hidden])
     return first, list(_inputs(goal, unrolling, model, depth))
 
 
