@@ -24,17 +24,21 @@ from safeloc.expr import (
     Expr,
     Lit,
     Node,
+    Num,
     NumVar,
     Past,
+    Substitution,
     Value,
     Var,
     all_of,
     as_num,
+    before,
     children,
     in_order,
     ite,
     rebuilt,
     variables,
+    was,
 )
 from safeloc.system import TransitionSystem
 from safeloc.units import COUNT
@@ -64,14 +68,18 @@ class Property:
     src: str = field(default_factory=declared_at)
 
 
-def always(name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = ()) -> Property:
+def always(
+    name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = (), assumption: str = ""
+) -> Property:
     """`term` holds in every step (and at the start, if it reads state only)."""
-    return Property(name, "always", term, given=given, statement=statement or name, trace=trace)
+    return Property(name, "always", term, given=given, statement=statement or name, trace=trace, assumption=assumption)
 
 
-def never(name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = ()) -> Property:
+def never(
+    name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = (), assumption: str = ""
+) -> Property:
     """`term` holds in no step."""
-    return Property(name, "always", ~term, given=given, statement=statement or name, trace=trace)
+    return Property(name, "always", ~term, given=given, statement=statement or name, trace=trace, assumption=assumption)
 
 
 def within(
@@ -83,18 +91,47 @@ def within(
     given: Bool = TRUE,
     statement: str = "",
     trace: tuple[str, ...] = (),
+    assumption: str = "",
 ) -> Property:
     """After each `trigger`, `response` holds in the same step or at most `steps` later; PropertyError if negative."""
     if steps < 0:
         raise PropertyError(f"{declared_at()}: within({name!r}): steps is {steps}; it must be 0 or more.")
-    return Property(name, "within", trigger, response, steps, given, statement or name, trace)
+    return Property(name, "within", trigger, response, steps, given, statement or name, trace, assumption)
 
 
 def reachable(
-    name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = ()
+    name: str,
+    term: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
 ) -> Property:
     """Some run comes to `term`; a proof of it is a witness stream."""
-    return Property(name, "reachable", term, given=given, statement=statement or name, trace=trace)
+    return Property(
+        name, "reachable", term, given=given, statement=statement or name, trace=trace, assumption=assumption
+    )
+
+
+def earlier(term: Expr) -> Expr:
+    """A term over state variables as it was before the step (`before` and `was` for whole terms)."""
+    twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term])}
+    return Substitution(twins)(term)
+
+
+def earlier_num(term: Num) -> Num:
+    """The same for a numeric term."""
+    result = earlier(term)
+    assert isinstance(result, Num)
+    return result
+
+
+def earlier_bool(term: Bool) -> Bool:
+    """The same for a truth-valued term."""
+    result = earlier(term)
+    assert isinstance(result, Bool)
+    return result
 
 
 def previous(term: Bool) -> Bool:

@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.checks import input_variables
-from safeloc.errors import ModelError
 from safeloc.expr import (
     TRUE,
     Bool,

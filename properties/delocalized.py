@@ -1,0 +1,79 @@
+"""What must hold of the delocalized machine (MRK-D1, MRK-D2)."""
+
+from __future__ import annotations
+
+from safeloc.expr import NumVar, before, between, exact_to
+from safeloc.machine import Machine
+from safeloc.models.delocalized import DelocalizedConfig
+from safeloc.models.odometry_parts.variables import LOCATED
+from safeloc.spec import Property, always, reachable
+from safeloc.units import NM
+
+SOURCE_IS_TRUE = "a valid source interval holds the truth"
+
+
+def properties(machine: Machine, config: DelocalizedConfig | None = None) -> list[Property]:
+    """Containment, restrictive state, latched reason, and no resurrection without a checked reference."""
+    config = config or DelocalizedConfig()
+    delocalized, localized = machine.modes
+    is_lost, mode = machine.mode.eq(delocalized), machine.mode
+    inputs = {var.name: var for var in machine.inputs if not isinstance(var, tuple)}
+    reference, valid = inputs["reference_accepted"], inputs["source_valid"]
+    position, over, under = (machine.output(f"{name}_mm") for name in ("position", "over", "under"))
+    truth = next(iter(machine.ghosts))
+    reason = machine.output("reason")
+    assert isinstance(reason, NumVar) and isinstance(truth, NumVar)
+    centre = exact_to(position, NM)
+    was_lost = before(mode).eq(delocalized)
+    return [
+        always(
+            "containment",
+            mode.eq(localized).implies(between(centre - exact_to(under, NM), truth, centre + exact_to(over, NM))),
+            statement="a position that is passed on holds the truth",
+            trace=("MRK-D1",),
+            assumption=SOURCE_IS_TRUE,
+        ),
+        always(
+            "tolerance",
+            (over <= config.tolerance_mm) & (under <= config.tolerance_mm),
+            statement="a position that is passed on is never wider than the tolerance",
+            trace=("MRK-D1",),
+        ),
+        always(
+            "nothing reported",
+            is_lost.implies(position.eq(0) & over.eq(0) & under.eq(0)),
+            statement="a delocalized vehicle reports no position",
+            trace=("MRK-D1", "MRK-D2"),
+        ),
+        always(
+            "restrictive",
+            machine.flag("restrictive").iff(is_lost),
+            statement="the host is told to be restrictive exactly while delocalized",
+            trace=("MRK-D2",),
+        ),
+        always(
+            "same step",
+            (~valid).implies(is_lost),
+            statement="the step in which the source loses its position is the step in which the vehicle is delocalized",
+            trace=("MRK-D1",),
+        ),
+        always(
+            "no resurrection",
+            (was_lost & mode.eq(localized)).implies(reference & valid),
+            statement="the delocalized state is left only with a valid source and a checked absolute reference",
+            trace=("MRK-D1",),
+        ),
+        always(
+            "reason latched",
+            (was_lost & is_lost).implies(reason.eq(before(reason))),
+            statement="the first reason stays until the state is left",
+            trace=("MRK-D1",),
+        ),
+        always(
+            "reason stated",
+            is_lost.implies(reason.ne(LOCATED)),
+            statement="a delocalized vehicle always states a reason",
+            trace=("MRK-D1",),
+        ),
+        reachable("localized", mode.eq(localized), statement="the vehicle can be localized", trace=("MRK-D1",)),
+    ]
