@@ -179,6 +179,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         statement="when no unit delivers a distance, nothing is reported after the permitted gap at the latest",
         trace=("MRK-D1",),
         assumption=NONE_NEEDED,
+        helper=lambda waited: all_of(waited <= unit.gap for unit in own.units),
     )
     for unit in own.units:
         yield always(

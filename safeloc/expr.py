@@ -5,7 +5,7 @@ Two families, `Num` and `Bool`, and a closed set of nodes; every back end is a `
 checked when a node is born; errors name the file and line of the declaration.
 
     Num   Lit  NumVar  Add  Sub  Mul  FloorDiv  Min  Max  Choose
-    Bool  Truth  BoolVar  Not  And  Or  Compare  Past
+    Bool  Truth  BoolVar  Not  And  Or  ChooseBool  Compare  Past
 """
 
 from __future__ import annotations
@@ -280,6 +280,15 @@ class Or(Bool):
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
+class ChooseBool(Bool):
+    """`then` where the condition holds, else `other`."""
+
+    condition: Bool
+    then: Bool
+    other: Bool
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Compare(Bool):
     """left < right, left <= right or left == right."""
 
@@ -297,7 +306,7 @@ class Past(Bool):
 
 
 NumNode: TypeAlias = Lit | NumVar | Add | Sub | Mul | FloorDiv | Min | Max | Choose
-BoolNode: TypeAlias = Truth | BoolVar | Not | And | Or | Compare | Past
+BoolNode: TypeAlias = Truth | BoolVar | Not | And | Or | ChooseBool | Compare | Past
 Node: TypeAlias = NumNode | BoolNode
 Expr: TypeAlias = Num | Bool
 Var: TypeAlias = NumVar | BoolVar
@@ -421,8 +430,7 @@ def ite(condition: Bool | bool, then: Expr | int | bool, other: Expr | int | boo
     """`then` where the condition holds, else `other`; both of one kind and unit."""
     condition = as_bool(condition)
     if isinstance(then, (Bool, bool)) and isinstance(other, (Bool, bool)):
-        then, other = as_bool(then), as_bool(other)
-        return (condition & then) | (~condition & other)
+        return _choose_bool(condition, as_bool(then), as_bool(other))
     if isinstance(then, (Bool, bool)) or isinstance(other, (Bool, bool)):
         raise UnitError(f"{declared_at()}: ite() mixes a number and a truth value.")
     unit = then.unit if isinstance(then, Num) else other.unit if isinstance(other, Num) else ONE
@@ -431,6 +439,16 @@ def ite(condition: Bool | bool, then: Expr | int | bool, other: Expr | int | boo
     if isinstance(condition, Truth):
         return then if condition.value else other
     return Choose(condition, then, other, unit)
+
+
+def _choose_bool(condition: Bool, then: Bool, other: Bool) -> Bool:
+    if isinstance(condition, Truth):
+        return then if condition.value else other
+    if isinstance(then, Truth):
+        return condition | other if then.value else ~condition & other
+    if isinstance(other, Truth):
+        return ~condition | then if other.value else condition & then
+    return ChooseBool(condition, then, other)
 
 
 def minimum(left: Num, right: Num | int) -> Num:
@@ -567,6 +585,8 @@ def children(node: Expr) -> tuple[Expr, ...]:
             return (a,)
         case Choose(c, a, b, _):
             return (c, a, b)
+        case ChooseBool(c, p, q):
+            return (c, p, q)
         case Not(inner):
             return (inner,)
         case And(parts) | Or(parts) | Past(_, parts):
@@ -666,7 +686,7 @@ def _shape(term: Expr) -> tuple[object, ...]:
             return (FloorDiv, divisor, parts)
         case Compare(op, _, _) | Past(op, _):
             return (type(term), op, parts)
-        case Add() | Sub() | Mul() | Min() | Max() | Choose() | Not() | And() | Or():
+        case Add() | Sub() | Mul() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
             return (type(term), parts)
         case _:
             assert_never(term)
@@ -689,6 +709,8 @@ def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
             return all_of(_b(part) for part in parts)
         case Or():
             return any_of(_b(part) for part in parts)
+        case ChooseBool():
+            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
         case Compare(op, _, _):
             return Compare(op, _n(parts[0]), _n(parts[1]))
         case Past(op, _):
@@ -737,7 +759,7 @@ def _head(term: Expr) -> str:
             return "true" if value else "false"
         case Compare(op, _, _) | Past(op, _):
             return op
-        case Add() | Sub() | Mul() | FloorDiv() | Min() | Max() | Choose() | Not() | And() | Or():
+        case Add() | Sub() | Mul() | FloorDiv() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
             return _WORDS[type(term)]
         case _:
             assert_never(term)
@@ -755,6 +777,7 @@ _WORDS: dict[type[Expr], str] = {
     Min: "min",
     Max: "max",
     Choose: "ite",
+    ChooseBool: "ite",
     Not: "not",
     And: "and",
     Or: "or",

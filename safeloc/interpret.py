@@ -15,6 +15,7 @@ from safeloc.expr import (
     Bool,
     BoolVar,
     Choose,
+    ChooseBool,
     Compare,
     Expr,
     FloorDiv,
@@ -71,7 +72,7 @@ def _value(node: Node, of: Mapping[Expr, Value]) -> Value:
             return min(of[a], of[b])
         case Max(a, b):
             return max(of[a], of[b])
-        case Choose(c, a, b, _):
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
             return of[a] if of[c] else of[b]
         case Not(inner):
             return not of[inner]

@@ -53,6 +53,7 @@ class Property:
     given      a further assumption on every step, over state before, inputs and ghosts; reported with the verdict
     statement  the requirement in words
     assumption what the proof relies on, in words
+    helper     within: a lemma over state and the number of steps waited, proved together with the property
     trace      requirement ids
     """
 
@@ -65,6 +66,7 @@ class Property:
     statement: str = ""
     trace: tuple[str, ...] = ()
     assumption: str = ""
+    helper: Callable[[NumVar], Bool] | None = None
     src: str = field(default_factory=declared_at)
 
 
@@ -92,11 +94,12 @@ def within(
     statement: str = "",
     trace: tuple[str, ...] = (),
     assumption: str = "",
+    helper: Callable[[NumVar], Bool] | None = None,
 ) -> Property:
     """After each `trigger`, `response` holds in the same step or at most `steps` later; PropertyError if negative."""
     if steps < 0:
         raise PropertyError(f"{declared_at()}: within({name!r}): steps is {steps}; it must be 0 or more.")
-    return Property(name, "within", trigger, response, steps, given, statement or name, trace, assumption)
+    return Property(name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper)
 
 
 def reachable(
@@ -154,7 +157,7 @@ class Goal:
     """A system with observer variables and the state term `good`.
 
     For `always` and `within`, every run must keep `good`; for `reachable`, some run must break it.
-    `observers` are the added state variables; `prop` and `original` are where it came from.
+    `helper` is proved together with `good`. `observers` are the added state variables; `prop` and `original` are where it came from.
     """
 
     system: TransitionSystem
@@ -162,6 +165,7 @@ class Goal:
     prop: Property
     observers: tuple[Var, ...]
     original: TransitionSystem
+    helper: Bool = TRUE
 
 
 def observe(system: TransitionSystem, prop: Property) -> Goal:
@@ -175,7 +179,7 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     state = (*system.state, *observer.moves)
     assume = all_of([system.assume, prop.given])
     extended = replace(system, state=state, next=moved, init=first, initial=initial, assume=assume)
-    return Goal(extended, good, prop, tuple(observer.moves), system)
+    return Goal(extended, good, prop, tuple(observer.moves), system, observer.helper)
 
 
 def _is_initially(var: Var, value: Value) -> Bool:
@@ -213,6 +217,7 @@ class _Observer:
         self.initial: dict[Var, Value] = {}
         self._after: dict[Var, Expr] = {**system.next, **{name: term for name, term in system.fired.items()}}
         self._lifted: dict[Expr, Expr] = {}
+        self.helper: Bool = TRUE
 
     def goal(self, prop: Property) -> Bool:
         match prop.kind:
@@ -235,6 +240,8 @@ class _Observer:
         late = Lit(prop.steps + 1, COUNT)
         self.moves[waiting] = ite(waiting.eq(late), late, ite(response, as_num(0, COUNT), counted))
         self.initial[waiting] = 0
+        if prop.helper is not None:
+            self.helper = prop.helper(waiting)
         return waiting < late
 
     def _name(self, what: str) -> str:

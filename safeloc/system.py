@@ -17,6 +17,7 @@ from safeloc.expr import (
     TRUE,
     Bool,
     BoolVar,
+    ChooseBool,
     Expr,
     Lit,
     Num,
@@ -119,7 +120,8 @@ def _chain(guards: Mapping[Transition, Bool], values: Mapping[Transition, Expr |
             then = as_num(value if isinstance(value, (Num, int)) else 0, result.unit)
             result = ite(guards[t], then, result)
         else:
-            result = ite(guards[t], as_bool(value if isinstance(value, (Bool, bool)) else False), result)
+            then_ = as_bool(value if isinstance(value, (Bool, bool)) else False)
+            result = ChooseBool(guards[t], then_, as_bool(result if isinstance(result, Bool) else False))
     return result
 
 

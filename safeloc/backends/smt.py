@@ -17,6 +17,7 @@ from safeloc.expr import (
     Bool,
     BoolVar,
     Choose,
+    ChooseBool,
     Compare,
     Expr,
     FloorDiv,
@@ -80,7 +81,7 @@ def _translate(node: Node, of: Mapping[Expr, z3.ExprRef]) -> z3.ExprRef:
             return z3.If(of[a] <= of[b], of[a], of[b])
         case Max(a, b):
             return z3.If(of[a] >= of[b], of[a], of[b])
-        case Choose(c, a, b, _):
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
             return z3.If(of[c], of[a], of[b])
         case Not(inner):
             return z3.Not(of[inner])

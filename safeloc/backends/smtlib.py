@@ -16,6 +16,7 @@ from safeloc.expr import (
     Bool,
     BoolVar,
     Choose,
+    ChooseBool,
     Compare,
     Expr,
     FloorDiv,
@@ -102,7 +103,7 @@ def _text(node: Node, of: Mapping[Expr, str]) -> str:
             return f"(ite (<= {of[a]} {of[b]}) {of[a]} {of[b]})"
         case Max(a, b):
             return f"(ite (>= {of[a]} {of[b]}) {of[a]} {of[b]})"
-        case Choose(c, a, b, _):
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
             return f"(ite {of[c]} {of[a]} {of[b]})"
         case Not(inner):
             return f"(not {of[inner]})"

@@ -38,7 +38,7 @@ def _proved(goal: Goal, known: Base, k: int, both: tuple[Query, Query]) -> Prove
     texts = {f"{_file(query.name)}.smt2": to_smtlib(query) for query in both}
     for name, text in texts.items():
         recheck(name, text)
-    invariant = all_of([*known.everything, goal.good])
+    invariant = all_of([*known.everything, goal.good, goal.helper])
     return Proved(invariant, f"{k}-induction", k, (ENGINE,), {**known.certificates, **texts})
 
 
@@ -48,7 +48,7 @@ def _file(name: str) -> str:
 
 def queries(goal: Goal, known: Base, k: int) -> tuple[Query, Query]:
     """Base: `good` in the first k states. Step: after k good states comes another."""
-    good = all_of([goal.good, in_range(goal.observers)])
+    good = all_of([goal.good, goal.helper, in_range(goal.observers)])
     name = f"{goal.original.name} {goal.prop.name}"
     states, allowed = _unrolled(goal, k)
     hold = [state.bool(good) for state in states]
