@@ -95,6 +95,7 @@ def build(own: Parts) -> Odometry:
         ghost_moves=moves,
         assumption=_assumption(own, judged),
         lemmas=_lemmas(own, current, mode),
+        definitions=_definitions(own, judged),
         mode_variable=current,
         doc=(
             "Position of end A of the vehicle from distance measured since position markers, which a reader at either "
@@ -210,6 +211,29 @@ def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
     fresh_rear = cycle.was_set(own.devices[1]) & ~cycle.was_set(own.devices[0])
     rear_leads = rear.better_than(front) | (equal & fresh_rear)
     return rear_leads if index else front.alive & ~rear_leads
+
+
+def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
+    """Names for what the table speaks of."""
+    named: dict[str, Expr] = {"devices exclude each other": cycle.clash, "some device is alive": cycle.any_alive}
+    named["the candidate is alive"] = cycle.any_prolonged
+    named["direction turned"] = cycle.reversed
+    for moved in cycle.cycles:
+        device = moved.device
+        after = cycle.says(device)
+        named |= {f"{device.name} sensors failed": moved.failed, f"{device.name} set now": cycle.was_set(device)}
+        for unit, ok, values in zip(device.units, moved.admitted, cycle.after(device), strict=True):
+            named |= {f"{unit.name} admitted": ok, f"{unit.name} judged now": unit.verdict()}
+            named |= {f"{unit.name} alive after": values.alive, f"{unit.name} position after": values.position}
+            named |= {f"{unit.name} over after": values.over, f"{unit.name} under after": values.under}
+        named |= {f"{device.name} alive after": after.alive, f"{device.name} margin after": after.margin}
+    for index, device in enumerate(own.devices):
+        named[f"{device.name} device has the smaller margin"] = _leads(own, cycle, index)
+    for reading in cycle.readings:
+        end = ENDS[reading.end]
+        named |= {f"{end} reading accepted": reading.accepted, f"{end} reading is a candidate": reading.is_candidate}
+        named |= {f"{end} reader leads": reading.leading, f"{end} reading judged": reading.verdict}
+    return named
 
 
 # ------------------------------------------------------------------ what is reported

@@ -72,6 +72,7 @@ class Machine:
     assumption   what the environment keeps in each step (over state before, inputs, ghosts)
     initially    what holds of the initial values (over state and ghosts)
     lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
+    definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
     doc          one paragraph for the reader of the report
     mode_variable  what `current_mode` made, where terms were built before the machine
     """
@@ -88,6 +89,7 @@ class Machine:
     assumption: Bool = TRUE
     initially: Bool = TRUE
     lemmas: Mapping[str, Bool] = field(default_factory=dict)
+    definitions: Mapping[str, Expr] = field(default_factory=dict)
     doc: str = ""
     mode_variable: NumVar | None = None
     src: str = field(default_factory=declared_at)
