@@ -1,0 +1,54 @@
+"""What must hold of odometry and the delocalized machine together: nothing is lost between them."""
+
+from __future__ import annotations
+
+from safeloc.expr import Num, between, exact_to
+from safeloc.models.supervised_odometry import Supervised
+from safeloc.properties.odometry import LAW, NONE_NEEDED
+from safeloc.spec import Property, always, earlier_bool
+from safeloc.units import NM
+
+
+def properties(whole: Supervised) -> list[Property]:
+    """Containment, tolerance, same-step entry and no resurrection of the whole."""
+    source, guard = whole.composition.of(whole.source.machine), whole.composition.of(whole.guard)
+    own, tolerance = whole.source.own, whole.source.own.config.tolerance_mm
+    position, over, under = (guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "over", "under"))
+    restrictive = guard.bool(whole.guard.flag("restrictive"))
+    truth = source.num(own.truth)
+    valid = source.bool(whole.source.machine.flag("valid"))
+    checked = source.bool(whole.source.machine.flag("reference_accepted"))
+    return [
+        always(
+            "containment",
+            restrictive | between(_nm(position) - _nm(under), truth, _nm(position) + _nm(over)),
+            statement="the position that the host gets holds the true position of end A",
+            trace=("MRK-1", "MRK-D1"),
+            assumption=LAW,
+        ),
+        always(
+            "tolerance",
+            (over <= tolerance) & (under <= tolerance),
+            statement="the position that the host gets is never wider than the tolerable error",
+            trace=("MRK-D1",),
+            assumption=NONE_NEEDED,
+        ),
+        always(
+            "same-step entry",
+            restrictive.iff(~valid),
+            statement="the vehicle is restrictive in exactly the cycles in which odometry reports nothing",
+            trace=("MRK-D1", "MRK-D2"),
+            assumption=NONE_NEEDED,
+        ),
+        always(
+            "no resurrection",
+            (earlier_bool(restrictive) & ~restrictive).implies(checked),
+            statement="the restrictive state is left only in a cycle with a checked absolute reference",
+            trace=("MRK-D1",),
+            assumption=NONE_NEEDED,
+        ),
+    ]
+
+
+def _nm(term: Num) -> Num:
+    return exact_to(term, NM)

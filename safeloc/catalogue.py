@@ -1,0 +1,191 @@
+"""What there is to prove, test, replay and report: the shipped machines by name, and a user's own by address."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import importlib.util
+import json
+import sys
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from safeloc.composition import Composition
+from safeloc.errors import InputError
+from safeloc.machine import Machine
+from safeloc.models import delocalized, odometry, supervised_odometry
+from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.properties import delocalized as delocalized_properties
+from safeloc.properties import odometry as odometry_properties
+from safeloc.properties import supervised_odometry as supervised_properties
+from safeloc.spec import Property
+from safeloc.system import TransitionSystem, lower
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """A system with everything that is to be shown of it.
+
+    remarks   columns of a stream that are no inputs but speak of the truth: name -> (low, high) outputs in the same
+              unit between which it must lie while the output `valid` is true
+    """
+
+    name: str
+    machines: tuple[Machine, ...]
+    system: TransitionSystem
+    properties: tuple[Property, ...]
+    config: BaseModel | None = None
+    doc: str = ""
+    remarks: Mapping[str, str] = field(default_factory=dict)
+
+
+Maker = Callable[[BaseModel], Target]
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A shipped machine: its configuration class and how to make it."""
+
+    name: str
+    summary: str
+    config: type[BaseModel]
+    make: Maker
+
+
+def _odometry(config: BaseModel) -> Target:
+    assert isinstance(config, OdometryConfig)
+    model = odometry.build(parts(config))
+    return Target(
+        "odometry",
+        (model.machine,),
+        lower(model.machine),
+        tuple(odometry_properties.properties(model)),
+        config,
+        model.machine.doc,
+        {"truth_mm": "mm"},
+    )
+
+
+def _delocalized(config: BaseModel) -> Target:
+    assert isinstance(config, delocalized.DelocalizedConfig)
+    machine = delocalized.machine(config)
+    properties = tuple(delocalized_properties.properties(machine, config))
+    return Target("delocalized", (machine,), lower(machine), properties, config, machine.doc)
+
+
+def _supervised(config: BaseModel) -> Target:
+    assert isinstance(config, OdometryConfig)
+    whole = supervised_odometry.compose_machines(config)
+    machines = (whole.source.machine, whole.guard)
+    properties = tuple(supervised_properties.properties(whole))
+    doc = "Odometry with the delocalized machine behind it, in one step: what the host of a vehicle sees."
+    return Target("supervised_odometry", machines, whole.composition.system, properties, config, doc)
+
+
+ENTRIES: Mapping[str, Entry] = {
+    entry.name: entry
+    for entry in (
+        Entry("odometry", "odometry between markers read at the front and at the rear", OdometryConfig, _odometry),
+        Entry("delocalized", "the restrictive state behind any source", delocalized.DelocalizedConfig, _delocalized),
+        Entry("supervised_odometry", "odometry and delocalized in one step", OdometryConfig, _supervised),
+    )
+}
+
+
+def load_target(spec: str, config: Path | None = None) -> Target:
+    """A shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
+
+    A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
+    content of the configuration file). Its module may define `properties`: a list, or a function of the machine.
+    Raises InputError that says what was looked for and what exists.
+    """
+    if ":" in spec:
+        return _own(spec, config)
+    if spec not in ENTRIES:
+        close = difflib.get_close_matches(spec, ENTRIES, n=1)
+        hint = f" Did you mean {close[0]!r}?" if close else ""
+        raise InputError(
+            f"no machine {spec!r}; there are {', '.join(ENTRIES)}, or package.module:name for your own.{hint}"
+        )
+    entry = ENTRIES[spec]
+    return entry.make(read_config(entry.config, config))
+
+
+def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
+    """A configuration from TOML or JSON, all defaults without a file; InputError naming file and fields."""
+    content = {} if path is None else _content(path)
+    try:
+        return kind.model_validate(content)
+    except ValidationError as error:
+        wrong = "\n".join(f"  - {'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}" for e in error.errors())
+        raise InputError(f"{path or 'configuration'}: {error.error_count()} fields are wrong:\n{wrong}") from error
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        text = path.read_text(encoding="utf-8")
+        content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"{path}: cannot be read as {'JSON' if path.suffix == '.json' else 'TOML'}: {error}"
+        ) from error
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: expected a table of fields.")
+    return content
+
+
+def _own(spec: str, config: Path | None) -> Target:
+    where, _, name = spec.rpartition(":")
+    module = _module(where)
+    if not hasattr(module, name):
+        names = [key for key, value in vars(module).items() if isinstance(value, (Machine, Composition))]
+        raise InputError(f"{where} has no {name!r}; machines in it: {names or 'none'}.")
+    found = getattr(module, name)
+    if callable(found):
+        found = found(_content(config)) if config is not None else found()
+    if isinstance(found, Machine):
+        properties = _properties(module, found)
+        return Target(found.name, (found,), lower(found), properties, None, found.doc)
+    if isinstance(found, Composition):
+        system = found.system
+        return Target(system.name, system.machines, system, _properties(module, found), None, "")
+    raise InputError(
+        f"{spec} is a {type(found).__name__}; expected a Machine, a Composition or a function returning one."
+    )
+
+
+def _module(where: str) -> ModuleType:
+    if where.endswith(".py"):
+        path = Path(where)
+        found = importlib.util.spec_from_file_location(path.stem, path)
+        if not path.is_file() or found is None or found.loader is None:
+            raise InputError(f"{where}: no such Python file.")
+        module = importlib.util.module_from_spec(found)
+        sys.modules[path.stem] = module
+        found.loader.exec_module(module)
+        return module
+    if str(Path.cwd()) not in sys.path:
+        sys.path.insert(0, str(Path.cwd()))
+    try:
+        return importlib.import_module(where)
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"cannot import {where!r}: {error}. Give a module on the path, or path/to/file.py:name."
+        ) from error
+
+
+def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Property, ...]:
+    declared: Sequence[Property] | Callable[[Any], Sequence[Property]] = getattr(module, "properties", ())
+    listed = declared(found) if callable(declared) else declared
+    wrong = [item for item in listed if not isinstance(item, Property)]
+    if wrong:
+        raise InputError(
+            f"{module.__name__}.properties holds {wrong[0]!r}; expected always(...), never(...), within(...)."
+        )
+    return tuple(listed)

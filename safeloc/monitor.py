@@ -1,0 +1,105 @@
+"""Properties at run time and on recorded streams, by the same Goal that provers use.
+
+Monitor(goal)           step by step, beside a running machine
+check(trace, property)  a recorded trace, afterwards
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NoReturn, TypeAlias
+
+from safeloc.errors import TruthValueError
+from safeloc.expr import Value, Var
+from safeloc.interpret import evaluate, holds, read_inputs, start
+from safeloc.spec import Goal, Property, observe
+from safeloc.system import TransitionSystem, environment
+from safeloc.trace import Trace
+from safeloc.verdict import Held, Unknown, Violated
+
+
+class _NoTruth:
+    __slots__ = ()
+
+    def __bool__(self) -> NoReturn:
+        raise TruthValueError("a monitor's status has no truth value: match on Holds, Broken or Undecided.")
+
+
+@dataclass(frozen=True)
+class Holds(_NoTruth):
+    """Kept so far (for `reachable`: reached)."""
+
+
+@dataclass(frozen=True)
+class Broken(_NoTruth):
+    """Violated first at this step (0: the first state)."""
+
+    at: int
+
+
+@dataclass(frozen=True)
+class Undecided(_NoTruth):
+    """Nothing can be said: the assumption was broken at this step, or what must be reached has not been."""
+
+    at: int
+    reason: str
+
+
+Status: TypeAlias = Holds | Broken | Undecided
+
+
+class Monitor:
+    """Watches one property beside a run of its system. Once broken or undecided by a broken assumption, it stays so."""
+
+    def __init__(self, goal: Goal, first: Mapping[str, Value] | None = None) -> None:
+        self.goal, self._number = goal, 0
+        self._state: dict[Var, Value] = start(goal.system, first)
+        self._allowed = environment(goal.system)
+        self._wanted = goal.prop.kind == "reachable"
+        self.status: Status = Undecided(0, "not reached yet") if self._wanted else Holds()
+        self._look()
+
+    def step(self, inputs: Mapping[str, object]) -> Status:
+        """One step's inputs by name; InputError for what the interpreter refuses."""
+        self._number += 1
+        values = {**self._state, **read_inputs(self.goal.system, inputs)}
+        moves = self.goal.system.next
+        allowed, *moved = evaluate([self._allowed, *moves.values()], values)
+        self._state = dict(zip(moves, moved, strict=True))
+        if not allowed and not self._settled():
+            self.status = Undecided(self._number, "the assumption is broken from here on")
+        self._look()
+        return self.status
+
+    def _settled(self) -> bool:
+        match self.status:
+            case Broken():
+                return True
+            case Undecided(reason=reason):
+                return reason.startswith("the assumption")
+            case Holds():
+                return self._wanted
+
+    def _look(self) -> None:
+        if self._settled() or holds(self.goal.good, self._state):
+            return
+        self.status = Holds() if self._wanted else Broken(self._number)
+
+
+def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
+    """The property on a recorded trace; Unknown where the trace breaks the assumption first."""
+    monitor = Monitor(observe(trace.system, prop), _chosen(trace.system, trace.initial))
+    for step in trace.steps:
+        monitor.step(step.inputs)
+    match monitor.status:
+        case Holds():
+            return Held("replay", 1, len(trace.steps))
+        case Broken(at):
+            return Violated(Trace(trace.system, trace.initial, trace.steps[:at]), "replay")
+        case Undecided(at, reason):
+            return Unknown(f"step {at}: {reason}", at - 1)
+
+
+def _chosen(system: TransitionSystem, initial: Mapping[str, Value]) -> dict[str, Value]:
+    return {var.name: initial[var.name] for var in system.state}
