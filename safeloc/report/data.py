@@ -1,0 +1,139 @@
+"""A report as plain data: `report.json`, schema `safeloc-report/1` (report.schema.json beside this file)."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any, assert_never
+
+from safeloc.catalogue import Target
+from safeloc.requirements import Requirement, requirements
+from safeloc.results import Finding
+from safeloc.trace import Trace, present_inputs
+from safeloc.verdict import Held, Proved, Unknown, Violated, word, worst
+
+SCHEMA = "safeloc-report/1"
+SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
+VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
+
+
+def schema() -> dict[str, Any]:
+    """The published JSON schema."""
+    loaded: dict[str, Any] = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
+    return loaded
+
+
+def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[str, Any]:
+    """Everything that was found, as JSON-ready data."""
+    targets = list(targets)
+    return {
+        "schema": SCHEMA,
+        "verdict": worst(word(finding.result) for finding in findings),
+        "versions": versions(),
+        "machines": [_machine(target) for target in targets],
+        "results": [result_data(finding) for finding in findings],
+        "requirements": [_requirement(one, targets, findings) for one in requirements()],
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything a verdict depends on."""
+    found = {"python": platform.python_version()}
+    for name in VERSIONED:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed as a package"
+    return found
+
+
+def result_data(finding: Finding) -> dict[str, Any]:
+    """One finding."""
+    return {
+        "id": finding.id,
+        "machine": finding.machine,
+        "kind": finding.kind,
+        "statement": finding.statement,
+        "verdict": word(finding.result),
+        "method": finding.method,
+        "depth": _depth(finding),
+        "seconds": round(finding.seconds, 3),
+        "rechecked": list(finding.result.rechecked) if isinstance(finding.result, Proved) else [],
+        "requirements": list(finding.requirements),
+        "assumption": finding.assumption,
+        "reason": _reason(finding),
+        "notes": dict(finding.result.notes) if isinstance(finding.result, Held) else {},
+        "trace": trace_data(_trace(finding)),
+    }
+
+
+def _depth(finding: Finding) -> int:
+    match finding.result:
+        case Proved(depth=depth) | Unknown(depth=depth):
+            return depth
+        case Violated(trace=trace):
+            return 0 if trace is None else len(trace.steps)
+        case Held(steps=steps):
+            return steps
+        case _:
+            assert_never(finding.result)
+
+
+def _reason(finding: Finding) -> str:
+    return finding.result.reason if isinstance(finding.result, (Violated, Unknown)) else ""
+
+
+def _trace(finding: Finding) -> Trace | None:
+    match finding.result:
+        case Violated(trace=trace):
+            return trace
+        case Proved(witness=witness):
+            return witness
+        case Held() | Unknown():
+            return None
+        case _:
+            assert_never(finding.result)
+
+
+def trace_data(trace: Trace | None) -> dict[str, Any] | None:
+    """First state, and per step the inputs that were present, what fired, the state and the outputs."""
+    if trace is None:
+        return None
+    steps = [
+        {
+            "inputs": present_inputs(trace.system, step.inputs),
+            "fired": dict(step.fired),
+            "state": dict(step.state),
+            "outputs": dict(step.outputs),
+        }
+        for step in trace.steps
+    ]
+    return {"first": dict(trace.initial), "steps": steps}
+
+
+def _machine(target: Target) -> dict[str, Any]:
+    return {
+        "name": target.name,
+        "doc": target.doc,
+        "state_variables": len(target.system.state),
+        "inputs": len(target.system.inputs),
+        "transitions": sum(len(machine.transitions) for machine in target.machines),
+        "configuration": None if target.config is None else target.config.model_dump(mode="json"),
+    }
+
+
+def _requirement(one: Requirement, targets: Sequence[Target], findings: Sequence[Finding]) -> dict[str, Any]:
+    carried = [f"{m.name}: {t.name}" for target in targets for m in target.machines for t in m.transitions if one.id in t.trace]
+    shown = [finding.id for finding in findings if one.id in finding.requirements]
+    verdicts: Mapping[str, str] = {finding.id: word(finding.result) for finding in findings}
+    return {
+        "id": one.id,
+        "status": one.status,
+        "text": one.text,
+        "transitions": list(dict.fromkeys(carried)),
+        "results": shown,
+        "verdict": worst(verdicts[name] for name in shown) if shown else "",
+    }

@@ -1,0 +1,37 @@
+"""Findings as JUnit XML, for continuous integration servers: violated is a failure, unknown an error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree import ElementTree
+
+from safeloc.results import Finding
+from safeloc.verdict import Held, Proved, Unknown, Violated
+
+
+def to_junit(findings: Sequence[Finding]) -> str:
+    """One test case a finding, grouped by machine."""
+    root = ElementTree.Element("testsuites", name="safeloc")
+    for machine in dict.fromkeys(finding.machine for finding in findings):
+        own = [finding for finding in findings if finding.machine == machine]
+        failed = sum(isinstance(finding.result, Violated) for finding in own)
+        unsure = sum(isinstance(finding.result, Unknown) for finding in own)
+        counts = {"tests": str(len(own)), "failures": str(failed), "errors": str(unsure)}
+        suite = ElementTree.SubElement(root, "testsuite", name=machine, **counts)
+        for finding in own:
+            _case(suite, finding)
+    ElementTree.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _case(suite: ElementTree.Element, finding: Finding) -> None:
+    time = f"{finding.seconds:.3f}"
+    case = ElementTree.SubElement(suite, "testcase", classname=f"{finding.machine}.{finding.kind}", name=finding.id, time=time)
+    match finding.result:
+        case Violated(trace, engine, reason):
+            failure = ElementTree.SubElement(case, "failure", message=f"{finding.statement} ({engine}) {reason}")
+            failure.text = "" if trace is None else trace.table()
+        case Unknown(reason, depth):
+            ElementTree.SubElement(case, "error", message=f"undecided: {reason} (clean up to step {depth})")
+        case Proved() | Held():
+            pass
