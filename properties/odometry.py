@@ -13,7 +13,6 @@ from safeloc.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.units import MM, NM
 
 LAW = "admitted distances obey their unit's error law; accepted readings are true within accuracy; top speed"
-NONE_NEEDED = "none: holds for all inputs in range"
 
 
 def properties(model: Odometry) -> list[Property]:
@@ -39,7 +38,7 @@ def _safety(model: Odometry) -> Iterator[Property]:
         & (machine.output("under_mm") <= own.config.tolerance_mm),
         statement="a reported interval is never wider than the tolerable error, on either side",
         trace=("MRK-D1",),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     silent = all_of(machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under", "distance_run"))
     yield always(
@@ -47,7 +46,7 @@ def _safety(model: Odometry) -> Iterator[Property]:
         (~valid).implies(silent & machine.output("values").eq(NO_VALUES)),
         statement="nothing is reported without a valid position",
         trace=("MRK-D1", "MRK-D2"),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     alive = any_of(unit.alive for unit in own.units)
     yield always(
@@ -55,14 +54,14 @@ def _safety(model: Odometry) -> Iterator[Property]:
         (~alive).implies(~valid),
         statement="the cycle in which the last usable value is lost is the cycle in which nothing is reported any more",
         trace=("MRK-D1",),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     yield always(
         "reason stated",
         own.reason.eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
         trace=("MRK-D1",),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
 
 
@@ -77,7 +76,7 @@ def _references(model: Odometry) -> Iterator[Property]:
         (valid & ~earlier_bool(valid)).implies(machine.fired(*confirmed) & machine.flag("reference_accepted")),
         statement="a position is reported again only through a marker that passed every check",
         trace=("MRK-1", "MRK-D1"),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
     yield always(
@@ -85,7 +84,7 @@ def _references(model: Odometry) -> Iterator[Property]:
         (valid & earlier_bool(valid) & ~accepted).implies(model.lead.margin >= earlier_num(model.lead.margin)),
         statement="without an accepted reading the reported margin never shrinks",
         trace=("MRK-D1", "MRK-D3"),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     for end, reader in enumerate(own.readers):
         yield always(
@@ -94,7 +93,7 @@ def _references(model: Odometry) -> Iterator[Property]:
             statement="a reading counts only for a known marker: a leading one for a new marker ahead, a trailing one for "
             "a marker that the leading reader has read and the trailing one has not",
             trace=("MRK-1", "MRK-5"),
-            assumption=NONE_NEEDED,
+            unconditional=True,
         )
 
 
@@ -117,7 +116,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
         valid.implies(all_of(value.alive.implies(lead.margin <= value.margin) for value in units)),
         statement="the reported margin is the smallest of all usable ones: no switch is ever to a worse one",
         trace=("MRK-D3", "MRK-D4"),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     leading = [f"leading reading at {end}" for end in ("front", "rear")]
     trailing = [f"trailing reading at {end}" for end in ("front", "rear")]
@@ -126,14 +125,14 @@ def _selection(model: Odometry) -> Iterator[Property]:
         machine.fired(*leading).implies(machine.output("values").eq(M1)),
         statement="a leading reading that sets its device makes values M1 count",
         trace=("MRK-1", "MRK-5"),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
     yield always(
         "M2 after the trailing reading",
         machine.fired(*trailing).implies(machine.output("values").eq(M2)),
         statement="the trailing reading of the same marker makes values M2 count",
         trace=("MRK-1", "MRK-5"),
-        assumption=NONE_NEEDED,
+        unconditional=True,
     )
 
 
@@ -150,7 +149,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
                 statement="a foreign, repeated, unpaired or implausible marker moves no position and narrows no margin: "
                 "the position moves by the measured distance alone, and both margins grow alike",
                 trace=("MRK-1", "MRK-D1", "MRK-4"),
-                assumption=NONE_NEEDED,
+                unconditional=True,
             )
 
 
@@ -178,7 +177,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         heard | ~machine.flag("valid"),
         statement="when no unit delivers a distance, nothing is reported after the permitted gap at the latest",
         trace=("MRK-D1",),
-        assumption=NONE_NEEDED,
+        unconditional=True,
         helper=lambda waited: all_of(waited <= unit.gap for unit in own.units),
     )
     for unit in own.units:
@@ -188,7 +187,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
             statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
             "last one",
             trace=("MRK-4", "MRK-D1"),
-            assumption=NONE_NEEDED,
+            unconditional=True,
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from safeloc.expr import Num, between, exact_to
 from safeloc.models.supervised_odometry import Supervised
-from safeloc.properties.odometry import LAW, NONE_NEEDED
+from safeloc.properties.odometry import LAW
 from safeloc.spec import Property, always, earlier_bool
 from safeloc.units import NM
 
@@ -31,21 +31,21 @@ def properties(whole: Supervised) -> list[Property]:
             (over <= tolerance) & (under <= tolerance),
             statement="the position that the host gets is never wider than the tolerable error",
             trace=("MRK-D1",),
-            assumption=NONE_NEEDED,
+            unconditional=True,
         ),
         always(
             "same-step entry",
             restrictive.iff(~valid),
             statement="the vehicle is restrictive in exactly the cycles in which odometry reports nothing",
             trace=("MRK-D1", "MRK-D2"),
-            assumption=NONE_NEEDED,
+            unconditional=True,
         ),
         always(
             "no resurrection",
             (earlier_bool(restrictive) & ~restrictive).implies(checked),
             statement="the restrictive state is left only in a cycle with a checked absolute reference",
             trace=("MRK-D1",),
-            assumption=NONE_NEEDED,
+            unconditional=True,
         ),
     ]
 

@@ -9,7 +9,7 @@ import json
 import sys
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -32,8 +32,7 @@ from safeloc.system import TransitionSystem, lower
 class Target:
     """A system with everything that is to be shown of it.
 
-    remarks   columns of a stream that are no inputs but speak of the truth: name -> (low, high) outputs in the same
-              unit between which it must lie while the output `valid` is true
+    streams   recorded step streams that ship with it and are replayed by `verify`
     """
 
     name: str
@@ -42,7 +41,7 @@ class Target:
     properties: tuple[Property, ...]
     config: BaseModel | None = None
     doc: str = ""
-    remarks: Mapping[str, str] = field(default_factory=dict)
+    streams: tuple[Path, ...] = ()
 
 
 Maker = Callable[[BaseModel], Target]
@@ -58,6 +57,13 @@ class Entry:
     make: Maker
 
 
+STREAMS = Path(__file__).parent / "models" / "streams"
+
+
+def _shipped(name: str) -> tuple[Path, ...]:
+    return tuple(sorted(STREAMS.glob(f"{name}*.jsonl")))
+
+
 def _odometry(config: BaseModel) -> Target:
     assert isinstance(config, OdometryConfig)
     model = odometry.build(parts(config))
@@ -68,7 +74,7 @@ def _odometry(config: BaseModel) -> Target:
         tuple(odometry_properties.properties(model)),
         config,
         model.machine.doc,
-        {"truth_mm": "mm"},
+        _shipped("odometry"),
     )
 
 

@@ -12,7 +12,7 @@ state. Provers, the monitor, Hypothesis and replay all read that one Goal, so th
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -53,6 +53,7 @@ class Property:
     given      a further assumption on every step, over state before, inputs and ghosts; reported with the verdict
     statement  the requirement in words
     assumption what the proof relies on, in words
+    unconditional  required for ALL inputs in range, whether the environment keeps its assumption or not
     helper     within: a lemma over state and the number of steps waited, proved together with the property
     trace      requirement ids
     """
@@ -67,21 +68,54 @@ class Property:
     trace: tuple[str, ...] = ()
     assumption: str = ""
     helper: Callable[[NumVar], Bool] | None = None
+    unconditional: bool = False
     src: str = field(default_factory=declared_at)
 
 
 def always(
-    name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = (), assumption: str = ""
+    name: str,
+    term: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
+    unconditional: bool = False,
 ) -> Property:
     """`term` holds in every step (and at the start, if it reads state only)."""
-    return Property(name, "always", term, given=given, statement=statement or name, trace=trace, assumption=assumption)
+    return Property(
+        name,
+        "always",
+        term,
+        given=given,
+        statement=statement or name,
+        trace=trace,
+        assumption=assumption,
+        unconditional=unconditional,
+    )
 
 
 def never(
-    name: str, term: Bool, *, given: Bool = TRUE, statement: str = "", trace: tuple[str, ...] = (), assumption: str = ""
+    name: str,
+    term: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
+    unconditional: bool = False,
 ) -> Property:
     """`term` holds in no step."""
-    return Property(name, "always", ~term, given=given, statement=statement or name, trace=trace, assumption=assumption)
+    return Property(
+        name,
+        "always",
+        ~term,
+        given=given,
+        statement=statement or name,
+        trace=trace,
+        assumption=assumption,
+        unconditional=unconditional,
+    )
 
 
 def within(
@@ -95,11 +129,14 @@ def within(
     trace: tuple[str, ...] = (),
     assumption: str = "",
     helper: Callable[[NumVar], Bool] | None = None,
+    unconditional: bool = False,
 ) -> Property:
     """After each `trigger`, `response` holds in the same step or at most `steps` later; PropertyError if negative."""
     if steps < 0:
         raise PropertyError(f"{declared_at()}: within({name!r}): steps is {steps}; it must be 0 or more.")
-    return Property(name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper)
+    return Property(
+        name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper, unconditional
+    )
 
 
 def reachable(
@@ -110,6 +147,7 @@ def reachable(
     statement: str = "",
     trace: tuple[str, ...] = (),
     assumption: str = "",
+    unconditional: bool = False,
 ) -> Property:
     """Some run comes to `term`; a proof of it is a witness stream."""
     return Property(
@@ -152,6 +190,9 @@ def since(term: Bool, start: Bool) -> Bool:
     return Past("since", (term, start))
 
 
+NO_ASSUMPTION = "none: holds for all inputs in range"
+
+
 @dataclass(frozen=True, eq=False)
 class Goal:
     """A system with observer variables and the state term `good`.
@@ -177,7 +218,7 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     initial = {**system.initial, **observer.initial}
     first = all_of([system.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
     state = (*system.state, *observer.moves)
-    assume = all_of([system.assume, prop.given])
+    assume = prop.given if prop.unconditional else all_of([system.assume, prop.given])
     extended = replace(system, state=state, next=moved, init=first, initial=initial, assume=assume)
     return Goal(extended, good, prop, tuple(observer.moves), system, observer.helper)
 
@@ -280,3 +321,27 @@ class _Observer:
             case "since":
                 var = self._flag("since", lambda var: args[1] | (args[0] & var))
                 return args[1] | (args[0] & var)
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """One system with the observers of several goals: `goods` maps a property to its state term."""
+
+    system: TransitionSystem
+    goals: tuple[Goal, ...]
+    observers: tuple[Var, ...]
+
+
+def watch(system: TransitionSystem, goals: Sequence[Goal]) -> Watch:
+    """All goals on one system, whose assumption is left as it is."""
+    moves, initial, observers = dict(system.next), dict(system.initial), list[Var]()
+    terms = [system.init]
+    for goal in goals:
+        for var in goal.observers:
+            moves[var], initial[var] = goal.system.next[var], goal.system.initial[var]
+            observers.append(var)
+            value = goal.system.initial[var]
+            terms.append(_is_initially(var, value if isinstance(value, (int, bool)) else 0))
+    state = (*system.state, *observers)
+    merged = replace(system, state=state, next=moves, initial=initial, init=all_of(terms))
+    return Watch(merged, tuple(goals), tuple(observers))

@@ -2,8 +2,8 @@
 
 Both are PROVED, once per system, and then serve every property as hypotheses:
 
-    ranges  of the machine's own variables, for ALL inputs in range, assumption or not
-    facts   lemmas, and ranges of ghosts, under the assumption
+    always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
+    facts   the other lemmas, and ranges of ghosts, under the assumption
 
 What is not inductive together with the rest is dropped and named in `refuted`; it is never assumed.
 """
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import z3
 
@@ -27,7 +27,7 @@ from safeloc.system import TransitionSystem, environment, in_range
 class Base:
     """Proved facts by name, what was refuted, and the texts that cvc5 has confirmed."""
 
-    ranges: Mapping[str, Bool]
+    always: Mapping[str, Bool]
     facts: Mapping[str, Bool]
     refuted: Mapping[str, str]
     certificates: Mapping[str, str]
@@ -35,7 +35,7 @@ class Base:
     @property
     def everything(self) -> list[Bool]:
         """All proved facts."""
-        return [*self.ranges.values(), *self.facts.values()]
+        return [*self.always.values(), *self.facts.values()]
 
 
 _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDictionary()
@@ -49,24 +49,20 @@ def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
 
 
 def _prove(system: TransitionSystem, seconds: float) -> Base:
-    own = [var for var in system.state if isinstance(var, NumVar) and var not in system.ghosts]
-    hidden = [var for var in system.state if isinstance(var, NumVar) and var in system.ghosts]
-    wanted = {f"range of {var.name}": in_range([var]) for var in own}
+    numeric = [var for var in system.state if isinstance(var, NumVar)]
+    own = {f"range of {var.name}": in_range([var]) for var in numeric if var not in system.ghosts}
+    hidden = {f"range of {var.name}": in_range([var]) for var in numeric if var in system.ghosts}
     refuted: dict[str, str] = {}
-    ranges = _inductive(system, wanted, [], environment(system, assume=False), refuted, seconds)
-    more = {**{f"range of {var.name}": in_range([var]) for var in hidden}, **system.lemmas}
-    facts = _inductive(system, more, list(ranges.values()), environment(system), refuted, seconds)
-    texts = {}
-    for name, kept, given, allowed in (
-        ("ranges", ranges, [], environment(system, assume=False)),
-        ("facts", facts, list(ranges.values()), environment(system)),
-    ):
-        if kept:
-            for query in _queries(system, f"{system.name} {name}", kept, given, allowed):
-                texts[f"{query.name.replace(' ', '-')}.smt2"] = to_smtlib(query)
+    free = {name: term for name, term in system.lemmas.items() if not set(variables([term])) & system.ghosts}
+    always = _inductive(system, {**own, **free}, [], environment(system, assume=False), refuted, seconds)
+    refuted = {name: why for name, why in refuted.items() if name in own}
+    rest = {name: term for name, term in system.lemmas.items() if name not in always}
+    facts = _inductive(system, {**hidden, **rest}, list(always.values()), environment(system), refuted, seconds)
+    found = Base(always, facts, refuted, {})
+    texts = {f"{query.name.replace(' ', '-')}.smt2": to_smtlib(query) for query in step_queries(system, found)}
     for name, text in texts.items():
         recheck(name, text)
-    return Base(ranges, facts, refuted, texts)
+    return replace(found, certificates=texts)
 
 
 def _queries(
@@ -77,6 +73,14 @@ def _queries(
     first = Query(f"{name} initially", [system.init, in_range(system.state), *given], dict(kept))
     later = {key: after.bool(term) for key, term in kept.items()}
     return first, Query(f"{name} in every step", [allowed, *given, *kept.values()], later)
+
+
+def step_queries(system: TransitionSystem, known: Base) -> list[Query]:
+    """The queries that show the base inductive: what a certificate states."""
+    always, given = dict(known.always), list(known.always.values())
+    board = _queries(system, f"{system.name} always", always, [], environment(system, assume=False))
+    facts = _queries(system, f"{system.name} facts", dict(known.facts), given, environment(system))
+    return [query for query in (*board, *facts) if query.goals]
 
 
 def _inductive(

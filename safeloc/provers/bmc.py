@@ -11,7 +11,7 @@ import z3
 from safeloc.backends.smt import Unrolling
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.limits import Limits
-from safeloc.spec import Goal
+from safeloc.spec import Goal, Watch
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
@@ -59,7 +59,7 @@ def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
 
 
 def run_of(
-    goal: Goal, unrolling: Unrolling, model: z3.ModelRef, depth: int
+    goal: Goal | Watch, unrolling: Unrolling, model: z3.ModelRef, depth: int
 ) -> tuple[dict[str, int | bool], list[dict[str, int | bool]]]:
     """First state and inputs of every step, read from a model."""
     hidden = set(goal.observers)
@@ -67,6 +67,8 @@ def run_of(
     return first, list(_inputs(goal, unrolling, model, depth))
 
 
-def _inputs(goal: Goal, unrolling: Unrolling, model: z3.ModelRef, depth: int) -> Iterator[dict[str, int | bool]]:
+def _inputs(
+    goal: Goal | Watch, unrolling: Unrolling, model: z3.ModelRef, depth: int
+) -> Iterator[dict[str, int | bool]]:
     for number in range(depth):
         yield unrolling.values(model, number, goal.system.inputs)

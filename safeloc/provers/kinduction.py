@@ -38,7 +38,8 @@ def _proved(goal: Goal, known: Base, k: int, both: tuple[Query, Query]) -> Prove
     texts = {f"{_file(query.name)}.smt2": to_smtlib(query) for query in both}
     for name, text in texts.items():
         recheck(name, text)
-    invariant = all_of([*known.everything, goal.good, goal.helper])
+    given = list(known.always.values()) if goal.prop.unconditional else known.everything
+    invariant = all_of([*given, goal.good, goal.helper])
     return Proved(invariant, f"{k}-induction", k, (ENGINE,), {**known.certificates, **texts})
 
 
@@ -51,11 +52,12 @@ def queries(goal: Goal, known: Base, k: int) -> tuple[Query, Query]:
     good = all_of([goal.good, goal.helper, in_range(goal.observers)])
     name = f"{goal.original.name} {goal.prop.name}"
     states, allowed = _unrolled(goal, k)
+    given = list(known.always.values()) if goal.prop.unconditional else known.everything
     hold = [state.bool(good) for state in states]
-    facts = [state.bool(term) for state in states[:-1] for term in known.everything]
+    facts = [state.bool(term) for state in states[:-1] for term in given]
     start = Query(
         f"{name} initially",
-        [goal.system.init, in_range(goal.system.state), *known.everything, *allowed[:-1]],
+        [goal.system.init, in_range(goal.system.state), *given, *allowed[:-1]],
         _numbered(hold[:k]),
     )
     return start, Query(f"{name} in every step", [*facts, *allowed, *hold[:k]], {"good after the last step": hold[k]})

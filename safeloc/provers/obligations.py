@@ -44,7 +44,7 @@ from safeloc.provers.evidence import confirmed
 from safeloc.provers.limits import Limits
 from safeloc.ranges import beyond_int64
 from safeloc.results import Finding
-from safeloc.spec import Goal, observe, reachable
+from safeloc.spec import Goal, observe, reachable, watch
 from safeloc.system import TransitionSystem, environment, in_range
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
@@ -109,7 +109,7 @@ def _overflow(system: TransitionSystem, limits: Limits) -> Iterator[Finding]:
     method = f"interval analysis of {len(in_order(terms))} terms"
     if wide:
         goals = {f"term {number}": between(INT64_MIN, term, INT64_MAX) for number, term in enumerate(wide)}
-        given = [environment(system, assume=False), *known.ranges.values()]
+        given = [environment(system, assume=False), *known.always.values()]
         failed = unproved(Query("overflow", given, goals), limits.seconds)
         method += f", {len(wide)} of them by z3"
         if failed:
@@ -147,14 +147,14 @@ def _overlap(system: TransitionSystem, limits: Limits) -> Iterator[Finding]:
     known = base(system, seconds=limits.seconds)
     goals = {f"{a.name} / {b.name}": ~(_enabled(system, a) & _enabled(system, b)) for a, b in pairs}
     failed = unproved(
-        Query("overlap", [environment(system, assume=False), *known.ranges.values()], goals), limits.seconds
+        Query("overlap", [environment(system, assume=False), *known.always.values()], goals), limits.seconds
     )
     if not failed:
         verdict: Verdict = Proved(None, "z3", 1, ("one query a pair",))
         yield _finding(system, "overlap", statement, verdict, f"{len(goals)} pairs", started)
     for name in failed:
         both = all_of(_enabled(system, t) for pair in pairs for t in pair if f"{pair[0].name} / {pair[1].name}" == name)
-        reason = f"both enabled, for example when {_example(system, both, known.ranges.values())}; give them ranks"
+        reason = f"both enabled, for example when {_example(system, both, known.always.values())}; give them ranks"
         yield _finding(system, f"overlap {name}", statement, Violated(None, "z3", reason), "z3", started)
 
 
@@ -194,7 +194,7 @@ def _absence(system: TransitionSystem, limits: Limits) -> Iterator[Finding]:
                 goals[f"{var.name} without {option.value.name}"] = (
                     option.present | ~between(other.low, other, other.high) | _same(term, swap(term))
                 )
-    failed = unproved(Query("absence", [in_range(system.inputs), *known.ranges.values()], goals), limits.seconds)
+    failed = unproved(Query("absence", [in_range(system.inputs), *known.always.values()], goals), limits.seconds)
     statement = "the value of an absent input is never read"
     if failed:
         reason = "read although absent: " + "; ".join(failed)
@@ -255,7 +255,7 @@ def _impossible(goal: Goal, facts: Sequence[Bool], limits: Limits) -> bool:
 
 
 def _dead(goal: Goal, limits: Limits) -> Verdict:
-    if _impossible(_without_assumption(goal), list(base(goal.original).ranges.values()), limits):
+    if _impossible(_without_assumption(goal), list(base(goal.original).always.values()), limits):
         return Violated(None, "1-induction", "never occurs, whatever the inputs: dead")
     return Unknown("no run found that comes there", limits.depth)
 
@@ -284,7 +284,7 @@ def _witnesses(goals: Sequence[Goal], limits: Limits) -> dict[str, Trace]:
     """Shortest runs to as many goals as the limits allow, all in one incremental search."""
     if not goals:
         return {}
-    merged = _merged(goals)
+    merged = watch(replace(goals[0].original, assume=goals[0].system.assume), goals)
     unrolling, solver, found = Unrolling(merged.system), z3.Solver(), dict[str, Trace]()
     ends = time.monotonic() + limits.seconds
     solver.add(unrolling.initially())
@@ -308,21 +308,6 @@ def _witnesses(goals: Sequence[Goal], limits: Limits) -> dict[str, Trace]:
             break
         solver.add(unrolling.transition(depth))
     return found
-
-
-def _merged(goals: Sequence[Goal]) -> Goal:
-    """One system with the observers of all goals."""
-    first, moves, initial, observers, init = goals[0], dict(goals[0].system.next), dict(goals[0].system.initial), [], []
-    for goal in goals:
-        for var in goal.observers:
-            moves[var], initial[var] = goal.system.next[var], goal.system.initial[var]
-            observers.append(var)
-            assert isinstance(var, BoolVar)
-            init.append(~var)
-    state = (*first.original.state, *observers)
-    kept = {var: moves[var] for var in state}
-    system = replace(first.system, state=state, next=kept, initial=initial, init=all_of([first.original.init, *init]))
-    return replace(first, system=system, good=~any_of(~goal.good for goal in goals), observers=tuple(observers))
 
 
 def _assumption(system: TransitionSystem, limits: Limits) -> Iterator[Finding]:

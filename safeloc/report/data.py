@@ -126,7 +126,9 @@ def _machine(target: Target) -> dict[str, Any]:
 
 
 def _requirement(one: Requirement, targets: Sequence[Target], findings: Sequence[Finding]) -> dict[str, Any]:
-    carried = [f"{m.name}: {t.name}" for target in targets for m in target.machines for t in m.transitions if one.id in t.trace]
+    carried = [
+        f"{m.name}: {t.name}" for target in targets for m in target.machines for t in m.transitions if one.id in t.trace
+    ]
     shown = [finding.id for finding in findings if one.id in finding.requirements]
     verdicts: Mapping[str, str] = {finding.id: word(finding.result) for finding in findings}
     return {

@@ -26,7 +26,9 @@ def to_junit(findings: Sequence[Finding]) -> str:
 
 def _case(suite: ElementTree.Element, finding: Finding) -> None:
     time = f"{finding.seconds:.3f}"
-    case = ElementTree.SubElement(suite, "testcase", classname=f"{finding.machine}.{finding.kind}", name=finding.id, time=time)
+    case = ElementTree.SubElement(
+        suite, "testcase", classname=f"{finding.machine}.{finding.kind}", name=finding.id, time=time
+    )
     match finding.result:
         case Violated(trace, engine, reason):
             failure = ElementTree.SubElement(case, "failure", message=f"{finding.statement} ({engine}) {reason}")

@@ -29,7 +29,9 @@ def to_html(data: Mapping[str, Any], findings: Sequence[Finding], targets: Seque
     """The page. `data` is what `report_data` returned for the same findings and targets."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    counts = {key: sum(row["verdict"] == key for row in data["results"]) for key in ("proved", "held", "unknown", "violated")}
+    counts = {
+        key: sum(row["verdict"] == key for row in data["results"]) for key in ("proved", "held", "unknown", "violated")
+    }
     rows = {row["id"]: row for row in data["results"]}
     return template.render(
         data=data,
@@ -116,7 +118,9 @@ def _charts(trace: Trace) -> str:
     """Truth, reported position and margins where the machine has them; otherwise what changed most."""
     if {"position_mm", "over_mm", "under_mm"} <= set(trace.system.outputs):
         return _position_chart(trace)
-    names = [var.name for var in trace.system.state if isinstance(var, NumVar) and not isinstance(var.unit, Enumeration)]
+    names = [
+        var.name for var in trace.system.state if isinstance(var, NumVar) and not isinstance(var.unit, Enumeration)
+    ]
     moving = sorted(names, key=lambda name: -_spread(trace, name))[:3]
     return "".join(
         line_chart(name, trace.system.variable(name).unit.name, {name: _series(trace, name)})  # type: ignore[union-attr]

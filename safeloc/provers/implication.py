@@ -1,0 +1,84 @@
+"""Whether goals follow from hypotheses: one z3 solver, one question a goal, and what speaks against it if not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import z3
+
+from safeloc.backends.smt import Terms, constant
+from safeloc.backends.smtlib import Query
+from safeloc.expr import And, Bool, NumVar, Value, Var, variables
+from safeloc.provers.limits import deadline, milliseconds
+from safeloc.trace import shown
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """The goal does not follow; `example` gives values under which the hypotheses hold and it does not."""
+
+    example: Mapping[str, str]
+
+    def __str__(self) -> str:
+        return "does not follow, for example when " + ", ".join(f"{name} = {v}" for name, v in self.example.items())
+
+
+@dataclass(frozen=True)
+class Undecided:
+    """The solver gave up, for the reason it states."""
+
+    reason: str
+
+    def __str__(self) -> str:
+        return f"undecided: {self.reason}"
+
+
+Failure = Refuted | Undecided
+
+
+def unproved(query: Query, seconds: float, seed: int = 0) -> dict[str, Failure]:
+    """The goals that do not follow, or are not decided within `seconds` for all of them together."""
+    named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
+    terms, solver, ends = Terms(named), z3.Solver(), deadline(seconds)
+    solver.set("random_seed", seed)
+    solver.add(*(terms.bool(term) for term in query.hypotheses))
+    failed: dict[str, Failure] = {}
+    for name, goal in query.goals.items():
+        if ends.passed:
+            failed[name] = Undecided(f"time limit of {seconds:g} s")
+            continue
+        solver.set("timeout", milliseconds(ends.left))
+        solver.push()
+        solver.add(z3.Not(terms.bool(goal)))
+        failure = _failure(solver, goal, named)
+        if failure is not None:
+            failed[name] = failure
+        solver.pop()
+    return failed
+
+
+def _failure(solver: z3.Solver, goal: Bool, named: Mapping[Var, z3.ExprRef]) -> Failure | None:
+    answer = solver.check()
+    if answer == z3.unsat:
+        return None
+    if answer == z3.unknown:
+        return Undecided(f"solver: {solver.reason_unknown()}")
+    model = solver.model()
+    return Refuted({var.name: shown(var, _value(model, var, named[var])) for var in variables([goal])})
+
+
+def _value(model: z3.ModelRef, var: Var, term: z3.ExprRef) -> Value:
+    value = model.eval(term, model_completion=True)
+    return value.as_long() if isinstance(var, NumVar) else z3.is_true(value)
+
+
+def conjuncts(term: Bool) -> Iterable[Bool]:
+    """The parts of a conjunction, of its conjunctions, and so on; the term itself if it is none."""
+    stack = [term]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, And):
+            stack.extend(reversed(part.parts))
+        else:
+            yield part
