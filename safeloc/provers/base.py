@@ -5,117 +5,141 @@ Both are PROVED, once per system, and then serve every property as hypotheses:
     always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
     facts   the other lemmas, and ranges of ghosts, under the assumption
 
-What is not inductive together with the rest is dropped and named in `refuted`; it is never assumed.
+What is not inductive together with the rest, or not confirmed by cvc5, is dropped and named in `refuted`; it is
+never assumed.
 """
 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-import z3
-
-from safeloc.backends.smt import Terms, constant
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, NumVar, Substitution, variables
-from safeloc.provers.recheck import recheck
+from safeloc.provers.implication import Failure, Undecided, unproved
+from safeloc.provers.limits import Deadline, deadline
+from safeloc.provers.recheck import certify
 from safeloc.system import TransitionSystem, environment, in_range
 
 
 @dataclass(frozen=True, eq=False)
 class Base:
-    """Proved facts by name, what was refuted, and the texts that cvc5 has confirmed."""
+    """Proved facts by name, what was dropped and why, and the texts that cvc5 has confirmed.
+
+    `seconds` is the time that was allowed: with more of it, what is undecided may yet be proved.
+    """
 
     always: Mapping[str, Bool]
     facts: Mapping[str, Bool]
-    refuted: Mapping[str, str]
+    refuted: Mapping[str, Failure]
     certificates: Mapping[str, str]
+    seconds: float
 
     @property
     def everything(self) -> list[Bool]:
         """All proved facts."""
         return [*self.always.values(), *self.facts.values()]
 
+    def serves(self, seconds: float) -> bool:
+        """Whether trying again for so long could give no more."""
+        return seconds <= self.seconds or not any(isinstance(why, Undecided) for why in self.refuted.values())
+
+
+@dataclass(frozen=True, eq=False)
+class _Layer:
+    """Terms to be proved inductive together, on top of what is proved already."""
+
+    system: TransitionSystem
+    name: str
+    allowed: Bool
+    given: Sequence[Bool]
+    relies_on: Sequence[str]
+
+    def queries(self, kept: Mapping[str, Bool]) -> tuple[Query, Query]:
+        """Initiation and consecution of the conjunction."""
+        system, after = self.system, Substitution(dict(self.system.next))
+        name, first = f"{system.name} {self.name}", [system.init, in_range(system.state), *self.given]
+        later = {key: after.bool(term) for key, term in kept.items()}
+        step = [self.allowed, *self.given, *kept.values()]
+        return Query(f"{name} initially", first, dict(kept)), Query(f"{name} in every step", step, later)
+
 
 _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDictionary()
 
 
 def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
-    """The system's proved base; computed once per system."""
-    if system not in _KNOWN:
-        _KNOWN[system] = _prove(system, seconds)
-    return _KNOWN[system]
+    """The system's proved base; computed once per system, and again only if more time could give more."""
+    known = _KNOWN.get(system)
+    if known is None or not known.serves(seconds):
+        known = _KNOWN[system] = _prove(system, seconds)
+    return known
+
+
+def remember(system: TransitionSystem, known: Base) -> None:
+    """Keeps a base that another process has proved."""
+    _KNOWN[system] = known
+
+
+def range_name(var: NumVar) -> str:
+    """The name under which a variable's range is proved."""
+    return f"range of {var.name}"
 
 
 def _prove(system: TransitionSystem, seconds: float) -> Base:
-    numeric = [var for var in system.state if isinstance(var, NumVar)]
-    own = {f"range of {var.name}": in_range([var]) for var in numeric if var not in system.ghosts}
-    hidden = {f"range of {var.name}": in_range([var]) for var in numeric if var in system.ghosts}
-    refuted: dict[str, str] = {}
+    ends, own, hidden = deadline(seconds), _ranges(system, ghosts=False), _ranges(system, ghosts=True)
     free = {name: term for name, term in system.lemmas.items() if not set(variables([term])) & system.ghosts}
-    always = _inductive(system, {**own, **free}, [], environment(system, assume=False), refuted, seconds)
-    refuted = {name: why for name, why in refuted.items() if name in own}
+    always, texts, failed = _inductive(_board(system), {**own, **free}, ends)
     rest = {name: term for name, term in system.lemmas.items() if name not in always}
-    facts = _inductive(system, {**hidden, **rest}, list(always.values()), environment(system), refuted, seconds)
-    found = Base(always, facts, refuted, {})
-    texts = {f"{query.name.replace(' ', '-')}.smt2": to_smtlib(query) for query in step_queries(system, found)}
-    for name, text in texts.items():
-        recheck(name, text)
-    return replace(found, certificates=texts)
+    facts, more_texts, refuted = _inductive(_world(system, always, list(texts)), {**hidden, **rest}, ends)
+    refuted |= {name: why for name, why in failed.items() if name in own}
+    return Base(always, facts, refuted, {**texts, **more_texts}, seconds)
 
 
-def _queries(
-    system: TransitionSystem, name: str, kept: Mapping[str, Bool], given: list[Bool], allowed: Bool
-) -> tuple[Query, Query]:
-    """Initiation and consecution of a conjunction."""
-    after = Substitution({var: term for var, term in system.next.items()})
-    first = Query(f"{name} initially", [system.init, in_range(system.state), *given], dict(kept))
-    later = {key: after.bool(term) for key, term in kept.items()}
-    return first, Query(f"{name} in every step", [allowed, *given, *kept.values()], later)
+def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[str, Bool]:
+    numeric = [var for var in system.state if isinstance(var, NumVar)]
+    return {range_name(var): in_range([var]) for var in numeric if (var in system.ghosts) == ghosts}
+
+
+def _board(system: TransitionSystem) -> _Layer:
+    return _Layer(system, "always", environment(system, assume=False), (), ())
+
+
+def _world(system: TransitionSystem, always: Mapping[str, Bool], relies_on: Sequence[str]) -> _Layer:
+    return _Layer(system, "facts", environment(system), list(always.values()), relies_on)
 
 
 def step_queries(system: TransitionSystem, known: Base) -> list[Query]:
     """The queries that show the base inductive: what a certificate states."""
-    always, given = dict(known.always), list(known.always.values())
-    board = _queries(system, f"{system.name} always", always, [], environment(system, assume=False))
-    facts = _queries(system, f"{system.name} facts", dict(known.facts), given, environment(system))
-    return [query for query in (*board, *facts) if query.goals]
+    board, world = _board(system), _world(system, known.always, ())
+    return [query for query in (*board.queries(known.always), *world.queries(known.facts)) if query.goals]
 
 
 def _inductive(
-    system: TransitionSystem,
-    wanted: Mapping[str, Bool],
-    given: list[Bool],
-    allowed: Bool,
-    refuted: dict[str, str],
-    seconds: float,
-) -> dict[str, Bool]:
-    """The greatest part of `wanted` that is inductive together; what falls out is named in `refuted`."""
-    kept = dict(wanted)
+    layer: _Layer, terms: Mapping[str, Bool], ends: Deadline
+) -> tuple[dict[str, Bool], dict[str, str], dict[str, Failure]]:
+    """The greatest part that is inductive together, its texts, and what fell out."""
+    kept, refuted = dict(terms), dict[str, Failure]()
     while kept:
-        first, later = _queries(system, system.name, kept, given, allowed)
-        failed = {**unproved(first, seconds), **unproved(later, seconds)}
+        both = layer.queries(kept)
+        failed = {name: why for query in both for name, why in unproved(query, ends.left).items()}
+        texts: dict[str, str] = {}
         if not failed:
-            break
+            texts, failed = _confirmed(both, layer.relies_on, ends)
+        if not failed:
+            return kept, texts, refuted
         refuted |= failed
         kept = {name: term for name, term in kept.items() if name not in failed}
-    return kept
+    return {}, {}, refuted
 
 
-def unproved(query: Query, seconds: float, seed: int = 0) -> dict[str, str]:
-    """Goals that do not follow from the hypotheses, with what z3 said of them: `not inductive` or its reason."""
-    named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
-    terms, solver = Terms(named), z3.Solver()
-    solver.set("timeout", max(1, int(seconds * 1000)))
-    solver.set("random_seed", seed)
-    solver.add(*(terms.bool(term) for term in query.hypotheses))
-    failed: dict[str, str] = {}
-    for name, goal in query.goals.items():
-        solver.push()
-        solver.add(z3.Not(terms.bool(goal)))
-        answer = solver.check()
-        if answer != z3.unsat:
-            failed[name] = "not inductive" if answer == z3.sat else f"solver: {solver.reason_unknown()}"
-        solver.pop()
-    return failed
+def _confirmed(
+    both: tuple[Query, Query], relies_on: Sequence[str], ends: Deadline
+) -> tuple[dict[str, str], dict[str, Failure]]:
+    texts: dict[str, str] = {}
+    failed: dict[str, Failure] = {}
+    for query in both:
+        certificate = certify(query, seconds=ends.left, relies_on=relies_on)
+        texts[certificate.file] = certificate.text
+        failed |= {name: Undecided("cvc5 could not confirm it in time") for name in certificate.undecided}
+    return texts, failed

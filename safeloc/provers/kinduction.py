@@ -6,65 +6,72 @@ re-checked by cvc5 before the verdict is Proved.
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, BoolVar, Expr, NumVar, Substitution, Var, all_of
-from safeloc.provers.base import Base, base, unproved
-from safeloc.provers.limits import Limits
-from safeloc.provers.recheck import ENGINE, recheck
+from safeloc.provers.base import Base, base
+from safeloc.provers.implication import Undecided, conjuncts, unproved
+from safeloc.provers.limits import Limits, deadline
+from safeloc.provers.recheck import ENGINE, certify
 from safeloc.spec import Goal
 from safeloc.system import environment, in_range
 from safeloc.verdict import Proved, Unknown, Verdict
 
 
 def kinduction(goal: Goal, limits: Limits) -> Verdict:
-    """Proved, or Unknown: this engine finds no violations."""
-    known, ends = base(goal.original, seconds=limits.seconds), time.monotonic() + limits.seconds
+    """Proved, or Unknown: this engine finds no violations.
+
+    The invariant is the base and the goal; for k > 1 it is inductive over k steps, not over one.
+    """
+    known, ends = base(goal.original, seconds=limits.seconds), deadline(limits.seconds)
     for k in range(1, limits.induction + 1):
-        left = ends - time.monotonic()
-        if left <= 0:
-            return Unknown(f"time limit of {limits.seconds:g} s at k = {k}", k - 2)
-        first, later = queries(goal, known, k)
-        if unproved(first, left, limits.seed):
-            return Unknown(f"the property fails within {k - 1} steps of the start, or the solver gave up", k - 2)
-        if not unproved(later, left, limits.seed):
-            return _proved(goal, known, k, (first, later))
-    return Unknown(f"not {limits.induction}-inductive with the declared lemmas", limits.induction - 1)
+        both = queries(goal, known, k)
+        for query, complaint in zip(both, (f"fails within {k - 1} steps of the start", ""), strict=True):
+            failed = unproved(query, ends.left, limits.seed)
+            undecided = [str(why) for why in failed.values() if isinstance(why, Undecided)]
+            if undecided:
+                return Unknown(f"k = {k}: {undecided[0]}", k - 2)
+            if failed and complaint:
+                return Unknown(f"the property, or its helper, {complaint}", k - 2)
+        if not failed:
+            return _proved(goal, known, k, both, ends.left)
+    return Unknown(f"not {limits.induction}-inductive with the proved ranges and lemmas", limits.induction - 1)
 
 
-def _proved(goal: Goal, known: Base, k: int, both: tuple[Query, Query]) -> Proved:
-    texts = {f"{_file(query.name)}.smt2": to_smtlib(query) for query in both}
-    for name, text in texts.items():
-        recheck(name, text)
-    given = list(known.always.values()) if goal.prop.unconditional else known.everything
-    invariant = all_of([*given, goal.good, goal.helper])
-    return Proved(invariant, f"{k}-induction", k, (ENGINE,), {**known.certificates, **texts})
+def _proved(goal: Goal, known: Base, k: int, both: tuple[Query, Query], seconds: float) -> Verdict:
+    made = [certify(query, seconds=seconds, relies_on=list(known.certificates)) for query in both]
+    if any(one.undecided for one in made):
+        return Unknown(f"proved by {k}-induction in z3, but cvc5 could not confirm it in time", k - 1)
+    texts = {**known.certificates, **{one.file: one.text for one in made}}
+    invariant = all_of([*_given(goal, known), _wanted(goal)])
+    return Proved(invariant, f"{k}-induction", k, (ENGINE,), texts)
 
 
-def _file(name: str) -> str:
-    return "".join(letter if letter.isalnum() else "-" for letter in name)
+def _given(goal: Goal, known: Base) -> list[Bool]:
+    return list(known.always.values()) if goal.prop.unconditional else known.everything
+
+
+def _wanted(goal: Goal) -> Bool:
+    return all_of([goal.good, goal.helper, in_range(goal.observers)])
 
 
 def queries(goal: Goal, known: Base, k: int) -> tuple[Query, Query]:
-    """Base: `good` in the first k states. Step: after k good states comes another."""
-    good = all_of([goal.good, goal.helper, in_range(goal.observers)])
+    """Base: `good` in the first k states. Step: after k good states comes another. One question a conjunct."""
     name = f"{goal.original.name} {goal.prop.name}"
     states, allowed = _unrolled(goal, k)
-    given = list(known.always.values()) if goal.prop.unconditional else known.everything
-    hold = [state.bool(good) for state in states]
+    hold = [state.bool(_wanted(goal)) for state in states]
+    given = _given(goal, known)
     facts = [state.bool(term) for state in states[:-1] for term in given]
-    start = Query(
-        f"{name} initially",
-        [goal.system.init, in_range(goal.system.state), *given, *allowed[:-1]],
-        _numbered(hold[:k]),
-    )
-    return start, Query(f"{name} in every step", [*facts, *allowed, *hold[:k]], {"good after the last step": hold[k]})
+    first = [goal.system.init, in_range(goal.system.state), *given, *allowed[:-1]]
+    early = {key: part for step in range(k) for key, part in _parts(f"good after {step} steps", hold[step])}
+    late = dict(_parts("good after the last step", hold[k]))
+    return Query(f"{name} initially", first, early), Query(f"{name} in every step", [*facts, *allowed, *hold[:k]], late)
 
 
-def _numbered(terms: list[Bool]) -> dict[str, Bool]:
-    return {f"good after {number} steps": term for number, term in enumerate(terms)}
+def _parts(name: str, term: Bool) -> list[tuple[str, Bool]]:
+    parts = list(conjuncts(term))
+    return [(name if len(parts) == 1 else f"{name}, part {number}", part) for number, part in enumerate(parts, 1)]
 
 
 def _unrolled(goal: Goal, k: int) -> tuple[list[Substitution], list[Bool]]:

@@ -32,15 +32,15 @@ from safeloc.expr import (
     NumVar,
     Substitution,
     all_of,
-    any_of,
     between,
     in_order,
     variables,
 )
 from safeloc.machine import Machine, Transition
-from safeloc.provers.base import base, unproved
+from safeloc.provers.base import base
 from safeloc.provers.bmc import run_of
 from safeloc.provers.evidence import confirmed
+from safeloc.provers.implication import unproved
 from safeloc.provers.limits import Limits
 from safeloc.ranges import beyond_int64
 from safeloc.results import Finding

@@ -92,7 +92,9 @@ def _lemma_findings(system: TransitionSystem, seconds: float) -> Iterator[Findin
     known = base(system)
     for name, term in system.lemmas.items():
         proved = Proved(term, "1-induction", 1, ("cvc5",), known.certificates)
-        result = proved if name in known.facts or name in known.always else Unknown(f"lemma not used: {known.refuted[name]}")
+        result = (
+            proved if name in known.facts or name in known.always else Unknown(f"lemma not used: {known.refuted[name]}")
+        )
         reach = "for all inputs in range" if name in known.always else "under the assumption"
         yield Finding(
             f"{system.name}/lemma/{name}",

@@ -70,9 +70,7 @@ def decide(file: str, text: str, *, seconds: float) -> list[str]:
         raise EngineError(f"{file}: cvc5 cannot read the text of the proof: {error}") from error
 
 
-def _answers(
-    parser: cvc5.InputParser, solver: cvc5.Solver, symbols: cvc5.SymbolManager, ends: Deadline
-) -> list[str]:
+def _answers(parser: cvc5.InputParser, solver: cvc5.Solver, symbols: cvc5.SymbolManager, ends: Deadline) -> list[str]:
     answers = []
     while not (command := parser.nextCommand()).isNull():
         if ends.passed and command.getCommandName() == "check-sat":
