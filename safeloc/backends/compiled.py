@@ -42,7 +42,9 @@ from safeloc.system import TransitionSystem
 
 Row = tuple[Value, ...]
 Assignment = tuple[str, Expr]
+Group = tuple[Expr | None, list[Assignment]]
 LONGEST_INLINE = 12
+DEEPEST_INDENT = 4 * 40  # Python itself refuses more than 100 levels
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ def compile_system(system: TransitionSystem) -> Compiled:
     """Generate and load the functions. For what runs on board, pass `without_ghosts(system)`."""
     source = to_python(system)
     space: dict[str, Any] = {}
-    exec(compile(source, f"<safeloc {system.name}>", "exec"), space)
+    exec(compile(source, f"<safeloc {system.name}>", "exec"), space)  # noqa: S102 # our own text, made from checked terms
     return Compiled(
         system,
         source,
@@ -108,7 +110,7 @@ def to_python(system: TransitionSystem) -> str:
     if any(isinstance(node, Past) for node in in_order(system.next.values())):
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
     names = _names(system)
-    after = {var: f"{names[var]}_" for var in system.state}
+    after = {var: f"next_{names[var]}" for var in system.state}
     moves = [(after[var], system.next[var]) for var in system.state if system.next[var] is not var]
     fired = [(f"fired_{number}", term) for number, term in enumerate(system.fired.values())]
     state, inputs = _tuple(names[var] for var in system.state), _tuple(names[var] for var in system.inputs)
@@ -133,13 +135,17 @@ def to_python(system: TransitionSystem) -> str:
 
 
 def _names(system: TransitionSystem) -> dict[Var, str]:
-    """A Python name for every variable: its own letters, and a number where two would be the same."""
+    """A Python name for every variable: its own letters, and a number where another one has that name already."""
     names: dict[Var, str] = {}
-    taken: Counter[str] = Counter()
+    taken: set[str] = set()
     for var in (*system.state, *system.inputs):
-        plain = "v_" + "".join(letter if letter.isalnum() else "_" for letter in var.name)
-        taken[plain] += 1
-        names[var] = plain if taken[plain] == 1 else f"{plain}_{taken[plain]}"
+        plain = "v_" + "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in var.name)
+        name, number = plain, 1
+        while name in taken:
+            number += 1
+            name = f"{plain}_{number}"
+        taken.add(name)
+        names[var] = name
     return names
 
 
@@ -162,7 +168,9 @@ class _Block:
         return text or f"{indent}pass\n"
 
     def _lines(self, targets: list[Assignment], indent: str) -> str:
-        groups = _grouped([target for target in targets], self._named)
+        groups: list[Group] = [(None, targets)]
+        if len(indent) < DEEPEST_INDENT:
+            groups = _grouped(targets, self._named)
         text = self._bind(_shared(groups, self._named), indent)
         for condition, members in groups:
             if condition is None:
@@ -172,17 +180,31 @@ class _Block:
         return text
 
     def _choice(self, condition: Expr, members: list[Assignment], indent: str) -> str:
-        text = self._prepare(condition, indent)
-        then = [(name, term.then) for name, term in members if isinstance(term, (Choose, ChooseBool))]
-        other = [(name, term.other) for name, term in members if isinstance(term, (Choose, ChooseBool))]
-        text += f"{indent}if {self._inline(condition)}:\n{self.lines(then, indent + '    ')}"
-        return text + f"{indent}else:\n{self.lines(other, indent + '    ')}"
+        """One ladder of if and elif, as long as nothing has to be computed before the next rung."""
+        text, rung = self._prepare(condition, indent), "if"
+        test: Expr | None = condition
+        while test is not None:
+            text += f"{indent}{rung} {self._inline(test)}:\n{self.lines(_thens(members), indent + '    ')}"
+            members, rung = _others(members), "elif"
+            test = self._next_rung(members)
+        return text + f"{indent}else:\n{self.lines(members, indent + '    ')}"
+
+    def _next_rung(self, members: list[Assignment]) -> Expr | None:
+        """The condition that decides all of `members`, if it can be tested as it stands."""
+        groups = _grouped(members, self._named)
+        condition = groups[0][0]
+        if len(groups) > 1 or condition is None or self._to_bind(condition) or _shared(groups, self._named):
+            return None
+        return condition
 
     def _assign(self, name: str, term: Expr, indent: str) -> str:
         return self._prepare(term, indent) + f"{indent}{name} = {self._inline(term)}\n"
 
     def _prepare(self, term: Expr, indent: str) -> str:
-        """Bind what the term uses more than once, compares twice, or nests too deep."""
+        return self._bind(self._to_bind(term), indent)
+
+    def _to_bind(self, term: Expr) -> list[Expr]:
+        """What the term uses more than once, compares twice, or nests too deep."""
         uses = Counter(child for node in self._unnamed([term]) for child in children(node))
         twice = {node for node, count in uses.items() if count > 1}
         for node in self._unnamed([term]):
@@ -194,7 +216,7 @@ class _Block:
             if depth[node] > LONGEST_INLINE:
                 twice.add(node)
                 depth[node] = 0
-        return self._bind([node for node in self._unnamed([term]) if node in twice and node is not term], indent)
+        return [node for node in self._unnamed([term]) if node in twice and node is not term]
 
     def _bind(self, nodes: Iterable[Expr], indent: str) -> str:
         text = ""
@@ -266,7 +288,15 @@ def unnamed(roots: Iterable[Expr], named: Mapping[Expr, str]) -> list[Expr]:
     return order
 
 
-def _grouped(targets: list[Assignment], named: Mapping[Expr, str]) -> list[tuple[Expr | None, list[Assignment]]]:
+def _thens(members: list[Assignment]) -> list[Assignment]:
+    return [(name, term.then) for name, term in members if isinstance(term, (Choose, ChooseBool))]
+
+
+def _others(members: list[Assignment]) -> list[Assignment]:
+    return [(name, term.other) for name, term in members if isinstance(term, (Choose, ChooseBool))]
+
+
+def _grouped(targets: list[Assignment], named: Mapping[Expr, str]) -> list[Group]:
     """Targets chosen by the same condition together, all others apart; in the order of first appearance."""
     groups: dict[Expr | None, list[Assignment]] = {}
     for name, term in targets:
@@ -276,7 +306,7 @@ def _grouped(targets: list[Assignment], named: Mapping[Expr, str]) -> list[tuple
     return list(groups.items())
 
 
-def _shared(groups: list[tuple[Expr | None, list[Assignment]]], named: Mapping[Expr, str]) -> list[Expr]:
+def _shared(groups: list[Group], named: Mapping[Expr, str]) -> list[Expr]:
     """Terms that more than one place of a block needs: they are computed before it, outermost ones only."""
     sites: list[list[Expr]] = []
     for condition, members in groups:
@@ -284,8 +314,8 @@ def _shared(groups: list[tuple[Expr | None, list[Assignment]]], named: Mapping[E
             sites += [[term] for _, term in members]
         else:
             sites.append([condition])
-            sites.append([term.then for _, term in members if isinstance(term, (Choose, ChooseBool))])
-            sites.append([term.other for _, term in members if isinstance(term, (Choose, ChooseBool))])
+            sites.append([term for _, term in _thens(members)])
+            sites.append([term for _, term in _others(members)])
     found = [unnamed(site, named) for site in sites]
     count = Counter(id(node) for site in found for node in site)
     parents: dict[int, set[int]] = {}

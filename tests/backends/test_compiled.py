@@ -1,0 +1,146 @@
+"""Generated Python does what the interpreter does, and reads like the transition table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from safeloc.backends.compiled import Compiled, compile_system, to_python
+from safeloc.errors import InputError
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Past, Value, Var, abs_, number
+from safeloc.interpret import run
+from safeloc.machine import Machine, Transition, modes
+from safeloc.system import lower, without_ghosts
+from safeloc.trace import Trace
+from safeloc.units import COUNT
+from tests.examples import EXAMPLES, Example
+from tests.random_machines import Record, first_states, machines, streams
+
+
+def assert_same_run(code: Compiled, trace: Trace, stream: Sequence[Record], first: Record) -> None:
+    """State, fired transitions and outputs of every step, and both loops."""
+    states, state = [], code.first(first)
+    rows = [code.read(record) for record in stream]
+    for row, expected in zip(rows, trace.steps, strict=True):
+        state, numbers = code.step(state, row)
+        states.append(state)
+        assert dict(expected.state) == dict(zip(code.state_names, state, strict=True))
+        assert dict(expected.fired) == code.fired(numbers)
+        assert dict(expected.outputs) == code.named_outputs(state)
+    assert states == code.history(rows, code.first(first))
+    assert state == code.run(rows, code.first(first))
+
+
+@given(st.data())
+def test_random_machines_run_as_interpreted(data: st.DataObject) -> None:
+    """On any machine and any stream, generated Python and the interpreter agree step by step."""
+    system = lower(data.draw(machines()))
+    stream, first = data.draw(streams(system)), data.draw(first_states(system))
+    assert_same_run(compile_system(system), run(system, stream, first=first), stream, first)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_examples_run_as_interpreted(example: Example) -> None:
+    """On every example machine and any stream, generated Python and the interpreter agree step by step."""
+    code = compile_system(example.system)
+
+    @given(stream=streams(example.system, 20), first=first_states(example.system))
+    def agree(stream: list[Record], first: Record) -> None:
+        assert_same_run(code, run(example.system, stream, first=first), stream, first)
+
+    agree()
+
+
+def test_names_that_look_alike_stay_apart() -> None:
+    """Variables whose names differ only in what Python cannot spell, or in an underscore, are not mixed up."""
+    (only,) = table = modes("ONLY")
+    names = ("x", "x_", "a.b", "a_b", "a_b_2", "ä", "ö")
+    variables = [number(name, COUNT, 0, 9) for name in names]
+    turned: dict[Var, Expr | Value] = dict(zip(variables, [*variables[1:], variables[0]], strict=True))
+    machine = Machine("turn", table, [], dict(zip(variables, range(7), strict=True)), {}, [_row(only, turned)])
+    code = compile_system(lower(machine))
+    assert ((0, 1, 2, 3, 4, 5, 6, 0), (1,)) == code.step(code.first(), ())
+
+
+def _row(mode: Lit, updates: Mapping[Var, Expr | Value], *, when: Bool = TRUE, rank: int = 0) -> Transition:
+    return Transition(f"row {rank}", mode, mode, when, updates, rank=rank)
+
+
+@pytest.mark.parametrize("shared", [False, True], ids=["elif", "nested"])
+def test_long_tables_compile(shared: bool) -> None:
+    """A table of 150 rows is no problem, although Python refuses 100 levels of indentation."""
+    (only,) = table = modes("ONLY")
+    chosen, sum_ = number("chosen", COUNT, 0, 10**6), number("sum", COUNT, 0, 10**6)
+    rows = []
+    for rank in range(150):
+        term = chosen + rank if shared else chosen
+        rows.append(_row(only, {sum_: term}, when=term.eq(2 * rank if shared else rank), rank=rank))
+    system = lower(Machine("long", table, [chosen], {sum_: 0}, {}, rows))
+    code = compile_system(system)
+    assert ((0, 298 if shared else 149), (150,)) == code.step(code.first(), (149,))
+    assert ((0, 0), (0,)) == code.step(code.first(), (1000,))
+
+
+def test_the_text_reads_like_the_table() -> None:
+    """One if/elif ladder for all variables; a term that only some rows need is computed only there."""
+    idle, busy = table = modes("IDLE", "BUSY")
+    load, sum_ = number("load", COUNT, -9, 9), number("sum", COUNT, 0, 99)
+    rows = [
+        Transition("stop", busy, idle, load.eq(0), {sum_: 0}),
+        Transition("work", table, busy, sum_ + abs_(load) <= 99, {sum_: sum_ + abs_(load)}, rank=1),
+    ]
+    source = to_python(lower(Machine("worker", table, [load], {sum_: 0}, {"sum": sum_}, rows)))
+    assert STEP_OF_WORKER == source[source.index("def step") : source.index("\n\n\ndef run")]
+
+
+STEP_OF_WORKER = """def step(state, inputs):
+    (v_mode, v_sum, ) = state
+    (v_load, ) = inputs
+    if ((v_mode == 1) and (v_load == 0)):
+        next_v_mode = 0
+        next_v_sum = 0
+        fired_0 = 1
+    else:
+        t1 = (0 - v_load)
+        t2 = (v_sum + (v_load if v_load > t1 else t1))
+        if (t2 <= 99):
+            next_v_mode = 1
+            next_v_sum = t2
+            fired_0 = 2
+        else:
+            next_v_mode = v_mode
+            next_v_sum = v_sum
+            fired_0 = 0
+    return (next_v_mode, next_v_sum, ), (fired_0, )"""
+
+
+def test_raw_inputs_are_refused_as_by_the_interpreter() -> None:
+    """`read` admits nothing that the interpreter refuses."""
+    code = compile_system(without_ghosts(EXAMPLES[0].system))
+    assert (100, False, 0) == code.read({"movement": 100})
+    with pytest.raises(InputError, match=r"^movement: 5001 mm is outside -5000\.\.5000\.$"):
+        code.read({"movement": 5001})
+    with pytest.raises(InputError, match=r"^movement: expected a whole number of mm, got nan\.$"):
+        code.read({"movement": float("nan")})
+
+
+def test_a_first_value_can_be_chosen_only_where_it_is_open() -> None:
+    """`first` takes values for ANY variables and refuses others."""
+    example = next(example for example in EXAMPLES if example.name == "timer")
+    code = compile_system(example.system)
+    assert (0, 4) == code.first({"left": 4})
+    with pytest.raises(InputError, match="breaks `initially`"):
+        code.first({"left": 1})
+
+
+def test_past_operators_are_refused() -> None:
+    """A system whose moves look back cannot run; the message says what to do."""
+    system = EXAMPLES[0].system
+    (flag,) = [var for var in system.inputs if isinstance(var, BoolVar)]
+    looking_back = replace(system, next={**system.next, flag: Past("once", (flag,))}, state=(*system.state, flag))
+    with pytest.raises(InputError, match=r"^odometer: past operators cannot run; observe the property first\.$"):
+        to_python(looking_back)
