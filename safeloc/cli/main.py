@@ -27,7 +27,7 @@ from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.system import without_ghosts
 from safeloc.testing import run_tests
-from safeloc.verdict import word, worst
+from safeloc.verdict import Proved, word, worst
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -131,7 +131,7 @@ def test(
 ) -> None:
     """Run property tests along plausible and faulty streams."""
     loaded = load_target(target, config)
-    findings = run_tests(loaded.system, loaded.properties, examples=examples, steps=steps, seed=seed)
+    findings = _tested(loaded, examples, steps, seed, obligations(loaded.system, Limits()))
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
@@ -218,14 +218,20 @@ def verify(
         for one in loaded:
             progress.say(f"proving {one.name}")
             findings += prove_all(one.system, one.properties, limits, jobs=jobs, on_finding=progress.add)
-            findings += _obliged(one, limits, progress)
+            owed = _obliged(one, limits, progress)
             progress.say(f"testing {one.name}")
-            findings += run_tests(one.system, one.properties, examples=examples, steps=steps, seed=seed)
+            findings += [*owed, *_tested(one, examples, steps, seed, owed)]
             findings += _shipped_streams(one, progress)
     page = write_folder(folder, findings, loaded)
     code = result(findings, loaded, as_json=True) if as_json else _summary(findings)
     err.print(f"report: {page}", markup=False)
     raise typer.Exit(code)
+
+
+def _tested(target: Target, examples: int, steps: int, seed: int, owed: Sequence[Finding]) -> list[Finding]:
+    """Property tests that also start where the reachability witnesses end, so that deep modes are tested as well."""
+    corpus = [f.result.witness for f in owed if isinstance(f.result, Proved) and f.result.witness is not None]
+    return run_tests(target.system, target.properties, examples=examples, steps=steps, seed=seed, corpus=corpus)
 
 
 def _summary(findings: Sequence[Finding]) -> int:
