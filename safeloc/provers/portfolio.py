@@ -1,59 +1,74 @@
 """All engines together: k-induction first, then search for a violation, then Spacer; several properties in parallel.
 
-A property that hangs its solver is ended by the clock: each one has a process of its own.
+A property may take its time limit twice, once to be decided and once to be re-checked; then the clock ends it: each
+one has a process of its own.
 """
 
 from __future__ import annotations
 
-import multiprocessing
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from multiprocessing.connection import Connection, wait
-from typing import Any, assert_never
+from typing import assert_never
 
-from safeloc.errors import EngineError
-from safeloc.expr import Value
-from safeloc.provers.base import base
+from safeloc.errors import PropertyError
+from safeloc.expr import NumVar
+from safeloc.provers.base import Base, base, known_base, range_name, ranges_and_lemmas, remember
 from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
+from safeloc.provers.implication import Undecided
 from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
+from safeloc.provers.limits import Limits, deadline
+from safeloc.provers.recheck import ENGINE, file_name
 from safeloc.provers.spacer import spacer
+from safeloc.provers.transfer import pack, pack_base, unpack, unpack_base
+from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
-from safeloc.spec import Goal, Property, observe
+from safeloc.spec import Goal, Property, always, observe
 from safeloc.system import TransitionSystem
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
-GRACE_SECONDS = 30.0
+GRACE_SECONDS = 5.0
+INDUCTION_SHARE, SEARCH_SHARE, FALSIFY_SHARE = 0.4, 0.4, 0.6  # of the time that is left when their turn comes
 OnFinding = Callable[[Finding], None]
 
 
 def prove_one(goal: Goal, limits: Limits) -> Verdict:
-    """The verdict of the first engine that decides. EngineError if engines contradict each other."""
+    """The verdict of the first engine that decides; Unknown with the greatest depth any of them reached."""
     if goal.prop.kind == "reachable":
         return _reach(goal, limits)
-    proof = kinduction(goal, limits)
-    if isinstance(proof, Proved):
-        return proof
-    third = replace(limits, seconds=limits.seconds / 3)
-    for engine in (bmc, falsify, spacer):
-        verdict = engine(goal, third)
+    ends, said, depth = deadline(limits.seconds), list[str](), -1
+    for name, engine, share in _ENGINES:
+        verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share)))
         if not isinstance(verdict, Unknown):
             return verdict
-        proof = verdict if verdict.depth > proof.depth else proof
-    return Unknown(f"{proof.reason}; no engine decided within {limits.seconds:g} s", proof.depth)
+        said.append(f"{name}: {verdict.reason}")
+        depth = max(depth, verdict.depth)
+    return Unknown("; ".join(said), depth)
+
+
+def _falsify(goal: Goal, limits: Limits) -> Verdict:
+    return falsify(goal, limits, limits.seed)
+
+
+_ENGINES: tuple[tuple[str, Callable[[Goal, Limits], Verdict], float], ...] = (
+    ("k-induction", kinduction, INDUCTION_SHARE),
+    ("bounded search", bmc, SEARCH_SHARE),
+    ("falsifiers", _falsify, FALSIFY_SHARE),
+    ("Spacer", spacer, 1.0),
+)
 
 
 def _reach(goal: Goal, limits: Limits) -> Verdict:
     """A witness, or a proof that there is none."""
-    found = search(goal, limits)
+    half = replace(limits, seconds=limits.seconds / 2)
+    found = search(goal, half)
     if not isinstance(found, Exhausted):
         return Proved(None, "bmc", len(found.steps), ("interpreter",), witness=found)
-    never = kinduction(goal, limits)
+    never = kinduction(goal, half)
     if isinstance(never, Proved):
-        return Violated(None, never.engine, "no run comes there: proved by induction")
+        return Violated(None, never.engine, f"no run comes there: proved by {never.engine}")
     return Unknown(found.reason, found.depth)
 
 
@@ -65,165 +80,93 @@ def prove(
     jobs: int = 1,
     on_finding: OnFinding | None = None,
 ) -> list[Finding]:
-    """A Finding for every declared lemma and every property, in order.
+    """A Finding for every declared lemma and every property, in order; `on_finding` is told of each as it comes.
 
-    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties.
+    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. PropertyError if
+    two properties would share a name or a certificate's file.
     """
-    started = time.monotonic()
-    known = base(system, seconds=limits.seconds)
-    findings = [*_lemma_findings(system, time.monotonic() - started)]
-    for finding in findings:
-        _tell(on_finding, finding)
-    goals = [observe(system, prop) for prop in properties]
-    del known
-    by_index: dict[int, Finding] = {}
-    for index, verdict, seconds in _verdicts(goals, limits, jobs):
-        by_index[index] = _finding(goals[index], verdict, seconds)
-        _tell(on_finding, by_index[index])
-    return [*findings, *(by_index[index] for index in range(len(goals)))]
+    _check_names(properties)
+    known, seconds = proved_base(system, limits)
+    findings: dict[int, Finding] = {}
+    claims = [*_lemma_claims(system, known, limits), *(_property_claim(system, prop, limits) for prop in properties)]
+    for index, finding in _settled(claims, seconds):
+        findings[index] = finding
+        if on_finding is not None:
+            on_finding(finding)
+    for index, finding in _proved(claims, limits, jobs):
+        findings[index] = finding
+        if on_finding is not None:
+            on_finding(finding)
+    return [findings[index] for index in range(len(claims))]
 
 
-def _tell(on_finding: OnFinding | None, finding: Finding) -> None:
-    if on_finding is not None:
-        on_finding(finding)
+def _check_names(properties: Sequence[Property]) -> None:
+    seen: dict[str, Property] = {}
+    for prop in properties:
+        other = seen.setdefault(file_name(prop.name), prop)
+        if other is not prop:
+            raise PropertyError(
+                f"{prop.src}: property {prop.name!r} has the name of {other.name!r} ({other.src}), or one that gives the "
+                "same file name; rename one of them."
+            )
 
 
-def _lemma_findings(system: TransitionSystem, seconds: float) -> Iterator[Finding]:
-    known = base(system)
+# ------------------------------------------------------------------ the base
+
+
+def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
+    """The system's base, proved in a process that the clock ends; and the seconds it took."""
+    known = known_base(system, limits.seconds)
+    if known is not None:
+        return known, 0.0
+    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(base(system, seconds=limits.seconds)), _end(limits))
+    [(_, packed, seconds)] = in_processes([task], 1)
+    terms = ranges_and_lemmas(system)
+    if isinstance(packed, Lost):
+        known = Base({}, {}, {name: Undecided(packed.reason) for name in terms}, {}, limits.seconds)
+    else:
+        known = unpack_base(packed, terms)
+    remember(system, known)
+    return known, seconds
+
+
+def _end(limits: Limits) -> float:
+    return 2 * limits.seconds + GRACE_SECONDS
+
+
+# ------------------------------------------------------------------ claims
+
+
+@dataclass(frozen=True, eq=False)
+class _Claim:
+    """What is to be found out: at once (`verdict`), or by `work` in a process."""
+
+    goal: Goal
+    heading: Finding
+    verdict: Verdict | None
+    work: Callable[[Goal, Limits], Verdict]
+
+
+def _lemma_claims(system: TransitionSystem, known: Base, limits: Limits) -> Iterator[_Claim]:
+    """Proved lemmas as they are; for one that was dropped, a run that breaks it is searched."""
     for name, term in system.lemmas.items():
-        proved = Proved(term, "1-induction", 1, ("cvc5",), known.certificates)
-        result = (
-            proved if name in known.facts or name in known.always else Unknown(f"lemma not used: {known.refuted[name]}")
-        )
-        reach = "for all inputs in range" if name in known.always else "under the assumption"
-        yield Finding(
-            f"{system.name}/lemma/{name}",
-            system.name,
-            "lemma",
-            name,
-            result,
-            f"1-induction, all lemmas together, {reach}",
-            seconds,
-        )
+        goal = observe(system, always(name, term))
+        heading = _heading(goal, "lemma", "")
+        if name not in known.refuted:
+            reach = "for all inputs in range" if name in known.always else "under the assumption"
+            method = f"1-induction with all other lemmas, {reach}, re-checked by cvc5"
+            verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
+            yield _Claim(goal, replace(heading, method=method), verdict, bmc)
+        else:
+            why = f"not used: {known.refuted[name]}"
+            yield _Claim(goal, heading, None, lambda goal, limits, why=why: _broken_lemma(goal, limits, why))
 
 
-def _finding(goal: Goal, verdict: Verdict, seconds: float) -> Finding:
-    prop = goal.prop
-    return Finding(
-        f"{goal.original.name}/property/{prop.name}",
-        goal.original.name,
-        "property",
-        prop.statement,
-        verdict,
-        _method(verdict),
-        seconds,
-        prop.trace,
-        prop.assumption,
-    )
+def _broken_lemma(goal: Goal, limits: Limits, why: str) -> Verdict:
+    found = bmc(goal, limits)
+    return Unknown(f"{why}; {found.reason}", found.depth) if isinstance(found, Unknown) else found
 
 
-def _method(verdict: Verdict) -> str:
-    match verdict:
-        case Proved(engine=engine, rechecked=rechecked):
-            return f"{engine}, re-checked by {' and '.join(rechecked)}"
-        case Violated(engine=engine):
-            return f"{engine}, replayed in the interpreter"
-        case Unknown():
-            return "k-induction, bounded search, falsifiers, Spacer"
-        case _:
-            assert_never(verdict)
-
-
-# ------------------------------------------------------------------ processes
-
-
-@dataclass
-class _Worker:
-    index: int
-    process: Any
-    pipe: Connection
-    started: float
-
-
-def _verdicts(goals: Sequence[Goal], limits: Limits, jobs: int) -> Iterator[tuple[int, Verdict, float]]:
-    """Verdicts as they come, each from a process of its own."""
-    context = multiprocessing.get_context("fork")
-    waiting, running = list(range(len(goals))), list[_Worker]()
-    while waiting or running:
-        while waiting and len(running) < max(1, jobs):
-            index = waiting.pop(0)
-            here, there = context.Pipe(duplex=False)
-            process = context.Process(target=_work, args=(goals[index], limits, there), daemon=True)
-            process.start()
-            there.close()
-            running.append(_Worker(index, process, here, time.monotonic()))
-        wait([worker.pipe for worker in running], timeout=1.0)
-        for worker in list(running):
-            verdict = _collected(worker, goals[worker.index], limits)
-            if verdict is not None:
-                running.remove(worker)
-                yield worker.index, verdict, time.monotonic() - worker.started
-
-
-def _collected(worker: _Worker, goal: Goal, limits: Limits) -> Verdict | None:
-    """The worker's verdict, if it has one; a worker that is out of time is ended and its goal is Unknown."""
-    if worker.pipe.poll():
-        try:
-            packed = worker.pipe.recv()
-        except EOFError:
-            worker.process.join()
-            return Unknown(f"the prover's process ended with code {worker.process.exitcode}")
-        worker.process.join()
-        return _unpack(packed, goal)
-    if time.monotonic() - worker.started > 3 * limits.seconds + GRACE_SECONDS:
-        worker.process.kill()
-        worker.process.join()
-        return Unknown(f"ended by the clock after {3 * limits.seconds + GRACE_SECONDS:g} s")
-    return None
-
-
-def _work(goal: Goal, limits: Limits, pipe: Connection) -> None:
-    try:
-        pipe.send(_pack(prove_one(goal, limits)))
-    except Exception as error:  # handed over to the parent, which raises it
-        pipe.send({"error": f"{type(error).__name__}: {error}"})
-    finally:
-        pipe.close()
-
-
-def _pack(verdict: Verdict) -> dict[str, Any]:
-    """Plain data only: terms are graphs too deep to be sent."""
-    match verdict:
-        case Proved():
-            plain = {"engine": verdict.engine, "depth": verdict.depth, "rechecked": verdict.rechecked}
-            run = None if verdict.witness is None else _run(verdict)
-            return {"word": "proved", **plain, "certificates": dict(verdict.certificates), "run": run}
-        case Violated(trace, engine, reason):
-            run = None if trace is None else (dict(trace.initial), [dict(step.inputs) for step in trace.steps])
-            return {"word": "violated", "engine": engine, "reason": reason, "run": run}
-        case Unknown(reason, depth):
-            return {"word": "unknown", "reason": reason, "depth": depth}
-        case _:
-            assert_never(verdict)
-
-
-def _run(verdict: Proved) -> tuple[dict[str, Value], list[dict[str, Value]]]:
-    assert verdict.witness is not None
-    return dict(verdict.witness.initial), [dict(step.inputs) for step in verdict.witness.steps]
-
-
-def _unpack(data: Mapping[str, Any], goal: Goal) -> Verdict:
-    if "error" in data:
-        raise EngineError(f"{goal.original.name}: {goal.prop.name}: {data['error']}")
-    run = data.get("run")
-    trace = None if run is None else confirmed(goal, run[0], run[1], data["engine"])
-    match data["word"]:
-        case "proved":
-            return Proved(
-                goal.good if trace is None else None, data["engine"], data["depth"], data["rechecked"],
-                data["certificates"], trace,
-            )  # fmt: skip
-        case "violated":
-            return Violated(trace, data["engine"], data["reason"])
-        case _:
-            return Unknown(data["reason"], data["depth"])
+def _property_claim(system: TransitionSystem, prop: Property, limits: Limits) -> _Claim:
+    goal = observe(system, prop)
+    return _Claim(goal, _heading(goal, "property", prop.assumption), None, prove_one)
