@@ -1,0 +1,40 @@
+# Two commands set everything up on a machine with Python 3.11 or newer, make and a C compiler:
+#   make verify   proofs, property tests, replay, report      make test   all ordinary tests
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/ready
+
+.PHONY: verify test test-all lint bench coverage clean
+
+verify: $(READY)
+	$(BIN)/safeloc verify --out safeloc-report --jobs 2
+
+test: $(READY)
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+test-all: $(READY)
+	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest -n 2
+
+lint: $(READY)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/pyright
+
+bench: $(READY)
+	$(BIN)/python -m pytest benchmarks --benchmark-only --benchmark-disable-gc -q
+
+coverage: $(READY)
+	$(BIN)/python -m pytest -m "not slow" --cov --cov-report=term-missing
+
+clean:
+	rm -rf .venv build dist *.egg-info safeloc-report
+
+# The package is used from the checkout itself (a path file), so that an edit is seen at once; its command is written
+# by hand for the same reason. The wheel is built and tried by tests/test_packaging.py.
+$(READY): pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet -e '.[dev,bench]' --config-settings editable_mode=strict
+	touch $(READY)
