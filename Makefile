@@ -30,11 +30,10 @@ coverage: $(READY)
 clean:
 	rm -rf .venv build dist *.egg-info safeloc-report
 
-# The package is used from the checkout itself (a path file), so that an edit is seen at once; its command is written
-# by hand for the same reason. The wheel is built and tried by tests/test_packaging.py.
+# Installed as editable, so that an edit in the checkout is seen at once; the wheel is what tests/test_packaging.py tries.
 $(READY): pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --upgrade pip
-	$(BIN)/python -m pip install --quiet -e '.[dev,bench]' --config-settings editable_mode=strict
+	$(BIN)/python -m pip install --quiet -e '.[dev,bench]'
 	touch $(READY)
