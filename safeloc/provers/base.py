@@ -70,10 +70,16 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDicti
 
 def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
     """The system's proved base; computed once per system, and again only if more time could give more."""
-    known = _KNOWN.get(system)
-    if known is None or not known.serves(seconds):
+    known = known_base(system, seconds)
+    if known is None:
         known = _KNOWN[system] = _prove(system, seconds)
     return known
+
+
+def known_base(system: TransitionSystem, seconds: float) -> Base | None:
+    """The base, if it is known and trying for so long could give no more."""
+    known = _KNOWN.get(system)
+    return known if known is not None and known.serves(seconds) else None
 
 
 def remember(system: TransitionSystem, known: Base) -> None:
@@ -94,6 +100,11 @@ def _prove(system: TransitionSystem, seconds: float) -> Base:
     facts, more_texts, refuted = _inductive(_world(system, always, list(texts)), {**hidden, **rest}, ends)
     refuted |= {name: why for name, why in failed.items() if name in own}
     return Base(always, facts, refuted, {**texts, **more_texts}, seconds)
+
+
+def ranges_and_lemmas(system: TransitionSystem) -> dict[str, Bool]:
+    """All that is to be proved, by name."""
+    return {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True), **system.lemmas}
 
 
 def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[str, Bool]:

@@ -70,7 +70,7 @@ def _failure(solver: z3.Solver, goal: Bool, named: Mapping[Var, z3.ExprRef]) -> 
 
 def _value(model: z3.ModelRef, var: Var, term: z3.ExprRef) -> Value:
     value = model.eval(term, model_completion=True)
-    return value.as_long() if isinstance(var, NumVar) else z3.is_true(value)
+    return int(value.as_long()) if isinstance(var, NumVar) else z3.is_true(value)
 
 
 def conjuncts(term: Bool) -> Iterable[Bool]:

@@ -24,8 +24,8 @@ class Limits:
     def __post_init__(self) -> None:
         if self.depth < 0 or self.induction < 1:
             raise InputError(
-                f"{declared_at()}: limits of depth {self.depth} and induction {self.induction}; depth must be 0 or more, "
-                "induction 1 or more."
+                f"{declared_at()}: limits of depth {self.depth} and induction {self.induction}; depth must be 0 or "
+                "more, induction 1 or more."
             )
         if not (math.isfinite(self.seconds) and self.seconds > 0):
             raise InputError(f"{declared_at()}: a time limit of {self.seconds} s; it must be positive and finite.")

@@ -6,14 +6,13 @@ one has a process of its own.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import assert_never
+from functools import partial
+from typing import Literal, assert_never
 
 from safeloc.errors import PropertyError
-from safeloc.expr import NumVar
-from safeloc.provers.base import Base, base, known_base, range_name, ranges_and_lemmas, remember
+from safeloc.provers.base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
@@ -22,7 +21,7 @@ from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.recheck import ENGINE, file_name
 from safeloc.provers.spacer import spacer
-from safeloc.provers.transfer import pack, pack_base, unpack, unpack_base
+from safeloc.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
 from safeloc.spec import Goal, Property, always, observe
@@ -87,13 +86,9 @@ def prove(
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
+    claims = [*_lemma_claims(system, known, seconds), *(_property_claim(system, prop) for prop in properties)]
     findings: dict[int, Finding] = {}
-    claims = [*_lemma_claims(system, known, limits), *(_property_claim(system, prop, limits) for prop in properties)]
-    for index, finding in _settled(claims, seconds):
-        findings[index] = finding
-        if on_finding is not None:
-            on_finding(finding)
-    for index, finding in _proved(claims, limits, jobs):
+    for index, finding in _findings(claims, limits, jobs):
         findings[index] = finding
         if on_finding is not None:
             on_finding(finding)
@@ -106,8 +101,8 @@ def _check_names(properties: Sequence[Property]) -> None:
         other = seen.setdefault(file_name(prop.name), prop)
         if other is not prop:
             raise PropertyError(
-                f"{prop.src}: property {prop.name!r} has the name of {other.name!r} ({other.src}), or one that gives the "
-                "same file name; rename one of them."
+                f"{prop.src}: property {prop.name!r} has the name of {other.name!r} ({other.src}), or one that gives "
+                "the same file name; rename one of them."
             )
 
 
@@ -119,7 +114,8 @@ def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
     known = known_base(system, limits.seconds)
     if known is not None:
         return known, 0.0
-    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(base(system, seconds=limits.seconds)), _end(limits))
+    work = partial(base, system, seconds=limits.seconds)
+    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits))
     [(_, packed, seconds)] = in_processes([task], 1)
     terms = ranges_and_lemmas(system)
     if isinstance(packed, Lost):
@@ -139,34 +135,94 @@ def _end(limits: Limits) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Claim:
-    """What is to be found out: at once (`verdict`), or by `work` in a process."""
+    """A statement to be decided by `prover` in a process of its own, or decided already: `finding`."""
 
     goal: Goal
-    heading: Finding
-    verdict: Verdict | None
-    work: Callable[[Goal, Limits], Verdict]
+    kind: Literal["lemma", "property"]
+    prover: Callable[[Goal, Limits], Verdict]
+    finding: Finding | None = None
 
 
-def _lemma_claims(system: TransitionSystem, known: Base, limits: Limits) -> Iterator[_Claim]:
-    """Proved lemmas as they are; for one that was dropped, a run that breaks it is searched."""
+def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
+    return _Claim(observe(system, prop), "property", prove_one)
+
+
+def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
+    """Proved lemmas; for one that was dropped, a run that breaks it is searched."""
     for name, term in system.lemmas.items():
         goal = observe(system, always(name, term))
-        heading = _heading(goal, "lemma", "")
-        if name not in known.refuted:
-            reach = "for all inputs in range" if name in known.always else "under the assumption"
-            method = f"1-induction with all other lemmas, {reach}, re-checked by cvc5"
-            verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
-            yield _Claim(goal, replace(heading, method=method), verdict, bmc)
+        if name in known.refuted:
+            yield _Claim(goal, "lemma", _breaking(f"not used: {known.refuted[name]}"))
         else:
-            why = f"not used: {known.refuted[name]}"
-            yield _Claim(goal, heading, None, lambda goal, limits, why=why: _broken_lemma(goal, limits, why))
+            verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
+            reach = "for all inputs in range" if name in known.always else "under the assumption"
+            method = f"1-induction, all lemmas together, {reach}, re-checked by {ENGINE}"
+            yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
 
 
-def _broken_lemma(goal: Goal, limits: Limits, why: str) -> Verdict:
-    found = bmc(goal, limits)
-    return Unknown(f"{why}; {found.reason}", found.depth) if isinstance(found, Unknown) else found
+def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:
+    def prover(goal: Goal, limits: Limits) -> Verdict:
+        found = bmc(goal, limits)
+        return Unknown(f"{why}; {found.reason}", found.depth) if isinstance(found, Unknown) else found
+
+    return prover
 
 
-def _property_claim(system: TransitionSystem, prop: Property, limits: Limits) -> _Claim:
-    goal = observe(system, prop)
-    return _Claim(goal, _heading(goal, "property", prop.assumption), None, prove_one)
+def _findings(claims: Sequence[_Claim], limits: Limits, jobs: int) -> Iterator[tuple[int, Finding]]:
+    """Findings as they come, with the place of their claim."""
+    open_: list[int] = []
+    for index, claim in enumerate(claims):
+        if claim.finding is None:
+            open_.append(index)
+        else:
+            yield index, claim.finding
+    tasks = [_task(claims[index], limits) for index in open_]
+    for number, packed, seconds in in_processes(tasks, jobs):
+        claim = claims[open_[number]]
+        verdict = _received(packed, claim.goal)
+        yield open_[number], _finding(claim.goal, claim.kind, verdict, _method(verdict), seconds)
+
+
+def _task(claim: _Claim, limits: Limits) -> Task:
+    goal = claim.goal
+    return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), _end(limits))
+
+
+def _received(packed: Packed | Lost, goal: Goal) -> Verdict:
+    """The verdict of another process; its trace is judged once more in this one."""
+    if isinstance(packed, Lost):
+        return Unknown(packed.reason)
+    verdict = unpack(packed, goal.original, goal.system)
+    trace = verdict.trace if isinstance(verdict, Violated) else verdict.witness if isinstance(verdict, Proved) else None
+    if trace is not None:
+        confirmed(goal, trace.initial, [step.inputs for step in trace.steps], "the prover's process")
+    return verdict
+
+
+def _finding(goal: Goal, kind: Literal["lemma", "property"], verdict: Verdict, method: str, seconds: float) -> Finding:
+    prop, machine = goal.prop, goal.original.name
+    return Finding(
+        id=f"{machine}/{kind}/{prop.name}",
+        machine=machine,
+        kind=kind,
+        statement=prop.statement,
+        result=verdict,
+        method=method,
+        seconds=seconds,
+        requirements=prop.trace,
+        assumption=prop.assumption,
+    )
+
+
+def _method(verdict: Verdict) -> str:
+    match verdict:
+        case Proved(engine=engine, rechecked=rechecked):
+            return f"{engine}, re-checked by {' and '.join(rechecked)}"
+        case Violated(engine=engine, trace=None):
+            return f"{engine}, re-checked by {ENGINE}"
+        case Violated(engine=engine):
+            return f"{engine}, replayed in the interpreter"
+        case Unknown():
+            return "k-induction, bounded search, falsifiers, Spacer"
+        case _:
+            assert_never(verdict)

@@ -1,24 +1,44 @@
-"""Spacer (property-directed reachability): finds an inductive invariant by itself, without lemmas.
+"""Spacer (property-directed reachability): finds an inductive invariant by itself.
 
-Its invariant is a z3 term; it is checked by three fresh z3 queries and, as text, by cvc5. The verdict carries that
-text; the invariant is not translated back into our terms.
+It is given the system's proved base as hypotheses. Its invariant is read back into our own terms; three queries
+(it holds at first, every step keeps it, it implies the property) are then decided by fresh z3 queries and, from
+text written from our terms, by cvc5.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import z3
 
 from safeloc.backends.smt import Terms, constant
+from safeloc.backends.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.provers.limits import Limits
-from safeloc.provers.recheck import ENGINE, recheck
+from safeloc.expr import Bool, Substitution, all_of
+from safeloc.provers.base import Base, base
+from safeloc.provers.implication import unproved
+from safeloc.provers.kinduction import given_facts
+from safeloc.provers.limits import Deadline, Limits, deadline
+from safeloc.provers.reading import UnreadableError, read_bool
+from safeloc.provers.recheck import ENGINE, certify
 from safeloc.spec import Goal
 from safeloc.system import environment, in_range
 from safeloc.verdict import Proved, Unknown, Verdict
 
 
 def spacer(goal: Goal, limits: Limits) -> Verdict:
-    """Proved or Unknown; a violation it claims is left to bounded search, which gives the trace."""
+    """Proved or Unknown; a violation it claims is left to bounded search, which gives the trace.
+
+    The re-check has the time limit once more.
+    """
+    known = base(goal.original, seconds=limits.seconds)
+    found = _invariant(goal, given_facts(goal, known), limits)
+    if isinstance(found, Unknown):
+        return found
+    return _confirmed(goal, known, found, deadline(limits.seconds))
+
+
+def _invariant(goal: Goal, facts: Sequence[Bool], limits: Limits) -> Bool | Unknown:
     system = goal.system
     now = Terms({var: constant(var) for var in (*system.state, *system.inputs)})
     later = Terms({var: constant(var, "'") for var in system.state})
@@ -27,17 +47,25 @@ def spacer(goal: Goal, limits: Limits) -> Verdict:
     engine = _engine(limits)
     engine.register_relation(reached)
     engine.declare_var(*state, *after, *(now(var) for var in system.inputs))
-    first = z3.And(now.bool(system.init), now.bool(in_range(system.state)))
+    known = [now.bool(fact) for fact in facts]
+    first = [now.bool(system.init), now.bool(in_range(system.state))]
     moves = [later(var) == now(term) for var, term in system.next.items()]
-    engine.rule(reached(*state), first)
-    engine.rule(reached(*after), [reached(*state), now.bool(environment(system)), *moves])
+    engine.rule(reached(*state), [*first, *known])
+    engine.rule(reached(*after), [reached(*state), *known, now.bool(environment(system)), *moves])
     try:
-        answer = engine.query(z3.And(reached(*state), z3.Not(now.bool(goal.good))))
+        answer = engine.query(z3.And(reached(*state), *known, z3.Not(now.bool(goal.good))))
     except z3.Z3Exception as error:
         return Unknown(f"spacer: {error}")
+    if answer == z3.sat:
+        return Unknown("spacer claims a violation; bounded search has to show it")
     if answer != z3.unsat:
-        return Unknown(f"spacer: {'claims a violation' if answer == z3.sat else engine.reason_unknown()}")
-    return _confirmed(goal, now, state, _body(engine.get_answer(), state))
+        return Unknown(f"spacer: {_text(engine.reason_unknown())}")
+    return _read(engine.get_answer(), state, goal)
+
+
+def _text(reason: str | bytes) -> str:
+    """z3 gives this reason as bytes, and as `canceled` where its time is up."""
+    return (reason.decode() if isinstance(reason, bytes) else reason).replace("canceled", "time limit") or "undecided"
 
 
 def _engine(limits: Limits) -> z3.Fixedpoint:
@@ -47,40 +75,44 @@ def _engine(limits: Limits) -> z3.Fixedpoint:
     return engine
 
 
+def _read(answer: z3.ExprRef, state: list[z3.ExprRef], goal: Goal) -> Bool | Unknown:
+    try:
+        return read_bool(_body(answer, state), {var.name: var for var in goal.system.state})
+    except UnreadableError as error:
+        return Unknown(f"spacer: its invariant cannot be read back: {error}")
+
+
 def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.BoolRef:
     """The invariant over the state constants, out of `forall s. reached(s) = body(s)`."""
-    if z3.is_quantifier(answer):
-        equation = answer.body()
-        body = equation.arg(1) if equation.num_args() == 2 else z3.BoolVal(True)
-        order = [equation.arg(0).arg(index) for index in range(len(state))]
-        slots = {z3.get_var_index(slot): constant_ for slot, constant_ in zip(order, state, strict=True)}
-        return z3.substitute_vars(body, *(slots[index] for index in range(len(slots))))
-    raise EngineError(f"spacer: its answer is no quantified equation: {answer.sexpr()[:200]}")
+    if not z3.is_quantifier(answer):
+        raise EngineError(f"spacer: its answer is no quantified equation: {answer.sexpr()[:200]}")
+    equation = answer.body()
+    left, body = (equation.arg(0), equation.arg(1)) if z3.is_eq(equation) else (equation, z3.BoolVal(True))
+    slots = {z3.get_var_index(left.arg(index)): constant_ for index, constant_ in enumerate(state)}
+    return z3.substitute_vars(body, *(slots[index] for index in range(len(slots))))
 
 
-def _confirmed(goal: Goal, now: Terms, state: list[z3.ExprRef], invariant: z3.BoolRef) -> Verdict:
-    """The invariant's three queries, by z3 and by cvc5; Unknown if it is not inductive after all."""
-    system = goal.system
-    after = [(now(var), now(system.next[var])) for var in system.state]
-    moved = z3.substitute(invariant, *after)
-    first = z3.And(now.bool(system.init), now.bool(in_range(system.state)))
-    wanted = {
-        "initially": [first, z3.Not(invariant)],
-        "in every step": [invariant, now.bool(environment(system)), z3.Not(moved)],
-        "implies the property": [invariant, z3.Not(now.bool(goal.good))],
-    }
-    texts = {}
-    for name, assertions in wanted.items():
-        solver = z3.Solver()
-        solver.set("timeout", 60_000)
-        solver.add(*assertions)
-        if solver.check() != z3.unsat:
-            return Unknown(f"spacer: its invariant fails the query {name!r}")
-        file = f"{goal.original.name}-{goal.prop.name}-spacer-{name}.smt2".replace(" ", "-")
-        texts[file] = f"(set-logic ALL)\n{_commands(solver.to_smt2())}"
-        recheck(file, texts[file])
-    return Proved(None, "spacer", 0, (ENGINE, "z3, fresh queries"), texts)
+def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verdict:
+    """The invariant's three queries, by z3 and by cvc5."""
+    certificates = dict(known.certificates)
+    for query in queries(goal, given_facts(goal, known), invariant):
+        failed = unproved(query, ends.left)
+        if failed:
+            return Unknown(f"spacer: its invariant fails {query.name!r}: {next(iter(failed.values()))}")
+        certificate = certify(query, seconds=ends.left, relies_on=list(known.certificates))
+        if certificate.undecided:
+            return Unknown("proved by spacer, but cvc5 could not confirm it in time")
+        certificates[certificate.file] = certificate.text
+    return Proved(all_of([*given_facts(goal, known), invariant]), "spacer", 0, (ENGINE,), certificates)
 
 
-def _commands(text: str) -> str:
-    return "\n".join(line for line in text.splitlines() if not line.startswith(("(set-", "; "))) + "\n"
+def queries(goal: Goal, facts: Sequence[Bool], invariant: Bool) -> tuple[Query, Query, Query]:
+    """Initiation, consecution, and that the property follows."""
+    system, name = goal.system, f"{goal.original.name} {goal.prop.name} spacer"
+    after = Substitution(dict(system.next)).bool(invariant)
+    first = [system.init, in_range(system.state), *facts]
+    return (
+        Query(f"{name} initially", first, {"invariant": invariant}),
+        Query(f"{name} in every step", [environment(system), *facts, invariant], {"invariant after it": after}),
+        Query(f"{name} implies the property", [*facts, invariant], {"good": goal.good}),
+    )

@@ -1,0 +1,132 @@
+"""Verdicts and findings as plain data, to be sent between processes.
+
+Terms are graphs too deep to be pickled as they are: they travel as flat lists, parts before wholes. Traces travel
+as first state and inputs, and are run again by the interpreter on arrival.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, assert_never
+
+from safeloc.expr import Bool, Expr, Value, Var, in_order
+from safeloc.interpret import run
+from safeloc.provers.base import Base
+from safeloc.provers.implication import Failure
+from safeloc.system import TransitionSystem
+from safeloc.trace import Trace
+from safeloc.verdict import Proved, Unknown, Verdict, Violated
+
+Flat = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Stands for an earlier node of a flat term."""
+
+    index: int
+
+
+def pack_term(term: Expr) -> Flat:
+    """The nodes below the term; variables by name, parts by place."""
+    nodes = in_order([term])
+    place: dict[Expr, _Part] = {node: _Part(index) for index, node in enumerate(nodes)}
+    return tuple(node.name if isinstance(node, Var) else (type(node), _packed_fields(node, place)) for node in nodes)
+
+
+def _packed_fields(node: Expr, place: Mapping[Expr, _Part]) -> tuple[Any, ...]:
+    values = (getattr(node, field.name) for field in fields(node))  # type: ignore[arg-type] # nodes are dataclasses
+    return tuple(
+        place[value]
+        if isinstance(value, Expr)
+        else tuple(place[part] for part in value)
+        if isinstance(value, tuple)
+        else value
+        for value in values
+    )
+
+
+def unpack_term(flat: Flat, system: TransitionSystem) -> Bool:
+    """The term over the system's variables."""
+    nodes: list[Expr] = []
+    for packed in flat:
+        if isinstance(packed, str):
+            nodes.append(system.variable(packed))
+        else:
+            kind, values = packed
+            nodes.append(kind(*(_unpacked_field(value, nodes) for value in values)))
+    assert isinstance(nodes[-1], Bool)
+    return nodes[-1]
+
+
+def _unpacked_field(value: Any, nodes: list[Expr]) -> Any:
+    if isinstance(value, _Part):
+        return nodes[value.index]
+    return tuple(nodes[part.index] for part in value) if isinstance(value, tuple) else value
+
+
+@dataclass(frozen=True)
+class PackedTrace:
+    """First state, and inputs of every step."""
+
+    initial: Mapping[str, Value]
+    stream: tuple[Mapping[str, Value], ...]
+
+
+def pack_trace(trace: Trace | None) -> PackedTrace | None:
+    """What is needed to run it again."""
+    if trace is None:
+        return None
+    return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps))
+
+
+def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
+    """The run, made again by the interpreter."""
+    return None if packed is None else run(system, packed.stream, first=packed.initial)
+
+
+Packed = tuple[Any, ...]
+
+
+def pack(verdict: Verdict) -> Packed:
+    """The verdict as plain data."""
+    match verdict:
+        case Proved(invariant, engine, depth, rechecked, certificates, witness):
+            term = None if invariant is None else pack_term(invariant)
+            return ("proved", term, engine, depth, rechecked, dict(certificates), pack_trace(witness))
+        case Violated(trace, engine, reason):
+            return ("violated", pack_trace(trace), engine, reason)
+        case Unknown(reason, depth):
+            return ("unknown", reason, depth)
+        case _:
+            assert_never(verdict)
+
+
+def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem) -> Verdict:
+    """The verdict again: traces are runs of `system`, invariants speak of the variables of `observed`."""
+    match packed:
+        case ("proved", term, engine, depth, rechecked, certificates, witness):
+            invariant = None if term is None else unpack_term(term, observed)
+            return Proved(invariant, engine, depth, rechecked, certificates, unpack_trace(witness, system))
+        case ("violated", trace, engine, reason):
+            return Violated(unpack_trace(trace, system), engine, reason)
+        case ("unknown", reason, depth):
+            return Unknown(reason, depth)
+        case _:
+            raise AssertionError(packed)
+
+
+def pack_base(known: Base) -> Packed:
+    """A proved base: names of what holds, the rest as it is."""
+    always, facts = tuple(known.always), tuple(known.facts)
+    return (always, facts, dict(known.refuted), dict(known.certificates), known.seconds)
+
+
+def unpack_base(packed: Packed, terms: Mapping[str, Bool]) -> Base:
+    """The base again, out of the terms by name."""
+    always, facts, certificates = packed[0], packed[1], packed[3]
+    refuted: Mapping[str, Failure] = packed[2]
+    return Base(
+        {name: terms[name] for name in always}, {name: terms[name] for name in facts}, refuted, certificates, packed[4]
+    )
