@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.errors import EngineError, InputError
 from safeloc.expr import Value, Var
-from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, run, start, step
 from safeloc.spec import Goal
-from safeloc.system import environment
+from safeloc.system import TransitionSystem, environment
 from safeloc.trace import Step, Trace
 
 
@@ -30,6 +30,23 @@ def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[st
         if not holds(goal.good, state):
             return Trace(goal.original, initial, tuple(steps))
     return None
+
+
+def admissible_run(
+    system: TransitionSystem, first: Mapping[str, Value], stream: Sequence[Mapping[str, object]]
+) -> Trace:
+    """The run; EngineError if it breaks the assumption or a range."""
+    try:
+        trace = run(system, stream, first=first)
+    except InputError as error:
+        raise EngineError(f"a run of {system.name} that a solver found is not admissible: {error}") from error
+    state, allowed = start(system, first), environment(system)
+    for number, record in enumerate(stream, 1):
+        inputs = read_inputs(system, record)
+        if not holds(allowed, {**state, **inputs}):
+            raise EngineError(f"a run of {system.name} that a solver found breaks the assumption in step {number}.")
+        state, _ = step(system, state, inputs)
+    return trace
 
 
 def confirmed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[str, object]], engine: str) -> Trace:

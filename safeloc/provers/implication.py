@@ -20,8 +20,13 @@ class Refuted:
 
     example: Mapping[str, str]
 
+    @property
+    def values(self) -> str:
+        """The example as text."""
+        return ", ".join(f"{name} = {value}" for name, value in self.example.items())
+
     def __str__(self) -> str:
-        return "does not follow, for example when " + ", ".join(f"{name} = {v}" for name, v in self.example.items())
+        return f"does not follow, for example when {self.values}"
 
 
 @dataclass(frozen=True)

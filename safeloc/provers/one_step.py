@@ -1,0 +1,202 @@
+"""Obligations that a look at one step decides: ranges, overflow, division, overlapping guards, absent inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from safeloc.backends.smtlib import Query
+from safeloc.expr import (
+    INT64_MAX,
+    INT64_MIN,
+    Bool,
+    Expr,
+    FloorDiv,
+    Lit,
+    Mul,
+    Num,
+    NumVar,
+    Optional,
+    Substitution,
+    all_of,
+    between,
+    in_order,
+    variables,
+)
+from safeloc.machine import Machine, Transition
+from safeloc.provers.base import base, range_name
+from safeloc.provers.implication import Failure, Refuted, unproved
+from safeloc.provers.limits import Limits
+from safeloc.provers.obligation import Obligation
+from safeloc.provers.reachability import first_runs, happens, without_assumption
+from safeloc.provers.recheck import ENGINE
+from safeloc.ranges import beyond_int64
+from safeloc.spec import Goal, observe, reachable
+from safeloc.system import TransitionSystem, environment, in_range, lower
+from safeloc.verdict import Proved, Unknown, Verdict, Violated
+
+# ------------------------------------------------------------------ ranges
+
+
+def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """All ranges that are inductive, as one obligation; each of the others on its own."""
+    known = base(system, seconds=limits.seconds)
+    numeric = [var for var in system.state if isinstance(var, NumVar)]
+    kept = [var for var in numeric if range_name(var) not in known.refuted]
+    statement = f"{len(kept)} of {len(numeric)} state variables stay in their declared ranges"
+    verdict = Proved(all_of(known.everything), "1-induction", 1, (ENGINE,), known.certificates)
+    yield Obligation("ranges", statement, verdict, f"1-induction, re-checked by {ENGINE}")
+    for var in numeric:
+        if range_name(var) in known.refuted:
+            goal = observe(system, reachable(range_name(var), ~in_range([var])))
+            goal = goal if var in system.ghosts else without_assumption(goal)
+            verdict_ = _run_or_unknown(goal, str(known.refuted[range_name(var)]), limits)
+            yield Obligation(range_name(var), f"{var.name} stays in {var.low}..{var.high}", verdict_, "bounded search")
+
+
+def _run_or_unknown(goal: Goal, why: str, limits: Limits) -> Verdict:
+    runs = first_runs([goal], limits)
+    if goal.prop.name in runs.found:
+        return Violated(runs.found[goal.prop.name], "bmc", why)
+    return Unknown(f"not shown for every state ({why}), and no run breaks it; a lemma may be missing", runs.depth)
+
+
+# ------------------------------------------------------------------ arithmetic
+
+
+def overflow(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """On board for all inputs; ghosts, which only simulation computes, under the assumption."""
+    known = base(system, seconds=limits.seconds)
+    given = [environment(system, assume=False), *known.always.values()]
+    yield from _overflow(system, "overflow", computed(system), given, limits)
+    if system.ghosts:
+        moves = [*(system.next[var] for var in system.state if var in system.ghosts), system.assume]
+        yield from _overflow(system, "overflow of ghosts", moves, [environment(system), *known.everything], limits)
+
+
+def computed(system: TransitionSystem) -> list[Expr]:
+    """What runs on board: next states, fired transitions and outputs, ghosts apart."""
+    own = [term for var, term in system.next.items() if var not in system.ghosts]
+    return [*own, *system.fired.values(), *system.outputs.values()]
+
+
+def _overflow(
+    system: TransitionSystem, name: str, terms: Sequence[Expr], given: Sequence[Bool], limits: Limits
+) -> Iterator[Obligation]:
+    statement = "no intermediate term leaves 64 bits"
+    wide = beyond_int64(terms)
+    method = f"interval analysis of {len(in_order(terms))} terms" + (f", {len(wide)} of them by z3" if wide else "")
+    goals = {repr(term): between(INT64_MIN, term, INT64_MAX) for term in wide}
+    failed = unproved(Query(name, given, goals), limits.seconds)
+    if not failed:
+        yield Obligation(name, statement, Proved(None, "intervals", 0, ("interval analysis",)), method)
+    for term, why in failed.items():
+        goal = without_assumption(happens(system, f"{name} of {term}", ~goals[term]))
+        yield Obligation(goal.prop.name, statement, _run_or_unknown(goal, str(why), limits), method)
+
+
+def division(system: TransitionSystem, _: Limits) -> Iterator[Obligation]:
+    """Divisors are positive constants by construction; products of two variables are counted for the reader."""
+    nodes = in_order(computed(system))
+    divisors = [node.divisor for node in nodes if isinstance(node, FloorDiv)]
+    products = [node for node in nodes if isinstance(node, Mul) and not _by_constant(node)]
+    verdict: Verdict = Proved(None, "construction", 0, ("construction",))
+    if any(divisor <= 0 for divisor in divisors):
+        verdict = Violated(None, "construction", f"divisors {sorted(set(divisors))}")
+    method = f"{len(divisors)} divisions, each by a positive constant; {len(products)} products of two variables"
+    yield Obligation("division", "no division by zero", verdict, method)
+
+
+def _by_constant(node: Mul) -> bool:
+    return isinstance(node.left, Lit) or isinstance(node.right, Lit)
+
+
+# ------------------------------------------------------------------ overlap
+
+
+def overlap(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """Transitions of one rank and mode are never enabled together, for all inputs; machines of a composition apart."""
+    for machine in system.machines:
+        alone = system if len(system.machines) == 1 else lower(machine)
+        both = {f"{a.name} / {b.name}": _enabled(machine, a) & _enabled(machine, b) for a, b in _pairs(machine)}
+        yield from _overlap(alone, machine, both, limits)
+
+
+def _overlap(
+    system: TransitionSystem, machine: Machine, both: Mapping[str, Bool], limits: Limits
+) -> Iterator[Obligation]:
+    statement = f"transitions of one rank of {machine.name} exclude each other"
+    known = base(system, seconds=limits.seconds)
+    goals = {name: ~term for name, term in both.items()}
+    given = [environment(system, assume=False), *known.always.values()]
+    failed = unproved(Query("overlap", given, goals), limits.seconds)
+    if not failed:
+        verdict: Verdict = Proved(None, "z3", 1, ("one query a pair",))
+        yield Obligation(f"overlap {machine.name}", statement, verdict, f"{len(goals)} pairs, one query each")
+    for name, why in failed.items():
+        goal = without_assumption(happens(system, f"overlap {machine.name}: {name}", both[name]))
+        verdict = _overlapping(goal, why, limits)
+        yield Obligation(goal.prop.name, statement, verdict, "one query, then bounded search")
+
+
+def _overlapping(goal: Goal, why: Failure, limits: Limits) -> Verdict:
+    if not isinstance(why, Refuted):
+        return Unknown(str(why))
+    reason = f"both are enabled when {why.values}; give them different ranks, or mend a guard"
+    runs = first_runs([goal], limits)
+    return Violated(runs.found.get(goal.prop.name), "z3", reason)
+
+
+def _pairs(machine: Machine) -> Iterator[tuple[Transition, Transition]]:
+    table = list(machine.transitions)
+    for index, first in enumerate(table):
+        for second in table[index + 1 :]:
+            if first.rank == second.rank and set(first.sources) & set(second.sources):
+                yield first, second
+
+
+def _enabled(machine: Machine, transition: Transition) -> Bool:
+    return machine.mode.one_of(*transition.sources) & transition.when
+
+
+# ------------------------------------------------------------------ absence
+
+
+def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """Two copies of a step, differing in the value of an absent input, end alike."""
+    if not system.optionals:
+        return
+    statement, count, failed = "the value of an absent input is never read", 0, dict[str, Failure]()
+    for option in system.optionals:
+        query = _two_copies(system, option, base(system, seconds=limits.seconds).always.values())
+        count += len(query.goals)
+        failed |= unproved(query, limits.seconds)
+    yield Obligation("absence", statement, _read(failed), f"{count} queries over two copies of a step")
+
+
+def _two_copies(system: TransitionSystem, option: Optional, facts: Iterable[Bool]) -> Query:
+    other = replace(option.value, name=f"{option.value.name} (other)")
+    swap, goals = Substitution({option.value: other}), dict[str, Bool]()
+    own = {var.name: term for var, term in system.next.items() if var not in system.ghosts}
+    fired: dict[str, Expr] = {var.name: term for var, term in system.fired.items()}
+    for name, term in {**own, **fired}.items():
+        if option.value in set(variables([term])):
+            goals[f"{option.value.name} by {name}"] = _same(term, swap(term))
+    return Query("absence", [in_range([*system.inputs, other]), ~option.present, *facts], goals)
+
+
+def _read(failed: Mapping[str, Failure]) -> Verdict:
+    read = [f"{name}, when {why.values}" for name, why in failed.items() if isinstance(why, Refuted)]
+    if read:
+        return Violated(None, "z3", f"read although absent: {'; '.join(read)}")
+    if failed:
+        return Unknown("; ".join(f"{name}: {why}" for name, why in failed.items()))
+    return Proved(None, "z3", 1, ("two copies of a step",))
+
+
+def _same(left: Expr, right: Expr) -> Bool:
+    if isinstance(left, Num) and isinstance(right, Num):
+        return left.eq(right)
+    assert isinstance(left, Bool)
+    assert isinstance(right, Bool)
+    return left.iff(right)
