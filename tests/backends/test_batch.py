@@ -150,9 +150,9 @@ def test_a_missing_input_is_refused() -> None:
 def test_left_out_optional_inputs_are_absent() -> None:
     """An optional input without arrays is absent in every step; with values only, it is present in every step."""
     inputs = odometer_inputs()
-    assert [0, 0, 0] == simulate(ODOMETER, inputs).last["position"].tolist()
+    assert simulate(ODOMETER, inputs).last["position"].tolist() == [0, 0, 0]
     inputs["reference"] = one(7)
-    assert [0, 0, 7] == simulate(ODOMETER, inputs).last["position"].tolist()
+    assert simulate(ODOMETER, inputs).last["position"].tolist() == [0, 0, 7]
 
 
 @pytest.mark.parametrize(

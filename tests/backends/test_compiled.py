@@ -63,7 +63,7 @@ def test_names_that_look_alike_stay_apart() -> None:
     turned: dict[Var, Expr | Value] = dict(zip(variables, [*variables[1:], variables[0]], strict=True))
     machine = Machine("turn", table, [], dict(zip(variables, range(7), strict=True)), {}, [_row(only, turned)])
     code = compile_system(lower(machine))
-    assert ((0, 1, 2, 3, 4, 5, 6, 0), (1,)) == code.step(code.first(), ())
+    assert code.step(code.first(), ()) == ((0, 1, 2, 3, 4, 5, 6, 0), (1,))
 
 
 def _row(mode: Lit, updates: Mapping[Var, Expr | Value], *, when: Bool = TRUE, rank: int = 0) -> Transition:
@@ -82,7 +82,7 @@ def test_long_tables_compile(shared: bool) -> None:
     system = lower(Machine("long", table, [chosen], {sum_: 0}, {}, rows))
     code = compile_system(system)
     assert ((0, 298 if shared else 149), (150,)) == code.step(code.first(), (149,))
-    assert ((0, 0), (0,)) == code.step(code.first(), (1000,))
+    assert code.step(code.first(), (1000,)) == ((0, 0), (0,))
 
 
 def test_the_text_reads_like_the_table() -> None:
@@ -94,7 +94,7 @@ def test_the_text_reads_like_the_table() -> None:
         Transition("work", table, busy, sum_ + abs_(load) <= 99, {sum_: sum_ + abs_(load)}, rank=1),
     ]
     source = to_python(lower(Machine("worker", table, [load], {sum_: 0}, {"sum": sum_}, rows)))
-    assert STEP_OF_WORKER == source[source.index("def step") : source.index("\n\n\ndef run")]
+    assert source[source.index("def step") : source.index("\n\n\ndef run")] == STEP_OF_WORKER
 
 
 STEP_OF_WORKER = """def step(state, inputs):
@@ -121,7 +121,7 @@ STEP_OF_WORKER = """def step(state, inputs):
 def test_raw_inputs_are_refused_as_by_the_interpreter() -> None:
     """`read` admits nothing that the interpreter refuses."""
     code = compile_system(without_ghosts(EXAMPLES[0].system))
-    assert (100, False, 0) == code.read({"movement": 100})
+    assert code.read({"movement": 100}) == (100, False, 0)
     with pytest.raises(InputError, match=r"^movement: 5001 mm is outside -5000\.\.5000\.$"):
         code.read({"movement": 5001})
     with pytest.raises(InputError, match=r"^movement: expected a whole number of mm, got nan\.$"):
@@ -132,7 +132,7 @@ def test_a_first_value_can_be_chosen_only_where_it_is_open() -> None:
     """`first` takes values for ANY variables and refuses others."""
     example = next(example for example in EXAMPLES if example.name == "timer")
     code = compile_system(example.system)
-    assert (0, 4) == code.first({"left": 4})
+    assert code.first({"left": 4}) == (0, 4)
     with pytest.raises(InputError, match="breaks `initially`"):
         code.first({"left": 1})
 

@@ -1,0 +1,103 @@
+"""The SMT-LIB2 text means what the interpreter does: cvc5, which reads only the text, agrees."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.expr import Bool, Expr, Num, Past, Value, Var, boolean, floor_div, number, product
+from safeloc.interpret import read_inputs, start, step
+from safeloc.provers.recheck import decide
+from safeloc.system import TransitionSystem, lower
+from safeloc.units import COUNT
+from tests.examples import EXAMPLES, Example
+from tests.random_machines import Record, first_states, machines, records
+
+
+def answers(text: str) -> list[str]:
+    """What cvc5 says to each `check-sat` of a text."""
+    return decide("test.smt2", text, seconds=10)
+
+
+def is_(term: Expr, value: Value) -> Bool:
+    """The term that says that a term has this value."""
+    if isinstance(term, Num):
+        return term.eq(int(value))
+    assert isinstance(term, Bool)
+    return term if value else ~term
+
+
+def assert_same_step(system: TransitionSystem, record: Record, first: Record) -> None:
+    """From fixed values follow the values that the interpreter computes, and not their opposite."""
+    known: dict[Var, Value] = {**start(system, first), **read_inputs(system, record)}
+    after, fired = step(system, start(system, first), read_inputs(system, record))
+    expected = [(system.next[var], value) for var, value in after.items()]
+    expected += [(system.fired[var], value) for var, value in fired.items()]
+    goals = {f"goal {number_}": is_(term, value) for number_, (term, value) in enumerate(expected)}
+    goals |= {f"opposite {number_}": ~is_(term, value) for number_, (term, value) in enumerate(expected)}
+    said = answers(to_smtlib(Query("one step", [is_(var, value) for var, value in known.items()], goals)))
+    assert ["unsat"] * len(expected) + ["sat"] * len(expected) == said
+
+
+@settings(max_examples=30)
+@given(st.data())
+def test_random_machines_step_as_interpreted(data: st.DataObject) -> None:
+    """On any machine and any inputs, cvc5 and the interpreter agree on the step."""
+    system = lower(data.draw(machines()))
+    assert_same_step(system, data.draw(records(system)), data.draw(first_states(system)))
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_examples_step_as_interpreted(example: Example) -> None:
+    """On every example machine and any inputs, cvc5 and the interpreter agree on the step."""
+
+    @settings(max_examples=10)
+    @given(record=records(example.system), first=first_states(example.system))
+    def agree(record: Record, first: Record) -> None:
+        assert_same_step(example.system, record, first)
+
+    agree()
+
+
+def test_the_text_is_plain_and_shares_terms() -> None:
+    """Declarations, one definition a shared term, hypotheses, then each goal negated on its own."""
+    x, halved = number("x", COUNT, -9, 9), boolean("halved")
+    half = floor_div(x - 3, 2)
+    query = Query("halving", [halved, half.eq(-1)], {"odd\nor even": half + half < x})
+    assert to_smtlib(query) == TEXT
+    assert answers(TEXT) == ["unsat"]
+
+
+TEXT = """; halving
+(set-logic QF_LIA)
+(set-info :status unsat)
+(declare-const |halved| Bool)
+(declare-const |x| Int)
+(define-fun t5 () Int (- |x| 3))
+(define-fun t6 () Int (div t5 2))
+(define-fun t7 () Bool (= t6 (- 1)))
+(define-fun t8 () Int (+ t6 t6))
+(define-fun t9 () Bool (< t8 |x|))
+(assert |halved|)
+(assert t7)
+(push 1)
+; odd or even
+(assert (not t9))
+(check-sat)
+(pop 1)
+"""
+
+
+def test_products_of_variables_name_the_logic_they_need() -> None:
+    """A product of two variables is not linear, and the text says so."""
+    x = number("x", COUNT, 0, 9)
+    assert "(set-logic QF_NIA)" in to_smtlib(Query("square", [], {"positive": product(x, x) >= 0}))
+    assert "(set-logic QF_LIA)" in to_smtlib(Query("double", [], {"positive": x * 2 >= 0}))
+
+
+def test_past_operators_are_refused() -> None:
+    """A past operator has no text."""
+    with pytest.raises(TypeError, match="observe the property first"):
+        to_smtlib(Query("past", [], {"once": Past("once", (boolean("flag"),))}))
