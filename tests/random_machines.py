@@ -87,7 +87,7 @@ class Pool:
 
 def _small(term: Num) -> Num:
     low, high = bounds([term])[term]
-    return term if -LARGEST <= low and high <= LARGEST else maximum(minimum(term, LARGEST), -LARGEST)
+    return term if low >= -LARGEST and high <= LARGEST else maximum(minimum(term, LARGEST), -LARGEST)
 
 
 def _less(pool: Pool, compare: Callable[[Num, Num], Bool]) -> Bool:
