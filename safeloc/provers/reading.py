@@ -48,6 +48,8 @@ def _parts_first(term: z3.ExprRef) -> list[z3.ExprRef]:
     stack = [(term, False)]
     while stack:
         node, done = stack.pop()
+        if not z3.is_app(node):
+            raise UnreadableError("a quantifier")
         if done:
             order.append(node)
         elif node.get_id() not in seen:
