@@ -5,6 +5,7 @@ It reads only TransitionSystem and uses Python's unbounded integers; nothing is 
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterable, Mapping
 from typing import assert_never
 
@@ -44,11 +45,25 @@ Values = dict[Var, Value]
 
 def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
     """The value of each term where variables have `values`; KeyError for a variable that has none."""
-    wanted = list(terms)
-    found: dict[Expr, Value] = {}
-    for node in in_order(wanted):
-        found[node] = values[node] if isinstance(node, (NumVar, BoolVar)) else _value(node, found)
-    return [found[term] for term in wanted]
+    return Program(terms)(values)
+
+
+class Program:
+    """Terms that are evaluated again and again: their order is worked out once."""
+
+    def __init__(self, terms: Iterable[Expr]) -> None:
+        self.terms = list(terms)
+        self._order = in_order(self.terms)
+
+    def __call__(self, values: Mapping[Var, Value]) -> list[Value]:
+        """The value of each term; KeyError for a variable that has none."""
+        found: dict[Expr, Value] = {}
+        for node in self._order:
+            found[node] = values[node] if isinstance(node, (NumVar, BoolVar)) else _value(node, found)
+        return [found[term] for term in self.terms]
+
+
+_STEPS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
 
 
 def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
@@ -171,10 +186,11 @@ def step(
 ) -> tuple[Values, dict[NumVar, int]]:
     """One step: the state after it and, per machine, the number of the transition that fired (0: none)."""
     known = {**state, **inputs}
-    moved = evaluate([*system.next.values(), *system.fired.values()], known)
+    if system not in _STEPS:
+        _STEPS[system] = Program([*system.next.values(), *system.fired.values()])
+    moved = _STEPS[system](known)
     after = dict(zip(system.next, moved, strict=False))
-    fired = dict(zip(system.fired, map(int, moved[len(after) :]), strict=True))
-    return after, fired
+    return after, dict(zip(system.fired, map(int, moved[len(after) :]), strict=True))
 
 
 def run(

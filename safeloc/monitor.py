@@ -6,15 +6,15 @@ check(trace, property)  a recorded trace, afterwards
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, TypeAlias
 
 from safeloc.errors import TruthValueError
 from safeloc.expr import Value, Var
-from safeloc.interpret import evaluate, holds, read_inputs, start
-from safeloc.spec import Goal, Property, observe
-from safeloc.system import TransitionSystem, environment
+from safeloc.interpret import Program, evaluate, holds, read_inputs, start
+from safeloc.spec import Goal, Property, observe, watch
+from safeloc.system import environment
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Unknown, Violated
 
@@ -89,17 +89,37 @@ class Monitor:
 
 def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
     """The property on a recorded trace; Unknown where the trace breaks the assumption first."""
-    monitor = Monitor(observe(trace.system, prop), _chosen(trace.system, trace.initial))
-    for step in trace.steps:
-        monitor.step(step.inputs)
-    match monitor.status:
-        case Holds():
-            return Held("replay", 1, len(trace.steps))
-        case Broken(at):
-            return Violated(Trace(trace.system, trace.initial, trace.steps[:at]), "replay")
-        case Undecided(at, reason):
-            return Unknown(f"step {at}: {reason}", at - 1)
+    return check_all(trace, [prop])[0]
 
 
-def _chosen(system: TransitionSystem, initial: Mapping[str, Value]) -> dict[str, Value]:
-    return {var.name: initial[var.name] for var in system.state}
+def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Violated | Unknown]:
+    """Every property on a recorded trace, in one pass over it."""
+    goals = [observe(trace.system, prop) for prop in properties]
+    watched = watch(trace.system, goals).system
+    moves = list(watched.next)
+    advance = Program([environment(trace.system), *watched.next.values()])
+    judge = Program([goal.good for goal in goals])
+    state = start(watched, {var.name: trace.initial[var.name] for var in trace.system.state})
+    seen: list[list[Value]] = [judge(state)]
+    broken_at = len(trace.steps) + 1
+    for number, step in enumerate(trace.steps, 1):
+        allowed, *moved = advance({**state, **read_inputs(watched, step.inputs)})
+        state = dict(zip(moves, moved, strict=True))
+        broken_at = broken_at if allowed else min(broken_at, number)
+        seen.append(judge(state))
+    return [_verdict(trace, goal, [row[n] for row in seen], broken_at) for n, goal in enumerate(goals)]
+
+
+def _verdict(trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int) -> Held | Violated | Unknown:
+    """`broken_at`: the first step that breaks the assumption; what comes later says nothing, unless unconditional."""
+    required = len(goods) if goal.prop.unconditional else broken_at
+    first = next((number for number, good in enumerate(goods[:required]) if not good), None)
+    if goal.prop.kind == "reachable":
+        return Unknown("not reached in this trace", len(trace.steps)) if first is None else Held("replay", 1, first)
+    if first is not None:
+        return Violated(Trace(trace.system, trace.initial, trace.steps[:first]), "replay")
+    if required < len(goods):
+        return Unknown(
+            f"the assumption is broken at step {broken_at}; nothing is required from there on", broken_at - 1
+        )
+    return Held("replay", 1, len(trace.steps))

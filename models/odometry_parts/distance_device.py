@@ -8,7 +8,9 @@ no position. In each cycle
     only the other's        position moves by that; the margin grows by the other's law and one-off constant
     neither                 position rests; the margin grows by the highest speed x period (a stale sample is charged)
 
-Growth is charged on the greater of the two units' distances, so that a unit stuck at zero is not judged by itself.
+A unit is never judged by itself alone. Growth is charged on the greater of the two units' distances, and is at least
+what the other unit allows: its own law plus the distance by which the two differ. So a wheel that slips, slides or
+stands while the vehicle runs widens its own margin by what it misses, and the other unit speaks instead.
 """
 
 from __future__ import annotations
@@ -323,8 +325,11 @@ def _failed(device: Device, admitted: tuple[Bool, Bool]) -> Bool:
 def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, age: Num, failed: Bool) -> Values:
     limits = own.limits
     growth = own.law.growth_nm(reach, age, limits.period_ms)
-    bridged = other.law.growth_nm(reach, age, limits.period_ms) + 2 * other.law.wander_nm
-    charge = ite(admitted[0], growth, ite(admitted[1], bridged, as_num(limits.blind_nm, NM)))
+    checking = other.law.growth_nm(reach, age, limits.period_ms)
+    bridged = checking + 2 * other.law.wander_nm
+    checked = maximum(growth, checking + exact_to(abs_(own.step.value - other.step.value), NM))
+    alone = ite(admitted[1], checked, growth)
+    charge = ite(admitted[0], alone, ite(admitted[1], bridged, as_num(limits.blind_nm, NM)))
     moved = own.position + ite(admitted[0], own.step.value, ite(admitted[1], other.step.value, as_num(0, MM)))
     over, under = own.over + charge, own.under + charge
     tolerable = maximum(over, under) <= limits.tolerance_nm

@@ -12,7 +12,7 @@ from typing import Any
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Num, Value, Var, variables
-from safeloc.monitor import check
+from safeloc.monitor import check_all
 from safeloc.interpret import read_inputs, run
 from safeloc.results import Finding
 from safeloc.spec import Property
@@ -20,7 +20,7 @@ from safeloc.streams.steps import StepStream, read_steps
 from safeloc.system import TransitionSystem, without_ghosts
 from safeloc.trace import Trace, shown
 from safeloc.units import Enumeration
-from safeloc.verdict import Held, Violated
+from safeloc.verdict import Held, Result, Violated
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,9 @@ def replay_stream(target: Target, path: Path) -> tuple[list[Row], list[Finding]]
     truth = [step.get("truth_mm") for step in stream.steps]
     trace = _run(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
-    findings = [_finding(target, path, prop, trace, started) for prop in _applicable(target, system)]
+    properties = [prop for prop in _applicable(target, system) if prop.kind != "reachable"]
+    verdicts = check_all(trace, properties)
+    findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if any(value is not None for value in truth):
         findings.append(_containment(target, path, rows, trace, started))
     return rows, findings
@@ -149,16 +151,17 @@ def _applicable(target: Target, system: TransitionSystem) -> list[Property]:
     return [
         prop
         for prop in target.properties
-        if all((var.before or var) in known for var in variables([prop.term, prop.response, prop.given]))
+        if all(
+            (var if var.before is None else var.before) in known
+            for var in variables([prop.term, prop.response, prop.given])
+        )
     ]
 
 
-def _finding(target: Target, path: Path, prop: Property, trace: Trace, started: float) -> Finding:
+def _finding(target: Target, path: Path, prop: Property, verdict: Result, started: float) -> Finding:
     seconds = time.monotonic() - started
     name = f"{target.name}/replay/{path.stem}: {prop.name}"
-    return Finding(
-        name, target.name, "replay", prop.statement, check(trace, prop), f"replay of {path.name}", seconds, prop.trace
-    )
+    return Finding(name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.trace)
 
 
 def _containment(target: Target, path: Path, rows: Sequence[Row], trace: Trace, started: float) -> Finding:

@@ -59,7 +59,19 @@ class Progressing:
 
 
 def findings_table(findings: Sequence[Finding]) -> None:
-    """The verdict table, then the evidence of everything that is not well."""
+    """The verdict table (plain lines in a pipe), then the evidence of everything that is not well."""
+    if not out.is_terminal:
+        for finding in findings:
+            out.print(f"{word(finding.result):9} {finding.id}  [{finding.method}]", markup=False)
+    else:
+        _table(findings)
+    for finding in findings:
+        _evidence(finding)
+    counts = {verdict: sum(word(f.result) == verdict for f in findings) for verdict in EXIT_CODES}
+    out.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count) or "nothing to check")
+
+
+def _table(findings: Sequence[Finding]) -> None:
     table = Table("verdict", "statement", "method", "requirements")
     for finding in findings:
         verdict = word(finding.result)
@@ -70,10 +82,6 @@ def findings_table(findings: Sequence[Finding]) -> None:
             " ".join(finding.requirements),
         )
     out.print(table)
-    for finding in findings:
-        _evidence(finding)
-    counts = {verdict: sum(word(f.result) == verdict for f in findings) for verdict in EXIT_CODES}
-    out.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count) or "nothing to check")
 
 
 def _escape(text: str) -> str:

@@ -1,0 +1,93 @@
+"""Simulated sensors as step streams of the odometry machine, its ghosts included.
+
+With the ghosts in it, a stream carries its own proof of being lawful: the interpreter checks the assumption on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
+from safeloc.simulation.sensors import Distances, Fault, Law, Reading, measure, read_markers
+
+Steps = list[dict[str, int | bool]]
+
+
+def vehicle_of(config: OdometryConfig) -> VehicleConfig:
+    """A vehicle that stays within the configured gates."""
+    return VehicleConfig(
+        length_mm=max(1_000, config.vehicle_length_mm), max_speed_mm_s=int(config.max_speed_mm_s * 0.9)
+    )
+
+
+def simulate(
+    config: OdometryConfig,
+    *,
+    seed: int,
+    seconds: float = 300.0,
+    markers: Sequence[tuple[int, int]] | None = None,
+    marker_accuracy_mm: int = 1_000,
+    dropout: float = 0.01,
+    missed: float = 0.05,
+    foreign: float = 0.002,
+    legs: Sequence[Leg] | None = None,
+    faults: Sequence[Fault] = (),
+) -> Steps:
+    """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+
+    markers  (identity, place in mm) in order of place; every 250 m by default
+    faults   named faults of `front_wheel`, `front_radar`, ...; while one is active the assumption may be broken
+    """
+    rng = np.random.default_rng(seed)
+    vehicle = vehicle_of(config)
+    motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
+    ends = ("front", "rear")[: config.devices]
+    distances = [
+        measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=faults)
+        for end in ends
+        for law in (config.first_unit, config.second_unit)
+    ]
+    known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
+    readings = [
+        reading
+        for end, offset in ((0, 0), (1, config.vehicle_length_mm))
+        for reading in read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
+    ]
+    return _steps(motion, distances, readings)
+
+
+def _law(law: ErrorLaw) -> Law:
+    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
+
+
+def _steps(motion: Motion, distances: Sequence[Distances], readings: Sequence[Reading]) -> Steps:
+    steps: Steps = []
+    true, before = motion.step_nm, {unit.name: 0 for unit in distances}
+    for number in range(len(true)):
+        step: dict[str, int | bool] = {"true_step_nm": int(true[number])}
+        for unit in distances:
+            if unit.present[number]:
+                step[f"{unit.name}_mm"] = int(unit.step_mm[number])
+                before[unit.name] = int(unit.wander_nm[number])
+            step[f"{unit.name}_next_wander_nm"] = before[unit.name]
+        step["truth_mm"] = int(motion.position_nm[number]) // 1_000_000
+        steps.append(step)
+    for reading in readings:
+        steps[reading.cycle] |= _reading(reading)
+    return steps
+
+
+def _reading(reading: Reading) -> Mapping[str, int]:
+    name = f"{('front', 'rear')[reading.end]}_marker"
+    if reading.place_mm is None:
+        return {name: reading.marker}
+    return {
+        name: reading.marker,
+        f"{name}_position_mm": reading.place_mm,
+        f"{name}_accuracy_mm": reading.accuracy_mm,
+        f"{name}_since_mm": reading.since_mm,
+    }

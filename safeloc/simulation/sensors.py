@@ -1,0 +1,181 @@
+"""Sensors of a moving train: measured distances and marker readings that keep a declared error law, and faults.
+
+A distance sensor measures, in every cycle,   true = measured + change of wander + drift   with
+
+    |wander| <= half the one-off constant      (quantisation, a wheel that slips and grips again)
+    |drift|  <= floor x period + rate x (measured distance above the knee)
+
+Both parts are returned, so that a monitor can check the law exactly. Faults break it on purpose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.errors import InputError
+from safeloc.simulation.motion import Motion
+
+NM_PER_MM = 1_000_000
+FaultKind = Literal["stuck", "runaway", "jump", "drop-out", "slip", "slide"]
+
+
+@dataclass(frozen=True)
+class Law:
+    """The numbers of an error law: mm, ppm, mm/s, mm/s."""
+
+    constant_mm: int
+    rate_ppm: int
+    floor_mm_s: int = 0
+    knee_mm_s: int = 0
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A named fault of one sensor from cycle `begin` up to, not including, `end`."""
+
+    sensor: str
+    kind: FaultKind
+    begin: int
+    end: int
+
+
+@dataclass(frozen=True)
+class Distances:
+    """What a unit measured: mm a cycle, present or not, and the wander (nm) after every cycle. Shapes [cycles]."""
+
+    name: str
+    step_mm: NDArray[np.int64]
+    present: NDArray[np.bool_]
+    wander_nm: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One marker reading at one end: `place_mm` is None for a marker that the map does not have."""
+
+    cycle: int
+    end: int
+    marker: int
+    place_mm: int | None
+    accuracy_mm: int
+    since_mm: int
+
+
+def measure(
+    name: str,
+    motion: Motion,
+    law: Law,
+    rng: np.random.Generator,
+    *,
+    dropout: float = 0.0,
+    severity: float = 0.9,
+    faults: Sequence[Fault] = (),
+) -> Distances:
+    """Distances of one unit. `severity` is the part of the law that is used up (1: its ends)."""
+    true, period = motion.step_nm, motion.period_ms
+    cycles = len(true)
+    bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
+    slipping = _episodes(cycles, law.constant_mm * NM_PER_MM * 0.4 * severity, rng)
+    step = np.zeros(cycles, dtype=np.int64)
+    wander = np.zeros(cycles, dtype=np.int64)
+    present = rng.random(cycles) >= dropout
+    last = 0
+    for number in range(cycles):
+        drift = int(np.clip(bias[number], -1, 1) * severity * _drift_nm(law, int(true[number]), period))
+        if not present[number]:
+            wander[number] = last
+            continue
+        target = int(slipping[number])
+        raw = int(true[number]) - drift - (target - last)
+        step[number] = round(raw / NM_PER_MM)
+        wander[number] = last = target + raw - int(step[number]) * NM_PER_MM
+    _check_wander(name, law, wander)
+    step, present = _faulty(name, step, present, faults)
+    return Distances(name, step, present, wander)
+
+
+def _drift_nm(law: Law, true_nm: int, period_ms: int) -> int:
+    """The drift a cycle may have, reckoned from a distance that is surely below the measured one."""
+    floor = law.floor_mm_s * period_ms * 1000
+    least = abs(true_nm) // NM_PER_MM * (1_000_000 - law.rate_ppm) // 1_000_000 - 2 - floor // NM_PER_MM
+    wander_change = law.constant_mm // 50
+    above = max(0, least - wander_change - law.knee_mm_s * period_ms // 1000)
+    return floor + above * law.rate_ppm
+
+
+def _episodes(cycles: int, most_nm: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """A wander that moves now and then, slowly (no more than a five-hundredth of its range a cycle), and then rests."""
+    wanted = np.repeat(rng.uniform(-1, 1, cycles // 100 + 1), 100)[:cycles] * most_nm
+    path = np.zeros(cycles)
+    for number in range(1, cycles):
+        path[number] = path[number - 1] + float(
+            np.clip(wanted[number] - path[number - 1], -most_nm / 500, most_nm / 500)
+        )
+    return path
+
+
+def _check_wander(name: str, law: Law, wander: NDArray[np.int64]) -> None:
+    if len(wander) and int(np.abs(wander).max()) > law.constant_mm * NM_PER_MM // 2:
+        raise InputError(
+            f"{name}: a constant of {law.constant_mm} mm cannot hold the rounding to whole mm; make it >= 2 mm."
+        )
+
+
+def _faulty(
+    name: str, step: NDArray[np.int64], present: NDArray[np.bool_], faults: Sequence[Fault]
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    step, present = step.copy(), present.copy()
+    for fault in faults:
+        if fault.sensor != name:
+            continue
+        part = slice(fault.begin, fault.end)
+        match fault.kind:
+            case "stuck":
+                step[part] = 0
+            case "runaway":
+                step[part] += 1_000
+            case "jump":
+                step[fault.begin] += 50_000
+            case "drop-out":
+                present[part] = False
+            case "slip":
+                step[part] = step[part] * 5 // 4
+            case "slide":
+                step[part] = step[part] * 3 // 4
+    return step, present
+
+
+def read_markers(
+    motion: Motion,
+    end: int,
+    offset_mm: int,
+    markers: Sequence[tuple[int, int]],
+    accuracy_mm: int,
+    rng: np.random.Generator,
+    *,
+    missed: float = 0.0,
+    foreign: float = 0.0,
+) -> list[Reading]:
+    """Readings of the reader `offset_mm` behind end A. `markers` holds (identity, place in mm), in order of place.
+
+    A reading is off by up to nine tenths of the accuracy. `foreign` is the share of cycles with a marker of another
+    track in them, whose identity the map does not have.
+    """
+    readings = []
+    before = motion.start_nm - offset_mm * NM_PER_MM
+    for cycle, place in enumerate(motion.position_nm - offset_mm * NM_PER_MM):
+        low, high = sorted((before, int(place)))
+        passed = [(m, p) for m, p in markers if low < p * NM_PER_MM <= high]
+        if passed and rng.random() >= missed:
+            marker, spot = passed[-1]
+            error = float(rng.uniform(-0.9, 0.9)) * accuracy_mm
+            readings.append(Reading(cycle, end, marker, spot, accuracy_mm, round(place / NM_PER_MM - spot + error)))
+        elif rng.random() < foreign:
+            readings.append(Reading(cycle, end, 900_000 + cycle % 1000, None, accuracy_mm, 0))
+        before = int(place)
+    return readings
