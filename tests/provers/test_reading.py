@@ -7,14 +7,14 @@ import z3
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.expr import BoolVar, NumVar
+from safeloc.expr import BoolVar, NumVar, Var
 from safeloc.interpret import holds
 from safeloc.provers.reading import UnreadableError, read_bool
 from safeloc.units import ONE
 
 X, Y, P = NumVar("x", ONE, -50, 50), NumVar("y", ONE, -50, 50), BoolVar("p")
-NAMES = {"x": X, "y": Y, "p": P}
-x, y, p = z3.Ints("x y") + [z3.Bool("p")]
+NAMES: dict[str, Var] = {"x": X, "y": Y, "p": P}
+x, y, p = *z3.Ints("x y"), z3.Bool("p")
 
 TERMS = [
     z3.And(x <= y, z3.Or(p, x > 3), z3.Not(y >= 4)),

@@ -24,10 +24,9 @@ def test_it_finds_the_invariant_that_induction_would_need() -> None:
     target = goal(pair(), FULL_TOGETHER)
     proved = require_proved(spacer(target, LIMITS))
     assert proved.invariant is not None
-    reachable, not_reachable = {LEFT: 4, RIGHT: 4}, {LEFT: 4, RIGHT: 10}
-    mode = {target.system.variable("mode"): 0}
-    assert holds(proved.invariant, {**mode, **reachable})
-    assert not holds(proved.invariant, {**mode, **not_reachable})
+    mode = target.system.variable("mode")
+    assert holds(proved.invariant, {mode: 0, LEFT: 4, RIGHT: 4})
+    assert not holds(proved.invariant, {mode: 0, LEFT: 4, RIGHT: 10})
 
 
 def test_a_violation_is_left_to_bounded_search() -> None:
