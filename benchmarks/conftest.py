@@ -24,10 +24,10 @@ class Target:
 
 
 TARGETS = (
-    Target("generated Python, step", 1.0, UNIT),
+    Target("generated Python, tick", 1.0, UNIT),
     Target("generated Python, fused", 1.0, UNIT),
     Target("transitions, embedded", 0.8, "transitions, bare"),
-    Target("numpy batch", 10.0, "generated Python, step"),
+    Target("numpy batch", 10.0, "generated Python, tick"),
     Target("numpy batch", 50e6, None),
 )
 

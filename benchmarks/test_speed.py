@@ -41,7 +41,7 @@ def test_hand_written_class(measure: Measure) -> None:
 
 
 def test_generated_step(measure: Measure) -> None:
-    """Generated Python, one function call a step."""
+    """Generated Python, one function call a step, state handed in and out."""
     code = compile_system(on_board())
     step, first = code.step, code.first()
 
@@ -53,6 +53,21 @@ def test_generated_step(measure: Measure) -> None:
         return mode, position, margin
 
     compete(measure, "generated Python, step", 50_000, plain(run))
+
+
+def test_generated_tick(measure: Measure) -> None:
+    """Generated Python that keeps its state, one function call a step: the like of the hand-written class."""
+    code = compile_system(on_board())
+    first = code.first()
+
+    def run(rows: list[Row]) -> Last:
+        tick, now = code.begin(first)
+        for movement, present, reference in rows:
+            tick(movement, present, reference)
+        mode, position, margin = now()
+        return mode, position, margin
+
+    compete(measure, "generated Python, tick", 50_000, plain(run))
 
 
 def test_generated_loop(measure: Measure) -> None:

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.backends.compiled import Compiled, compile_system, to_python
+from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.backends.python_code import to_python
 from safeloc.errors import InputError
 from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Past, Value, Var, abs_, number
 from safeloc.interpret import run
@@ -22,12 +23,14 @@ from tests.random_machines import Record, first_states, machines, streams
 
 
 def assert_same_run(code: Compiled, trace: Trace, stream: Sequence[Record], first: Record) -> None:
-    """State, fired transitions and outputs of every step, and both loops."""
+    """State, fired transitions and outputs of every step, with the state kept inside as well, and both loops."""
     states, state = [], code.first(first)
+    tick, now = code.begin(state)
     rows = [code.read(record) for record in stream]
     for row, expected in zip(rows, trace.steps, strict=True):
         state, numbers = code.step(state, row)
         states.append(state)
+        assert (numbers, state) == (tick(*row), now())
         assert dict(expected.state) == dict(zip(code.state_names, state, strict=True))
         assert dict(expected.fired) == code.fired(numbers)
         assert dict(expected.outputs) == code.named_outputs(state)
@@ -94,28 +97,20 @@ def test_the_text_reads_like_the_table() -> None:
         Transition("work", table, busy, sum_ + abs_(load) <= 99, {sum_: sum_ + abs_(load)}, rank=1),
     ]
     source = to_python(lower(Machine("worker", table, [load], {sum_: 0}, {"sum": sum_}, rows)))
-    assert source[source.index("def step") : source.index("\n\n\ndef run")] == STEP_OF_WORKER
+    assert source[source.index("def step") : source.index("\n\n\ndef begin")] == STEP_OF_WORKER
 
 
 STEP_OF_WORKER = """def step(state, inputs):
     (v_mode, v_sum, ) = state
     (v_load, ) = inputs
     if ((v_mode == 1) and (v_load == 0)):
-        next_v_mode = 0
-        next_v_sum = 0
-        fired_0 = 1
+        return (0, 0, ), (1, )
     else:
-        t1 = (0 - v_load)
-        t2 = (v_sum + (v_load if v_load > t1 else t1))
-        if (t2 <= 99):
-            next_v_mode = 1
-            next_v_sum = t2
-            fired_0 = 2
+        t1 = (v_sum + (v_load if v_load >= 0 else -v_load))
+        if (t1 <= 99):
+            return (1, t1, ), (2, )
         else:
-            next_v_mode = v_mode
-            next_v_sum = v_sum
-            fired_0 = 0
-    return (next_v_mode, next_v_sum, ), (fired_0, )"""
+            return (v_mode, v_sum, ), (0, )"""
 
 
 def test_raw_inputs_are_refused_as_by_the_interpreter() -> None:
