@@ -14,7 +14,7 @@ from safeloc.units import ONE
 
 X, Y, P = NumVar("x", ONE, -50, 50), NumVar("y", ONE, -50, 50), BoolVar("p")
 NAMES: dict[str, Var] = {"x": X, "y": Y, "p": P}
-x, y, p = *z3.Ints("x y"), z3.Bool("p")
+x, y, p = z3.Int("x"), z3.Int("y"), z3.Bool("p")
 
 TERMS = [
     z3.And(x <= y, z3.Or(p, x > 3), z3.Not(y >= 4)),

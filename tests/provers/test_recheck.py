@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 import pytest
 
@@ -42,7 +43,7 @@ def _proof() -> Proved:
     return require_proved(kinduction(goal(pair({"in step": SAME}), FULL_TOGETHER), Limits()))
 
 
-CORRUPTED = {
+CORRUPTED: dict[str, Callable[[str], str]] = {
     "hypotheses gone": lambda text: re.sub(r"^\(assert t.*\n", "", text, flags=re.MULTILINE),
     "a question left out": lambda text: text.replace("(check-sat)\n", "", 1),
     "a goal not negated": lambda text: text.replace("(assert (not ", "(assert (= true "),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from functools import partial
 
 import pytest
 
@@ -17,7 +18,7 @@ def _fail() -> None:
 
 def test_answers_come_with_their_number() -> None:
     """Every task is answered once, whatever the order."""
-    tasks = [Task(str(number), lambda number=number: number * number, 30.0) for number in range(7)]
+    tasks = [Task(str(number), partial(pow, number, 2), 30.0) for number in range(7)]
     answers = {index: data for index, data, _ in in_processes(tasks, 2)}
     assert answers == {number: number * number for number in range(7)}
 
@@ -41,6 +42,6 @@ def test_an_exception_is_raised_and_the_rest_is_ended() -> None:
     """What goes wrong in a task is an error of the whole, not a missing answer."""
     tasks = [Task("fails", _fail, 30.0), Task("sleeps", lambda: time.sleep(600), 600.0)]
     started = time.monotonic()
-    with pytest.raises(EngineError, match="^fails: ValueError: no such solver$"):
+    with pytest.raises(EngineError, match=r"^fails: ValueError: no such solver$"):
         list(in_processes(tasks, 2))
     assert time.monotonic() - started < 10.0
