@@ -1,0 +1,161 @@
+"""Files of records: JSONL (one record a line), CSV (one column a field, empty: not given), Parquet (same columns).
+
+Records come back in the order of the file. Nothing is sorted, repaired or left out: late, repeated and disordered
+records are for the cycle builder to judge (`cycles`); what is no record at all is a StreamError with file and line.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from safeloc.errors import StreamError
+from safeloc.streams.records import RECORD, Record
+
+WHOLE = re.compile(r"[+-]?\d+")
+FIELDS = (
+    "kind", "time_ms", "end", "unit", "step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
+    "value", "position_nm",
+)  # fmt: skip
+"""Columns of a table of records; each row fills those its kind has."""
+
+TEXT_FIELDS = ("kind", "end", "unit", "name")
+
+
+def read_records(path: Path) -> tuple[Record, ...]:
+    """All records of a .jsonl, .ndjson, .csv or .parquet file, in its order."""
+    if not path.is_file():
+        raise StreamError(f"{path}: no such file.")
+    match path.suffix:
+        case ".jsonl" | ".ndjson":
+            rows = _jsonl_rows(path)
+        case ".csv":
+            rows = _csv_rows(path)
+        case ".parquet":
+            rows = _parquet_rows(path)
+        case other:
+            raise StreamError(f"{path}: unknown kind of file {other!r}; use .jsonl, .csv or .parquet.")
+    return tuple(_record(path, line, row) for line, row in rows)
+
+
+def write_records(path: Path, records: Sequence[Record]) -> None:
+    """Write records in the given order; the suffix chooses the format."""
+    rows = [record.model_dump(exclude_none=True) for record in records]
+    match path.suffix:
+        case ".jsonl" | ".ndjson":
+            path.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+        case ".csv":
+            _write_csv(path, rows)
+        case ".parquet":
+            _write_parquet(path, rows)
+        case other:
+            raise StreamError(f"{path}: unknown kind of file {other!r}; use .jsonl, .csv or .parquet.")
+
+
+def _record(path: Path, line: int, row: Mapping[str, Any]) -> Record:
+    try:
+        return RECORD.validate_python(row)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "kind"
+        raise StreamError(
+            f"{path}:{line}: field {where}: {first['msg']} (got {first['input']!r}); mend the record or take it out."
+        ) from error
+
+
+def _jsonl_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    for line, text in enumerate(_text(path).split("\n"), 1):
+        if text.strip():
+            yield line, _parsed(path, line, text)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
+
+
+def _parsed(path: Path, line: int, text: str) -> Mapping[str, Any]:
+    def refuse(constant: str) -> float:
+        raise StreamError(f"{path}:{line}: {constant} is no measurement; leave the record out where there is none.")
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        names = [name for name, _ in pairs]
+        if len(set(names)) < len(names):
+            raise StreamError(f"{path}:{line}: a field is given twice among {names}; keep one.")
+        return dict(pairs)
+
+    try:
+        row = json.loads(text, parse_constant=refuse, object_pairs_hook=once)
+    except json.JSONDecodeError as error:
+        raise StreamError(f"{path}:{line}: not JSON ({error.msg} at column {error.colno}).") from error
+    if not isinstance(row, dict):
+        raise StreamError(f"{path}:{line}: expected an object, got {type(row).__name__}.")
+    return row
+
+
+def _csv_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    reader = csv.reader(_text(path).splitlines())
+    names = next(reader, [])
+    if "kind" not in names or len(set(names)) < len(names):
+        raise StreamError(f"{path}:1: the first line must name every column once, `kind` among them; got {names}.")
+    for cells in reader:
+        if len(cells) != len(names):
+            raise StreamError(f"{path}:{reader.line_num}: {len(cells)} cells, expected {len(names)}.")
+        filled = {name: cell for name, cell in zip(names, cells, strict=True) if cell != ""}
+        yield reader.line_num, {name: _value(name, cell) for name, cell in filled.items()}
+
+
+def _value(name: str, text: str) -> int | bool | str:
+    """Whole numbers and truth values; all else stays text, which a number field then refuses."""
+    if name in TEXT_FIELDS:
+        return text
+    if text in ("true", "false"):
+        return text == "true"
+    return int(text) if WHOLE.fullmatch(text) else text
+
+
+def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+
+
+def _cell(value: object) -> object:
+    return str(value).lower() if isinstance(value, bool) else value
+
+
+def _parquet_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    pyarrow, parquet = _pyarrow(path)
+    try:
+        table = parquet.read_table(path)
+    except (pyarrow.ArrowException, OSError) as error:
+        raise StreamError(f"{path}: not a Parquet file ({error}).") from error
+    for line, row in enumerate(table.to_pylist(), 1):
+        filled = {name: cell for name, cell in row.items() if cell is not None}
+        yield line, {name: _value(name, cell) if name == "value" else cell for name, cell in filled.items()}
+
+
+def _write_parquet(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    pyarrow, parquet = _pyarrow(path)
+    text = (*TEXT_FIELDS, "value")
+    columns = [(name, pyarrow.string() if name in text else pyarrow.int64()) for name in FIELDS]
+    cells = [{**row, "value": str(_cell(row["value"]))} if "value" in row else row for row in rows]
+    parquet.write_table(pyarrow.Table.from_pylist(cells, schema=pyarrow.schema(columns)), path)
+
+
+def _pyarrow(path: Path) -> tuple[Any, Any]:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise StreamError(f"{path}: Parquet needs pyarrow; install safeloc[parquet], or use .jsonl or .csv.") from error
+    return pyarrow, parquet

@@ -1,0 +1,115 @@
+"""Files of records: what is written is read back; what is no record is refused with file, line and field."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from safeloc.errors import StreamError
+from safeloc.streams.record_files import FIELDS, read_records, write_records
+from safeloc.streams.records import DistanceRecord, MarkerRecord, PulseRecord, Record, TruthRecord, ValueRecord
+
+EVERY_KIND: tuple[Record, ...] = (
+    DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=-12),
+    PulseRecord(time_ms=100, end="rear", pulses=3),
+    MarkerRecord(time_ms=90, end="rear", marker=7, position_mm=-500, accuracy_mm=200, since_mm=3),
+    MarkerRecord(time_ms=90, end="front", marker=8),
+    ValueRecord(time_ms=90, name="door_closed", value=True),
+    ValueRecord(time_ms=90, name="doors", value=1),
+    ValueRecord(time_ms=90, name="state", value="OPEN"),
+    TruthRecord(time_ms=100, position_nm=123_456_789_012_345),
+)
+
+
+@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".csv", ".parquet"])
+def test_records_come_back_as_written(tmp_path: Path, suffix: str) -> None:
+    """Every kind, in the order given, times out of order and repeated included; True stays apart from 1."""
+    path = tmp_path / f"run{suffix}"
+    write_records(path, EVERY_KIND)
+    back = read_records(path)
+    assert back == EVERY_KIND
+    assert [repr(record) for record in EVERY_KIND] == [repr(record) for record in back]
+
+
+def test_columns_of_a_table_are_all_fields_of_all_kinds() -> None:
+    """A field added to a record must not be lost in a table."""
+    assert set(FIELDS) == {name for record in EVERY_KIND for name in type(record).model_fields}
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('{"kind": "truth", "time_ms": 1, "position_nm": NaN}', "run.jsonl:2: NaN is no measurement"),
+        ('{"kind": "truth", "time_ms": 1, "position_nm": -Infinity}', "run.jsonl:2: -Infinity is no measurement"),
+        ('{"kind": "truth", "time_ms": 1, "position_nm": 1.5}', "run.jsonl:2: field truth.position_nm: "),
+        ('{"kind": "truth", "time_ms": 1, "position_nm": "1"}', "run.jsonl:2: field truth.position_nm: "),
+        ('{"kind": "truth", "time_ms": 1, "position_nm": true}', "run.jsonl:2: field truth.position_nm: "),
+        ('{"kind": "truth", "time_ms": -1, "position_nm": 1}', "run.jsonl:2: field truth.time_ms: "),
+        ('{"kind": "truth", "position_nm": 1}', "run.jsonl:2: field truth.time_ms: Field required"),
+        ('{"kind": "truth", "time_ms": 1, "position_nm": 1, "x": 1}', "run.jsonl:2: field truth.x: Extra inputs"),
+        ('{"kind": "balise", "time_ms": 1}', "run.jsonl:2: field kind: Input tag 'balise'"),
+        ('{"time_ms": 1}', "run.jsonl:2: field kind: Unable to extract tag"),
+        ('{"time_ms": 1, "time_ms": 2}', "run.jsonl:2: a field is given twice among ['time_ms', 'time_ms']; keep one."),
+        ("[1]", "run.jsonl:2: expected an object, got list."),
+        ("{", "run.jsonl:2: not JSON ("),
+    ],
+)
+def test_a_line_that_is_no_record_is_refused(tmp_path: Path, line: str, message: str) -> None:
+    """The message names file, line and field; nothing is converted, and lines after blank ones count right."""
+    path = tmp_path / "run.jsonl"
+    path.write_text("\n" + line + "\n")
+    with pytest.raises(StreamError, match=re.escape(message)):
+        read_records(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("kind,time_ms,position_nm\ntruth,1,nan\n", "run.csv:2: field truth.position_nm: "),
+        ("kind,time_ms,position_nm\ntruth,1,1e3\n", "run.csv:2: field truth.position_nm: "),
+        ("kind,time_ms,position_nm\ntruth,,3\n", "run.csv:2: field truth.time_ms: Field required"),
+        ("kind,time_ms,position_nm\ntruth,1\n", "run.csv:2: 2 cells, expected 3."),
+        ("time_ms,position_nm\n1,1\n", "run.csv:1: the first line must name every column once, `kind` among them"),
+        ("kind,kind\ntruth,truth\n", "run.csv:1: the first line must name every column once"),
+        ("", "run.csv:1: the first line must name every column once"),
+    ],
+)
+def test_a_row_that_is_no_record_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    """An empty cell is an absent field, and an absent field that is needed is an error."""
+    path = tmp_path / "run.csv"
+    path.write_text(text)
+    with pytest.raises(StreamError, match=re.escape(message)):
+        read_records(path)
+
+
+def test_without_pyarrow_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parquet is an extra."""
+    path = tmp_path / "run.parquet"
+    path.write_bytes(b"")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(
+        StreamError, match=r"Parquet needs pyarrow; install safeloc\[parquet\], or use \.jsonl or \.csv\.$"
+    ):
+        read_records(path)
+
+
+@pytest.mark.parametrize("suffix", [".parquet", ".jsonl"])
+def test_a_file_of_another_kind_is_refused(tmp_path: Path, suffix: str) -> None:
+    """Bytes that are no such file are a StreamError, not a trace of somebody else's code."""
+    path = tmp_path / f"run{suffix}"
+    path.write_bytes(b"\xff\xfe\x00garbage")
+    with pytest.raises(StreamError, match=r"not a Parquet file|not UTF-8 text"):
+        read_records(path)
+
+
+@pytest.mark.parametrize("name", ["missing.jsonl", "run.txt"])
+def test_unknown_files_are_refused(tmp_path: Path, name: str) -> None:
+    """A missing file and an unknown suffix."""
+    (tmp_path / "run.txt").write_text("")
+    with pytest.raises(
+        StreamError, match=r"no such file\.$|unknown kind of file '.txt'; use \.jsonl, \.csv or \.parquet\.$"
+    ):
+        read_records(tmp_path / name)
