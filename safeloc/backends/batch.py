@@ -18,7 +18,9 @@ from safeloc.expr import Expr, Num, Substitution, Value
 from safeloc.ranges import beyond_int64
 from safeloc.system import TransitionSystem
 
-BLOCK_RUNS = 16384
+BLOCK_RUNS = (
+    8192  # 64 KiB an array: in the cache, and below the size from which the allocator asks the kernel each time
+)
 
 
 @dataclass(frozen=True)

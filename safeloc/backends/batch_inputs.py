@@ -72,9 +72,8 @@ def _admitted(system: TransitionSystem, var: Var, array: Array) -> Array:
     _check_type(f"{system.name}: input {var.name!r}", var, array)
     if isinstance(var, BoolVar):
         return array
-    outside = np.logical_or(array < var.low, array > var.high)
-    if outside.any():
-        step, run = np.argwhere(outside)[0]
+    if array.size and (array.min() < var.low or array.max() > var.high):
+        step, run = np.argwhere(np.logical_or(array < var.low, array > var.high))[0]
         raise InputError(
             f"{system.name}: input {var.name!r} at step {step}, run {run} is {array[step, run]}, outside "
             f"{var.low}..{var.high} {var.unit.name}."

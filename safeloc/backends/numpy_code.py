@@ -8,6 +8,7 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.backends.shapes import is_magnitude, merged
 from safeloc.expr import (
     Add,
     And,
@@ -48,6 +49,8 @@ def to_function(name: str, arguments: Mapping[str, Sequence[Var]], results: Sequ
         for number, var in enumerate(variables):
             names[var] = f"{argument[0]}{number}"
             lines.append(f"{names[var]} = {argument}[{number}]")
+    lean = iter(merged([term for group in results for term in group]))
+    results = [[next(lean) for _ in group] for group in results]
     lines += _statements(names, [term for group in results for term in group])
     length = f"len({next(iter(arguments))}[0])"
     groups = ", ".join(f"[{', '.join(_array(term, names, length) for term in group)}]" for group in results)
@@ -64,7 +67,7 @@ def load(source: str, name: str) -> Function:
 
 
 def _statements(names: dict[Expr, str], results: Sequence[Expr]) -> list[str]:
-    order = [node for node in in_order(results) if not isinstance(node, (NumVar, BoolVar))]
+    order = _needed(results)
     last = _last_uses(order, results)
     lines: list[str] = []
     for number, node in enumerate(order):
@@ -73,10 +76,25 @@ def _statements(names: dict[Expr, str], results: Sequence[Expr]) -> list[str]:
             continue
         names[node] = f"x{number}"
         lines.append(f"x{number} = {_call(node, names)}")
-        spent = [names[child] for child in dict.fromkeys(children(node)) if last.get(child) == number]
+        spent = [names[part] for part in dict.fromkeys(_parts(node)) if last.get(part) == number]
         if spent:
             lines.append(f"del {', '.join(spent)}")
     return lines
+
+
+def _needed(results: Sequence[Expr]) -> list[Node]:
+    """What has to be computed or written, parts before wholes."""
+    wanted = set(results)
+    order = in_order(results)
+    for node in reversed(order):
+        if node in wanted:
+            wanted.update(_parts(node))
+    return [node for node in order if node in wanted and not isinstance(node, (NumVar, BoolVar))]
+
+
+def _parts(node: Expr) -> tuple[Expr, ...]:
+    """The terms that the node's call reads."""
+    return children(node)[:1] if is_magnitude(node) else children(node)
 
 
 def _array(term: Expr, names: Mapping[Expr, str], length: str) -> str:
@@ -88,9 +106,9 @@ def _last_uses(order: Sequence[Node], results: Sequence[Expr]) -> dict[Expr, int
     """Position of the last use of every computed term that is not itself a result: its memory is given back there."""
     last: dict[Expr, int] = {}
     for number, node in enumerate(order):
-        for child in children(node):
-            if not isinstance(child, (Lit, Truth, NumVar, BoolVar)):
-                last[child] = number
+        for part in _parts(node):
+            if not isinstance(part, (Lit, Truth, NumVar, BoolVar)):
+                last[part] = number
     for term in results:
         last.pop(term, None)
     return last
@@ -108,6 +126,8 @@ def _call(node: Node, of: Mapping[Expr, str]) -> str:
             return f"{of[a]} // {divisor}"
         case Min(a, b):
             return f"np.minimum({of[a]}, {of[b]})"
+        case Max(a, _) if is_magnitude(node):
+            return f"np.abs({of[a]})"
         case Max(a, b):
             return f"np.maximum({of[a]}, {of[b]})"
         case Choose(c, a, b, _) | ChooseBool(c, a, b):

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import assert_never
 
+from safeloc.backends.shapes import is_magnitude
 from safeloc.errors import InputError
 from safeloc.expr import (
     Add,
@@ -208,7 +209,7 @@ class _Block:
         twice = {node for node, count in uses.items() if count > 1}
         for node in self._unnamed([term]):
             if isinstance(node, (Min, Max)):
-                twice |= {node.left} if _is_magnitude(node) else {node.left, node.right}
+                twice |= {node.left} if is_magnitude(node) else {node.left, node.right}
         depth: dict[Expr, int] = {}
         for node in self._unnamed([term]):
             depth[node] = 1 + max((depth.get(child, 0) for child in children(node)), default=0)
@@ -254,7 +255,7 @@ class _Block:
             case Min(a, b):
                 x, y = self._inline(a), self._inline(b)
                 return f"({x} if {x} < {y} else {y})"
-            case Max(a, _) if _is_magnitude(term):
+            case Max(a, _) if is_magnitude(term):
                 x = self._inline(a)
                 return f"({x} if {x} >= 0 else -{x})"
             case Max(a, b):
@@ -274,15 +275,6 @@ class _Block:
                 raise KeyError(f"{term!r} has no value here")
             case _:
                 assert_never(term)
-
-
-def _is_magnitude(node: Expr) -> bool:
-    """max(x, 0 - x), as `abs_` builds it."""
-    match node:
-        case Max(a, Sub(Lit(0, _), b), _):
-            return a is b
-        case _:
-            return False
 
 
 def unnamed(roots: Iterable[Expr], named: Mapping[Expr, str]) -> list[Expr]:
