@@ -4,6 +4,7 @@ Of a chain of choices: in a transition table many rows leave a variable alone, s
 and again. Back ends that compute both branches of every choice want fewer of them; conditions are cheap there, and
 the same ones serve all variables:
 
+    ite(c, a, a)             =  a
     ite(c, a, ite(d, a, b))  =  ite(c or d, a, b)
     ite(c, a, ite(d, b, a))  =  ite(not c and d, b, a)
 """
@@ -50,6 +51,8 @@ def merged(terms: Sequence[Expr]) -> list[Expr]:
 def _merged(term: Expr) -> Expr:
     assert isinstance(term, Node)
     match term:
+        case Choose(_, a, b, _) | ChooseBool(_, a, b) if a is b:
+            return a
         case Choose(c, a, Choose(d, b, e, _), unit):
             if a is b:
                 return Choose(any_of([c, d]), a, e, unit)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.backends.shapes import is_magnitude, merged
-from safeloc.expr import Num, abs_, boolean, ite, maximum, number
+from safeloc.expr import Expr, Num, abs_, boolean, ite, maximum, number
 from safeloc.interpret import evaluate, read_inputs, start
 from safeloc.system import lower
 from safeloc.units import COUNT
@@ -27,7 +27,12 @@ def test_merged_terms_have_the_same_value(data: st.DataObject) -> None:
 
 def test_neighbouring_choices_of_one_value_become_one() -> None:
     """A value that rows before or after name again is chosen once."""
-    before = [ite(A, X, ite(B, X, Y)), ite(A, X, ite(B, Y, X)), ite(A, C, ite(B, C, ~C)), ite(A, X, ite(B, Y, 0))]
+    before: list[Expr] = [
+        ite(A, X, ite(B, X, Y)),
+        ite(A, X, ite(B, Y, X)),
+        ite(A, C, ite(B, C, ~C)),
+        ite(A, X, ite(B, Y, 0)),
+    ]
     after = [
         "(ite (or a b) x y)",
         "(ite (and (not a) b) y x)",
