@@ -9,7 +9,7 @@ import z3
 
 from safeloc.backends.smt import Terms, constant
 from safeloc.backends.smtlib import Query
-from safeloc.expr import And, Bool, NumVar, Value, Var, variables
+from safeloc.expr import And, Bool, Value, Var, variables
 from safeloc.provers.limits import deadline, milliseconds
 from safeloc.trace import shown
 
@@ -70,12 +70,12 @@ def _failure(solver: z3.Solver, goal: Bool, named: Mapping[Var, z3.ExprRef]) -> 
     if answer == z3.unknown:
         return Undecided(f"solver: {solver.reason_unknown()}")
     model = solver.model()
-    return Refuted({var.name: shown(var, _value(model, var, named[var])) for var in variables([goal])})
+    return Refuted({var.name: shown(var, _value(model, named[var])) for var in variables([goal])})
 
 
-def _value(model: z3.ModelRef, var: Var, term: z3.ExprRef) -> Value:
+def _value(model: z3.ModelRef, term: z3.ExprRef) -> Value:
     value = model.eval(term, model_completion=True)
-    return int(value.as_long()) if isinstance(var, NumVar) else z3.is_true(value)
+    return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
 
 
 def conjuncts(term: Bool) -> Iterable[Bool]:

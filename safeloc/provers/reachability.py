@@ -219,6 +219,6 @@ def _moving(system: TransitionSystem) -> Iterable[Var]:
     return (*system.inputs, *(var for var in system.state if var in system.ghosts))
 
 
-def _changes(unrolling: Unrolling, var: Var) -> Iterator[z3.BoolRef]:
+def _changes(unrolling: Unrolling, var: Var) -> Iterator[z3.BoolRef | bool]:
     for number in range(ASSUMPTION_STEPS - 1):
         yield unrolling.at(var, number) != unrolling.at(var, number + 1)

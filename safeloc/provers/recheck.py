@@ -1,5 +1,8 @@
 """A second opinion: the SMT-LIB2 text of every proof is decided once more, by cvc5, from the text alone."""
 
+# pyright: reportAttributeAccessIssue=false
+# (cvc5's names come out of a compiled module, which pyright cannot read)
+
 from __future__ import annotations
 
 from collections.abc import Sequence

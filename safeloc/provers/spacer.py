@@ -84,9 +84,9 @@ def _read(answer: z3.ExprRef, state: list[z3.ExprRef], goal: Goal) -> Bool | Unk
         return Unknown(f"spacer: its invariant cannot be read back: {error}")
 
 
-def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.BoolRef:
+def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
     """The invariant over the state constants, out of `forall s. reached(s) = body(s)`."""
-    if not z3.is_quantifier(answer):
+    if not isinstance(answer, z3.QuantifierRef):
         raise EngineError(f"spacer: its answer is no quantified equation: {answer.sexpr()[:200]}")
     equation = answer.body()
     left, body = (equation.arg(0), equation.arg(1)) if z3.is_eq(equation) else (equation, z3.BoolVal(True))
