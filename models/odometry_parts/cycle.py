@@ -220,8 +220,10 @@ def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values,
     device = own.set_by(end)
     moved = next(one for one in cycles if one.device is device)
     found, limits, reader = fix(own.readers[end], moved), device.limits, own.readers[end]
-    wander = max(unit.law.wander_nm for unit in device.units)
-    fresh = tuple(found.values(wander, limits.tolerance_nm, limits.position_limit_mm) for _ in device.units)
+    fresh = tuple(
+        found.values(unit.start_wander_nm(device), limits.tolerance_nm, limits.position_limit_mm)
+        for unit in device.units
+    )
     malformed, foreign = reader.flaw()
     coarse = ~(fresh[0].alive | fresh[1].alive)
     outside = ~found.meets(reference)

@@ -8,9 +8,11 @@ no position. In each cycle
     only the other's        position moves by that; the margin grows by the other's law and one-off constant
     neither                 position rests; the margin grows by the highest speed x period (a stale sample is charged)
 
-A unit is never judged by itself alone. Growth is charged on the greater of the two units' distances, and is at least
-what the other unit allows: its own law plus the distance by which the two differ. So a wheel that slips, slides or
-stands while the vehicle runs widens its own margin by what it misses, and the other unit speaks instead.
+A unit is never judged by itself alone. Growth is charged on the greater of the two units' distances. Where the two
+differ by more than both laws explain, one of them is at fault, and each is charged their difference and the other's
+law: a wheel that slips, slides or stands while the vehicle runs widens its own margin by what it misses. With
+`single_fault_safe` that charge is made in every cycle, so that even a fault too small to be seen is covered; the price
+is that neither unit is ever better than the worse law.
 """
 
 from __future__ import annotations
@@ -60,6 +62,7 @@ class Limits:
     lone_limit: int
     age_limit_ms: int
     position_limit_mm: int
+    single_fault_safe: bool
 
     @property
     def tolerance_nm(self) -> int:
@@ -138,6 +141,11 @@ class Unit:
     def values(self) -> Values:
         """Its values before the step."""
         return Values(self.alive, self.position, self.over, self.under)
+
+    def start_wander_nm(self, device: Device) -> int:
+        """Half of the one-off constant that a reading charges: the own one, or the greater one of the device's units."""
+        units = device.units if self.limits.single_fault_safe else (self,)
+        return max(unit.law.wander_nm for unit in units)
 
     def verdict(self) -> Num:
         """Whether this cycle's distance is admitted, and if not, why. The gate is configuration, never a sensor."""
@@ -327,11 +335,19 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
     growth = own.law.growth_nm(reach, age, limits.period_ms)
     checking = other.law.growth_nm(reach, age, limits.period_ms)
     bridged = checking + 2 * other.law.wander_nm
-    checked = maximum(growth, checking + exact_to(abs_(own.step.value - other.step.value), NM))
-    alone = ite(admitted[1], checked, growth)
+    alone = ite(admitted[1], _checked(own, other, growth, checking), growth)
     charge = ite(admitted[0], alone, ite(admitted[1], bridged, as_num(limits.blind_nm, NM)))
     moved = own.position + ite(admitted[0], own.step.value, ite(admitted[1], other.step.value, as_num(0, MM)))
     over, under = own.over + charge, own.under + charge
     tolerable = maximum(over, under) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
     return Values(own.alive & ~failed & tolerable & on_line, moved, over, under)
+
+
+def _checked(own: Unit, other: Unit, growth: Num, checking: Num) -> Num:
+    """The charge where both units measured: the own law, or what the other unit says is missing."""
+    apart = exact_to(abs_(own.step.value - other.step.value), NM)
+    covered = maximum(growth, checking + apart)
+    if own.limits.single_fault_safe:
+        return covered
+    return ite(apart > growth + checking, covered, growth)

@@ -43,6 +43,7 @@ class OdometryConfig(Config):
     pending_markers: int = quantity(4, "count", 1, 8, "[D] markers under one vehicle")
     last_marker_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
     trust_first_marker: bool = False
+    single_fault_safe: bool = False
 
     @model_validator(mode="after")
     def _can_locate(self) -> OdometryConfig:
@@ -69,7 +70,7 @@ class OdometryConfig(Config):
         change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, self.gap_limit_cycles,
-            self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm,
+            self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm, self.single_fault_safe,
         )  # fmt: skip
 
 
