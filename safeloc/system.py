@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from safeloc.checks import input_variables
 from safeloc.expr import (
     TRUE,
+    And,
     Bool,
     BoolVar,
     ChooseBool,
@@ -30,6 +31,7 @@ from safeloc.expr import (
     as_num,
     between,
     ite,
+    variables,
 )
 from safeloc.machine import ANY, Initial, Machine, Transition
 from safeloc.units import Enumeration
@@ -165,17 +167,21 @@ def environment(system: TransitionSystem, *, assume: bool = True) -> Bool:
 
 
 def without_ghosts(system: TransitionSystem) -> TransitionSystem:
-    """The system as it runs on board."""
+    """The system as it runs on board; of `initially`, what reads no ghost."""
     kept = tuple(var for var in system.state if var not in system.ghosts)
     initial = {var: system.initial[var] for var in kept}
     return replace(
         system,
         state=kept,
         inputs=tuple(var for var in system.inputs if var not in system.ghosts),
-        init=all_of(_initial_terms(initial)),
+        init=all_of(part for part in _conjuncts(system.init) if system.ghosts.isdisjoint(variables([part]))),
         next={var: system.next[var] for var in kept},
         assume=TRUE,
         lemmas={},
         ghosts=frozenset(),
         initial=initial,
     )
+
+
+def _conjuncts(term: Bool) -> list[Bool]:
+    return [part for inner in term.parts for part in _conjuncts(inner)] if isinstance(term, And) else [term]
