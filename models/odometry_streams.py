@@ -12,7 +12,7 @@ import numpy as np
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.sensors import Distances, Fault, Law, Reading, measure, read_markers
+from safeloc.simulation.sensors import Distances, Fault, Law, Reading, check_faults, measure, read_markers
 
 Steps = list[dict[str, int | bool]]
 
@@ -46,10 +46,12 @@ def simulate(
     vehicle = vehicle_of(config)
     motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
     ends = ("front", "rear")[: config.devices]
+    laws = (config.first_unit, config.second_unit)
+    check_faults(faults, [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm))
     distances = [
         measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=faults)
         for end in ends
-        for law in (config.first_unit, config.second_unit)
+        for law in laws
     ]
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
     readings = [

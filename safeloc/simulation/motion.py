@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 
+GRAVITY_MM_S2 = 9_810
+
 
 class VehicleConfig(Config):
     """What a vehicle can do."""
@@ -22,6 +24,13 @@ class VehicleConfig(Config):
     acceleration_mm_s2: int = quantity(975, "mm/s2", 1, 3_000, "[S] Desiro BR 642: start 0.975 m/s2")
     brake_mm_s2: int = quantity(1_000, "mm/s2", 1, 5_000, "[S] service brake 0.8 to 1.0 m/s2")
     jerk_mm_s3: int = quantity(800, "mm/s3", 1, 10_000, "[M] 0.6 to 1.0 m/s3 in service")
+    adhesion_percent: int = quantity(100, "% of Curtius-Kniffler", 1, 100, "[S] 100: dry; below 30: leaves or ice")
+
+
+def adhesion_mm_s2(vehicle: VehicleConfig, speed_mm_s: float) -> float:
+    """The acceleration that the rails allow at a speed: Curtius-Kniffler, 7.5 / (v + 44 km/h) + 0.161, of gravity."""
+    friction = 7.5 / (abs(speed_mm_s) * 0.0036 + 44) + 0.161
+    return friction * GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
 
 
 @dataclass(frozen=True)
@@ -81,7 +90,7 @@ def move(vehicle: VehicleConfig, legs: Sequence[Leg], period_ms: int, *, start_n
 def _towards(vehicle: VehicleConfig, speed: float, wanted: float, acceleration: float, dt: float) -> float:
     """The next acceleration: as much as the gap in speed asks for, eased over two seconds."""
     braking = abs(wanted) < abs(speed) or wanted * speed < 0
-    limit = vehicle.brake_mm_s2 if braking else vehicle.acceleration_mm_s2
+    limit = min(vehicle.brake_mm_s2 if braking else vehicle.acceleration_mm_s2, adhesion_mm_s2(vehicle, speed))
     wish = float(np.clip((wanted - speed) / 2.0, -limit, limit))
     change = vehicle.jerk_mm_s3 * dt
     return float(np.clip(wish, acceleration - change, acceleration + change))

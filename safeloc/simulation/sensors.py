@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from safeloc.errors import InputError
 from safeloc.simulation.motion import Motion
 
 NM_PER_MM = 1_000_000
-FaultKind = Literal["stuck", "runaway", "jump", "drop-out", "slip", "slide"]
+FaultKind = Literal["stuck", "runaway", "jump", "drop-out", "slip", "slide", "freeze"]
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def measure(
     true, period = motion.step_nm, motion.period_ms
     cycles = len(true)
     bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
-    slipping = _episodes(cycles, law.constant_mm * NM_PER_MM * 0.4 * severity, rng)
+    slipping = _episodes(cycles, _slip_nm(law, severity), rng)
     step = np.zeros(cycles, dtype=np.int64)
     wander = np.zeros(cycles, dtype=np.int64)
     present = rng.random(cycles) >= dropout
@@ -97,6 +97,11 @@ def measure(
     _check_wander(name, law, wander)
     step, present = _faulty(name, step, present, faults)
     return Distances(name, step, present, wander)
+
+
+def _slip_nm(law: Law, severity: float) -> float:
+    """The part of the constant that slip may use: what rounding to whole mm leaves."""
+    return max(0.0, min(law.constant_mm * NM_PER_MM * 0.4 * severity, (law.constant_mm - 1) * NM_PER_MM / 2 - 1_000))
 
 
 def _drift_nm(law: Law, true_nm: int, period_ms: int) -> int:
@@ -126,6 +131,15 @@ def _check_wander(name: str, law: Law, wander: NDArray[np.int64]) -> None:
         )
 
 
+def check_faults(faults: Sequence[Fault], sensors: Sequence[str], cycles: int) -> None:
+    """InputError for a fault that no sensor has or that lies outside the run: it would test nothing."""
+    for fault in faults:
+        if fault.sensor not in sensors:
+            raise InputError(f"{fault}: no such sensor; there are {sorted(sensors)}.")
+        if not 0 <= fault.begin < fault.end or fault.begin >= cycles:
+            raise InputError(f"{fault}: needs 0 <= begin < end, and to begin within the run's {cycles} cycles.")
+
+
 def _faulty(
     name: str, step: NDArray[np.int64], present: NDArray[np.bool_], faults: Sequence[Fault]
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -147,6 +161,10 @@ def _faulty(
                 step[part] = step[part] * 5 // 4
             case "slide":
                 step[part] = step[part] * 3 // 4
+            case "freeze":
+                step[part] = step[fault.begin]
+            case _:
+                assert_never(fault.kind)
     return step, present
 
 

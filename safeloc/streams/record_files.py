@@ -19,7 +19,7 @@ from safeloc.errors import StreamError
 from safeloc.streams.records import RECORD, Record
 
 WHOLE = re.compile(r"[+-]?\d+")
-FIELDS = (
+FIELDS: tuple[str, ...] = (
     "kind", "time_ms", "end", "unit", "step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
     "value", "position_nm",
 )  # fmt: skip

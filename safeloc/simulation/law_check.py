@@ -1,0 +1,42 @@
+"""Whether a simulated unit kept its declared error law: exact whole nanometres, on the truth itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.sensors import NM_PER_MM, Distances, Law
+
+
+@dataclass(frozen=True)
+class Breach:
+    """The first cycle (from 0) in which a unit breaks its law: how far off it is, and how far it may be. Unit nm."""
+
+    unit: str
+    cycle: int
+    off_nm: int
+    allowed_nm: int
+
+
+def first_breach(motion: Motion, law: Law, unit: Distances) -> Breach | None:
+    """The first cycle in which the wander leaves its band or the drift exceeds floor and rate; None if there is none.
+
+    A cycle without a measurement says nothing about the drift; its wander must rest.
+    """
+    half = law.constant_mm * NM_PER_MM // 2
+    moved = np.diff(unit.wander_nm, prepend=np.int64(0))
+    drift = np.abs(motion.step_nm - unit.step_mm * NM_PER_MM - moved)
+    knee = law.knee_mm_s * motion.period_ms // 1000
+    growth = np.maximum(np.abs(unit.step_mm) - knee, 0) * law.rate_ppm + law.floor_mm_s * motion.period_ms * 1000
+    off = np.where(unit.present, drift, np.abs(moved))
+    allowed = np.where(unit.present, growth, 0)
+    strays = np.abs(unit.wander_nm) > half
+    breaches = np.flatnonzero(strays | (off > allowed))
+    if not len(breaches):
+        return None
+    cycle = int(breaches[0])
+    if strays[cycle]:
+        return Breach(unit.name, cycle, abs(int(unit.wander_nm[cycle])), half)
+    return Breach(unit.name, cycle, int(off[cycle]), int(allowed[cycle]))

@@ -1,0 +1,95 @@
+"""Faults of transmission and reading, put into a stream of records on purpose.
+
+duplicate    the record comes twice
+late         the record comes after the next `reach` records
+swap         the record changes places with the next one of its channel
+freeze       the record repeats what its channel said last, with its own time
+drop         the record does not come
+cross-talk   a marker reads as another one with a sound check sum: `identity` at `position_mm` of the neighbouring track
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, assert_never
+
+from safeloc.errors import InputError
+from safeloc.streams.records import MarkerRecord, Record
+
+RecordFaultKind = Literal["duplicate", "late", "swap", "freeze", "drop", "cross-talk"]
+
+
+@dataclass(frozen=True)
+class RecordFault:
+    """One fault of the records of a channel with begin_ms <= time < end_ms."""
+
+    channel: str
+    kind: RecordFaultKind
+    begin_ms: int
+    end_ms: int
+    reach: int = 1
+    identity: int = 0
+    position_mm: int | None = None
+
+
+def disturb(records: Sequence[Record], faults: Sequence[RecordFault]) -> list[Record]:
+    """The stream with its faults, one after the other. A fault that hits no record is an InputError: it tests nothing."""
+    stream = list(records)
+    for fault in faults:
+        hit = [number for number, record in enumerate(stream) if _meant(fault, record)]
+        if not hit:
+            raise InputError(f"{fault} hits no record; channels are {sorted({record.channel for record in stream})}.")
+        stream = _disturbed(stream, fault, hit)
+    return stream
+
+
+def _meant(fault: RecordFault, record: Record) -> bool:
+    return record.channel == fault.channel and fault.begin_ms <= record.time_ms < fault.end_ms
+
+
+def _disturbed(stream: list[Record], fault: RecordFault, hit: Sequence[int]) -> list[Record]:
+    match fault.kind:
+        case "duplicate":
+            return [copy for number, record in enumerate(stream) for copy in [record] * (1 + (number in hit))]
+        case "drop":
+            return [record for number, record in enumerate(stream) if number not in hit]
+        case "late":
+            return _late(stream, fault.reach, hit)
+        case "swap":
+            return _swapped(stream, hit)
+        case "freeze":
+            return _frozen(stream, fault, hit)
+        case "cross-talk":
+            return [_cross_talk(record, fault) if number in hit else record for number, record in enumerate(stream)]
+        case _:
+            assert_never(fault.kind)
+
+
+def _late(stream: list[Record], reach: int, hit: Sequence[int]) -> list[Record]:
+    """A stable sort by where each record is now due."""
+    due = [number + (reach + 0.5 if number in hit else 0) for number in range(len(stream))]
+    return [stream[number] for number in sorted(range(len(stream)), key=due.__getitem__)]
+
+
+def _swapped(stream: list[Record], hit: Sequence[int]) -> list[Record]:
+    stream = list(stream)
+    own = [number for number, record in enumerate(stream) if record.channel == stream[hit[0]].channel]
+    first = own.index(hit[0])
+    for one, other in zip(own[first::2], own[first + 1 :: 2], strict=False):
+        if one in hit:
+            stream[one], stream[other] = stream[other], stream[one]
+    return stream
+
+
+def _frozen(stream: list[Record], fault: RecordFault, hit: Sequence[int]) -> list[Record]:
+    before = [record for record in stream[: hit[0]] if record.channel == fault.channel]
+    source = before[-1] if before else stream[hit[0]]
+    frozen = {number: source.model_copy(update={"time_ms": stream[number].time_ms}) for number in hit}
+    return [frozen.get(number, record) for number, record in enumerate(stream)]
+
+
+def _cross_talk(record: Record, fault: RecordFault) -> Record:
+    if not isinstance(record, MarkerRecord):
+        raise InputError(f"cross-talk is a fault of marker readings, not of {record.channel}.")
+    return record.model_copy(update={"marker": fault.identity, "position_mm": fault.position_mm})

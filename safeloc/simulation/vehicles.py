@@ -1,0 +1,25 @@
+"""Vehicles as data: one TOML file each, read into a VehicleConfig."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from safeloc.errors import InputError
+from safeloc.simulation.motion import VehicleConfig
+
+
+def load_vehicle(path: Path) -> VehicleConfig:
+    """Read a vehicle. InputError with file and field for anything that does not fit."""
+    try:
+        return VehicleConfig.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not TOML ({error}).") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{path}: field {field}: {first['msg']} (got {first['input']!r}).") from error
