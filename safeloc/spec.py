@@ -151,7 +151,14 @@ def reachable(
 ) -> Property:
     """Some run comes to `term`; a proof of it is a witness stream."""
     return Property(
-        name, "reachable", term, given=given, statement=statement or name, trace=trace, assumption=assumption
+        name,
+        "reachable",
+        term,
+        given=given,
+        statement=statement or name,
+        trace=trace,
+        assumption=assumption,
+        unconditional=unconditional,
     )
 
 

@@ -15,7 +15,7 @@ from safeloc.spec import Goal, always, reachable
 from safeloc.system import TransitionSystem
 from safeloc.verdict import Proved, Unknown, Verdict, Violated, word
 from tests.examples import EXAMPLES, Example
-from tests.provers.small import FULL_TOGETHER, HIGH, LEVEL, LOW, MODE, SAME, counter, goal, pair, system
+from tests.provers.small import FULL_TOGETHER, HIGH, LEVEL, LOW, MODE, SAME, TICK, counter, goal, pair, system
 
 LIMITS = Limits(depth=12, seconds=20.0)
 SAME_LEVEL = LEVEL.eq(LEVEL)
@@ -90,6 +90,16 @@ def test_reachable_is_proved_by_a_witness_and_refuted_by_induction() -> None:
     assert isinstance(never, Violated)
     assert never.trace is None
     assert never.reason == "no run comes there: proved by 1-induction"
+
+
+def test_reachable_without_the_assumption() -> None:
+    """What the assumption excludes is unreachable under it, and reached where the property asks for none."""
+    properties = [
+        reachable("under it", MODE.eq(HIGH)),
+        reachable("without it", MODE.eq(HIGH), unconditional=True),
+    ]
+    results = [finding.result for finding in prove(system(counter(assumption=~TICK)), properties, LIMITS)]
+    assert [word(result) for result in results] == ["violated", "proved"]
 
 
 def test_too_little_time_is_unknown() -> None:
