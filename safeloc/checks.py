@@ -54,6 +54,13 @@ def _names_are_distinct(machine: Machine) -> Iterator[str]:
         yield f"transition name {STAY_NAME!r} is reserved."
 
 
+def _names_can_be_written(machine: Machine) -> Iterator[str]:
+    """Proof texts quote names in bars and number the copies of an input with @."""
+    for var in [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]:
+        if not var.name or not var.name.isprintable() or set(var.name) & set("@|\\"):
+            yield f"variable {var.name!r} ({var.src}): a name is not empty, printable, and without @, | and \\."
+
+
 def _repeated(what: str, *groups: Iterable[str]) -> Iterator[str]:
     seen: set[str] = set()
     for group in groups:
@@ -174,6 +181,7 @@ def _range(term: Num) -> tuple[int, int] | None:
 RULES: tuple[Callable[[Machine], Iterator[str]], ...] = (
     _modes_are_one_enumeration,
     _names_are_distinct,
+    _names_can_be_written,
     _transitions_join_known_modes,
     _ranks_are_in_order,
     _updates_fit,

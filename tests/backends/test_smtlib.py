@@ -7,8 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.errors import ModelError
 from safeloc.expr import Bool, Expr, Num, Past, Value, Var, boolean, floor_div, number, product
 from safeloc.interpret import read_inputs, start, step
+from safeloc.machine import Machine, Transition, modes
 from safeloc.provers.recheck import decide
 from safeloc.system import TransitionSystem, lower
 from safeloc.units import COUNT
@@ -101,3 +103,11 @@ def test_past_operators_are_refused() -> None:
     """A past operator has no text."""
     with pytest.raises(TypeError, match="observe the property first"):
         to_smtlib(Query("past", [], {"once": Past("once", (boolean("flag"),))}))
+
+
+@pytest.mark.parametrize("name", ["x@1", "x|y", "x\\", "", "x\n"])
+def test_names_that_would_be_misread_are_refused(name: str) -> None:
+    """A name that could be taken for another one, or end its own quotes, never comes to a proof."""
+    (only,) = table = modes("ONLY")
+    with pytest.raises(ModelError, match="a name is not empty, printable, and without @"):
+        Machine("named", table, [boolean(name)], {}, {}, [Transition("stay", only, only)])
