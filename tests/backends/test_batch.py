@@ -201,3 +201,15 @@ def test_inputs_are_not_changed() -> None:
     inputs = odometer_inputs(movement=one(40))
     simulate(ODOMETER, inputs)
     assert one(40).tolist() == inputs["movement"].tolist()
+
+
+def test_constant_truth_values_are_negated_as_truth_values() -> None:
+    """Where a state becomes a constant, an output is a plain True, and in Python ~True is -2."""
+    (only,) = table = modes("ONLY")
+    level, unread = number("level", COUNT, 0, 9), number("unread", COUNT, 0, 9)
+    outputs = {"high": ~(level < 4) & ~level.eq(7)}
+    system = lower(
+        Machine("constant", table, [unread], {level: 0}, outputs, [Transition("go", only, only, set={level: 3})])
+    )
+    batch = simulate(system, {"unread": np.zeros((1, 2), dtype=np.int64)}, keep=["high", "level"])
+    assert [array.tolist() for array in batch.kept.values()] == [[[False, False]], [[3, 3]]]
