@@ -34,7 +34,7 @@ class RecordFault:
 
 
 def disturb(records: Sequence[Record], faults: Sequence[RecordFault]) -> list[Record]:
-    """The stream with its faults, one after the other. A fault that hits no record is an InputError: it tests nothing."""
+    """The stream with its faults, put in one after the other. InputError for a fault that hits no record."""
     stream = list(records)
     for fault in faults:
         hit = [number for number, record in enumerate(stream) if _meant(fault, record)]

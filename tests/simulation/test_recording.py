@@ -1,0 +1,122 @@
+"""A simulated run survives the way over records and cycles, and faults on that way are seen in the steps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from safeloc.errors import InputError
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry_streams import simulate
+from safeloc.simulation.motion import Leg, VehicleConfig, move
+from safeloc.simulation.record_faults import RecordFault, RecordFaultKind, disturb
+from safeloc.simulation.recording import records
+from safeloc.simulation.sensors import Fault, Law, measure, read_markers
+from safeloc.streams.cycles import Rejection, cycles
+from safeloc.streams.record_files import read_records, write_records
+from safeloc.streams.records import MarkerRecord, Record
+
+PERIOD_MS = 100
+CHANNELS = {"front_wheel": 1, "rear_radar": 1}
+
+
+def run(dropout: float = 0.0) -> list[Record]:
+    """Twenty seconds with two units and a reader at either end."""
+    rng = np.random.default_rng(3)
+    motion = move(VehicleConfig(), [Leg(15_000, 20.0)], PERIOD_MS)
+    units = [measure(name, motion, Law(5_000, 20_000), rng, dropout=dropout) for name in CHANNELS]
+    places = [(number, number * 40_000) for number in range(1, 9)]
+    readings = [
+        reading
+        for end, offset_mm in ((0, 0), (1, 20_000))
+        for reading in read_markers(motion, end, offset_mm, places, 200, rng, foreign=0.02)
+    ]
+    return records(motion, units, readings)
+
+
+def test_a_sound_run_is_one_step_a_cycle_without_rejections(tmp_path: Path) -> None:
+    """Two hundred cycles, each with both distances, markers known and foreign, and the truth, also after a file."""
+    path = tmp_path / "run.csv"
+    write_records(path, run())
+    steps = list(cycles(read_records(path), PERIOD_MS, expected=CHANNELS))
+    assert len(steps) == 200
+    assert not any(step.rejected or step.missing for step in steps)
+    assert all("truth_mm" in step.remarks and "front_wheel_mm" in step.inputs for step in steps)
+    placed = [step for step in steps if "front_marker_position_mm" in step.inputs]
+    assert placed
+    assert any("front_marker" in step.inputs and step not in placed for step in steps)
+
+
+def test_drop_outs_are_missing_channels() -> None:
+    """What a unit did not say is absent from the step and named."""
+    steps = list(cycles(run(dropout=0.3), PERIOD_MS, expected=CHANNELS))
+    silent = [step for step in steps if "front_wheel" in step.missing]
+    assert 20 < len(silent) < 120
+    assert not any("front_wheel_mm" in step.inputs for step in silent)
+
+
+@pytest.mark.parametrize(
+    ("kind", "reason"),
+    [("duplicate", Rejection.DUPLICATE), ("late", Rejection.STALE), ("swap", Rejection.STALE)],
+)
+def test_a_record_fault_is_rejected_with_its_reason(kind: RecordFaultKind, reason: Rejection) -> None:
+    """The fault of one channel silences that channel, in the cycles it strikes, and no other."""
+    broken = disturb(run(), [RecordFault("front_wheel", kind, 5_000, 5_001, reach=9)])
+    steps = list(cycles(broken, PERIOD_MS, expected=CHANNELS))
+    rejected = [one for step in steps for one in step.rejected if one.record.channel == "front_wheel"]
+    assert [one.reason for one in rejected] == [reason]
+    assert 1 <= sum("front_wheel_mm" not in step.inputs for step in steps) <= 2
+    others = [one for step in steps for one in step.rejected if one.record.channel != "front_wheel"]
+    assert kind == "swap" or not others
+
+
+def test_frozen_records_repeat_what_was_said_before() -> None:
+    """A frozen unit looks alive: only its value gives it away."""
+    broken = disturb(run(), [RecordFault("front_wheel", "freeze", 3_000, 6_000)])
+    steps = list(cycles(broken, PERIOD_MS, expected=CHANNELS))
+    values = {step.inputs["front_wheel_mm"] for step in steps if 2_900 <= step.end_ms < 6_000}
+    assert len(values) == 1
+    assert not any(step.rejected for step in steps)
+
+
+def test_dropped_records_are_absent() -> None:
+    """Nothing takes their place."""
+    broken = disturb(run(), [RecordFault("rear_radar", "drop", 3_000, 3_300)])
+    steps = list(cycles(broken, PERIOD_MS, expected=CHANNELS))
+    assert [step.end_ms for step in steps if step.missing] == [3_000, 3_100, 3_200]
+
+
+def test_cross_talk_reads_a_sound_marker_of_the_wrong_place() -> None:
+    """Only map and motion can tell: the record itself is in order."""
+    fault = RecordFault("front_marker", "cross-talk", 0, 20_000, identity=55, position_mm=9_000_000)
+    read = [record for record in disturb(run(), [fault]) if isinstance(record, MarkerRecord)]
+    assert {(55, 9_000_000)} == {(one.marker, one.position_mm) for one in read if one.end == "front"}
+    assert 55 not in {one.marker for one in read if one.end == "rear"}
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        (
+            RecordFault("front_whel", "drop", 0, 9_000),
+            r"hits no record; channels are \['front_marker', ",
+        ),
+        (RecordFault("front_wheel", "drop", 5, 6), r"hits no record; "),
+        (
+            RecordFault("front_wheel", "cross-talk", 0, 900),
+            r"^cross-talk is a fault of marker readings, not of ",
+        ),
+    ],
+)
+def test_a_fault_that_cannot_be_is_refused(fault: RecordFault, message: str) -> None:
+    """It would test nothing."""
+    with pytest.raises(InputError, match=message):
+        disturb(run(), [fault])
+
+
+def test_the_simulator_of_the_odometry_machine_refuses_a_misspelt_sensor() -> None:
+    """A fault of a sensor that is not there is an error, not a sound run."""
+    with pytest.raises(InputError, match=r"no such sensor; there are \['front_radar', 'front_wheel', 'rear_radar'"):
+        simulate(OdometryConfig(), seed=1, seconds=5, faults=[Fault("front_whel", "stuck", 0, 9)])
