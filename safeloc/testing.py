@@ -22,10 +22,9 @@ import hypothesis
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 
-from safeloc.backends.compiled import Compiled, Row, compile_system
-from safeloc.expr import And, Bool, BoolVar, Compare, Expr, Not, NumVar, Or, Value, Var
-from safeloc.expr import in_order, variables
-from safeloc.interpret import evaluate
+from safeloc.backends.compiled import Row, compile_system
+from safeloc.expr import BoolVar, Expr, NumVar, Value, Var
+from safeloc.lawful import Repair, first_state, slack
 from safeloc.provers.evidence import replayed
 from safeloc.results import Finding
 from safeloc.spec import NO_ASSUMPTION, Property, observe, watch
@@ -34,7 +33,6 @@ from safeloc.trace import Trace
 from safeloc.verdict import Held, Result, Violated
 
 RULES = ("steady", "ramp", "ends", "standstill", "reversal", "random")
-REPAIRS = 12
 
 
 @dataclass
@@ -77,15 +75,15 @@ class Driver:
         initial = {**watched.system.initial, self._allowed: True}
         whole = replace(watched.system, state=state, next=moves, initial=initial, outputs=outputs)
         self.system, self.code = system, compile_system(whole)
-        self._repair = _Repair(system)
+        self._repair = Repair(system)
         self._whole = whole
         self.statistics = Statistics()
-        self.reset({})
+        self.reset(first_state(system, random.Random(0)))
 
     def reset(self, first: Mapping[str, Value]) -> None:
         """Start a new run."""
         self.first = dict(first)
-        self._state: Row = self.code.first({name: value for name, value in first.items()})
+        self._state: Row = self.code.first(dict(first))
         self.stream: list[dict[str, Value]] = []
         self.kept = True
         self.broken: Property | None = None
@@ -193,116 +191,6 @@ class _Profile:
         return min(max(round(value), var.low), var.high)
 
 
-# ------------------------------------------------------------------ keeping the assumption
-
-
-class _Repair:
-    """Changes what the environment chooses until the assumption holds; measurements only where that is not enough."""
-
-    def __init__(self, system: TransitionSystem) -> None:
-        self._system = system
-        whole = environment(system)
-        self._parts = list(_conjuncts(whole))
-        inputs = set(system.inputs)
-        self._check = _checker(system, self._parts)
-        self._none = (False,) * len(self._parts)
-        self._free = [[v for v in variables([part]) if v in inputs and isinstance(v, NumVar)] for part in self._parts]
-
-    def mend(
-        self, state: Mapping[Var, Value], inputs: dict[Var, Value], draw: random.Random
-    ) -> dict[Var, Value] | None:
-        """Inputs that keep the assumption, or None if none were found."""
-        values = {**state, **inputs}
-        for _ in range(REPAIRS):
-            truths = self._check.step(self._none, tuple(values[var] for var in self._check.system.inputs))[0]
-            broken = [index for index, truth in enumerate(truths) if not truth]
-            if not broken:
-                return {var: values[var] for var in self._system.inputs}
-            for index in broken:
-                self._mend_part(index, values, draw)
-        return None
-
-    def _mend_part(self, index: int, values: dict[Var, Value], draw: random.Random) -> None:
-        free = self._free[index]
-        if not free:
-            return
-        ghosts = [var for var in free if var in self._system.ghosts]
-        pool = ghosts if ghosts and draw.random() < 0.9 else free
-        for var in draw.sample(pool, len(pool)):
-            found = _allowed(self._parts[index], var, values)
-            if found is not None:
-                low, high = found
-                values[var] = draw.choice((low, high, draw.randint(low, high)))
-                return
-
-
-def _checker(system: TransitionSystem, parts: Sequence[Bool]) -> Compiled:
-    """The parts of the assumption as compiled code: state before and inputs in, truth values out."""
-    truths: dict[Var, Expr] = {BoolVar(f"part {number}"): part for number, part in enumerate(parts)}
-    reads = (*system.state, *system.inputs)
-    return compile_system(
-        replace(system, state=tuple(truths), next=truths, inputs=reads, fired={}, outputs={}, optionals=())
-    )
-
-
-def _conjuncts(term: Bool) -> list[Bool]:
-    return [inner for part in term.parts for inner in _conjuncts(part)] if isinstance(term, And) else [term]
-
-
-def _allowed(part: Bool, var: NumVar, values: Mapping[Var, Value]) -> tuple[int, int] | None:
-    """An interval of values of `var` that makes the part true, found at the boundaries of its comparisons."""
-    points = sorted(_boundaries(part, var, values) | {var.low, var.high})
-    good = [point for point in points if evaluate([part], {**values, var: point})[0]]
-    return (
-        (good[0], good[-1]) if good and all(_between(part, var, values, good)) else (good[0], good[0]) if good else None
-    )
-
-
-def _between(part: Bool, var: NumVar, values: Mapping[Var, Value], good: list[int]) -> list[bool]:
-    middle = (good[0] + good[-1]) // 2
-    return [bool(evaluate([part], {**values, var: middle})[0])]
-
-
-def _boundaries(part: Bool, var: NumVar, values: Mapping[Var, Value]) -> set[int]:
-    """Where the comparisons that read `var` change, taking each as linear in it between two probes."""
-    found: set[int] = set()
-    here = int(values[var])
-    for node in in_order([part]):
-        if isinstance(node, Compare) and var in set(variables([node])):
-            found |= _roots(node, var, values, here)
-    return {point + shift for point in found for shift in (-1, 0, 1) if var.low <= point + shift <= var.high}
-
-
-def _roots(node: Compare, var: NumVar, values: Mapping[Var, Value], here: int) -> set[int]:
-    probes = (here, here + 1 if here < var.high else here - 1)
-    gaps = []
-    for probe in probes:
-        left, right = evaluate([node.left, node.right], {**values, var: probe})
-        gaps.append(right - left)
-    slope = (gaps[1] - gaps[0]) // (probes[1] - probes[0])
-    return {here - gaps[0] // slope} if slope else set()
-
-
-def slack(term: Bool, values: Mapping[Var, Value]) -> float:
-    """How far a term is from being false: the least numeric distance, negative once it is false, infinite if logical."""
-    match term:
-        case Compare(op, a, b):
-            left, right = evaluate([a, b], values)
-            return float(abs(left - right) and -abs(left - right)) if op == "==" else float(right - left)
-        case And(parts):
-            return min(slack(part, values) for part in parts)
-        case Or(parts):
-            return max(slack(part, values) for part in parts)
-        case Not(Compare("<", a, b)):
-            left, right = evaluate([a, b], values)
-            return float(left - right)
-        case Not(Compare("<=", a, b)):
-            left, right = evaluate([a, b], values)
-            return float(left - right - 1)
-        case _:
-            return float("inf") if evaluate([term], values)[0] else float("-inf")
-
-
 # ------------------------------------------------------------------ Hypothesis
 
 
@@ -318,7 +206,7 @@ def state_machine(
         @initialize(which=st.integers(-1, len(corpus) - 1))
         def begin(self, which: int) -> None:
             """From the first state, or after a known run."""
-            driver.reset({} if which < 0 else dict(corpus[which].initial))
+            driver.reset(first_state(system, random.Random(0)) if which < 0 else dict(corpus[which].initial))
             for record in corpus[which].steps if which >= 0 else ():
                 driver._step({v: record.inputs[v.name] for v in system.inputs}, faulty=True, draw=random.Random(0))
 
