@@ -46,7 +46,7 @@ def wheel_law(wheel: WheelConfig) -> Law:
 
 
 def wheel(name: str, motion: Motion, config: WheelConfig) -> Distances:
-    """What the wheel measures. A positive diameter error: the wheel is thicker than assumed, and measures too little."""
+    """What the wheel measures. A positive diameter error: thicker than assumed, so it measures too little."""
     run = motion.position_nm - motion.start_nm
     scale = MILLION + config.diameter_error_ppm
     surface = run // scale * MILLION + run % scale * MILLION // scale
@@ -76,7 +76,9 @@ def _noise_nm(config: RadarConfig, period_ms: int) -> float:
     """What the floor leaves for noise after rounding to whole mm, both stretched by the scale."""
     left = config.noise_mm_s * period_ms * 1_000 / (1 + abs(config.scale_error_ppm) / MILLION) - NM_PER_MM / 2 - 10
     if left < 0:
-        raise InputError(f"noise of {config.noise_mm_s} mm/s is below the rounding of {period_ms} ms cycles to whole mm.")
+        raise InputError(
+            f"noise of {config.noise_mm_s} mm/s is below the rounding of {period_ms} ms cycles to whole mm."
+        )
     return left
 
 

@@ -9,8 +9,10 @@ Columns that the machine does not have (such as `truth_mm`) are kept apart as re
 from __future__ import annotations
 
 import csv
+import io
 import json
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from safeloc.expr import Value
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str
+WHOLE = re.compile(r"[+-]?[0-9]+")
 
 
 @dataclass(frozen=True)
@@ -45,10 +48,34 @@ def read_steps(path: Path) -> StepStream:
 def write_steps(
     path: Path, steps: Sequence[Mapping[str, Cell]], *, machine: str = "", first: Mapping[str, Value] | None = None
 ) -> None:
-    """Write a JSONL stream with its header."""
+    """Write a .jsonl stream with its header, or a .csv one, which has no room for `machine` and `first`."""
+    for number, step in enumerate(steps, 1):
+        for key, value in step.items():
+            _cell(path, number, key, value)
+    if path.suffix == ".csv":
+        _write_csv(path, steps, first or {})
+        return
+    if path.suffix not in (".jsonl", ".ndjson"):
+        raise StreamError(f"{path}: unknown kind of file {path.suffix!r}; use .jsonl or .csv.")
     header = {"schema": SCHEMA, "machine": machine, "first": dict(first or {})}
     text = "".join(json.dumps(line, separators=(", ", ": ")) + "\n" for line in (header, *map(dict, steps)))
     path.write_text(text, encoding="utf-8")
+
+
+def _write_csv(path: Path, steps: Sequence[Mapping[str, Cell]], first: Mapping[str, Value]) -> None:
+    if first:
+        raise StreamError(f"{path}: a CSV stream cannot hold initial values {sorted(first)}; write .jsonl.")
+    names = list(dict.fromkeys(name for step in steps for name in step))
+    if len(names) < 2 and any(not step for step in steps):
+        raise StreamError(f"{path}: a step without any input would be an empty line in CSV; write .jsonl.")
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        writer.writerows([_to_text(step.get(name, "")) for name in names] for step in steps)
+
+
+def _to_text(value: Cell) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _read_jsonl(path: Path) -> StepStream:
@@ -56,9 +83,11 @@ def _read_jsonl(path: Path) -> StepStream:
     lines: list[int] = []
     first: Mapping[str, Value] = {}
     machine = ""
-    for number, text in _numbered_lines(path):
+    for number, text in enumerate(_text(path).split("\n"), 1):
+        if not text.strip():
+            continue
         record = _parsed(path, number, text)
-        if number == 1 and "schema" in record:
+        if not lines and "schema" in record:
             first, machine = _header(path, record)
             continue
         steps.append({key: _cell(path, number, key, value) for key, value in record.items() if value is not None})
@@ -66,14 +95,11 @@ def _read_jsonl(path: Path) -> StepStream:
     return StepStream(tuple(steps), tuple(lines), first, machine)
 
 
-def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
+def _text(path: Path) -> str:
     try:
-        content = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
-    for number, line in enumerate(content.splitlines(), 1):
-        if line.strip():
-            yield number, line
 
 
 def _parsed(path: Path, number: int, text: str) -> dict[str, object]:
@@ -115,28 +141,24 @@ def _cell(path: Path, number: int, key: str, value: object) -> Cell:
 def _read_csv(path: Path) -> StepStream:
     steps: list[Mapping[str, Cell]] = []
     lines: list[int] = []
-    with path.open(newline="", encoding="utf-8") as file:
-        reader = csv.reader(file)
-        names = next(reader, [])
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if not names or twice or "" in names:
-            raise StreamError(f"{path}:1: the first line must name every column once; got {names}.")
-        for row in reader:
-            if len(row) != len(names):
-                raise StreamError(f"{path}:{reader.line_num}: {len(row)} cells, expected {len(names)}.")
-            cells = zip(names, row, strict=True)
-            steps.append({key: _from_text(path, reader.line_num, key, cell) for key, cell in cells if cell != ""})
-            lines.append(reader.line_num)
+    reader = csv.reader(io.StringIO(_text(path), newline=""))
+    names = next(reader, [])
+    if not names or len(set(names)) < len(names) or "" in names:
+        raise StreamError(f"{path}:1: the first line must name every column once; got {names}.")
+    for row in reader:
+        if len(row) != len(names):
+            raise StreamError(f"{path}:{reader.line_num}: {len(row)} cells, expected {len(names)}.")
+        cells = zip(names, row, strict=True)
+        steps.append({key: _from_text(path, reader.line_num, key, cell) for key, cell in cells if cell != ""})
+        lines.append(reader.line_num)
     return StepStream(tuple(steps), tuple(lines))
 
 
 def _from_text(path: Path, number: int, key: str, text: str) -> Cell:
     if text in ("true", "false"):
         return text == "true"
-    try:
+    if WHOLE.fullmatch(text):
         return int(text)
-    except ValueError:
-        pass
     try:
         float(text)
     except ValueError:

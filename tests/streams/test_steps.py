@@ -1,0 +1,118 @@
+"""Step streams: what is written is read back with its lines; what is no step is refused."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from safeloc.errors import StreamError
+from safeloc.streams.steps import Cell, read_steps, write_steps
+
+STEPS: list[dict[str, Cell]] = [
+    {"speed": -3, "door_closed": True, "state": "OPEN"},
+    {"speed": 4},
+    {"door_closed": False},
+]
+
+
+@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".csv"])
+def test_steps_come_back_as_written(tmp_path: Path, suffix: str) -> None:
+    """Absent inputs stay absent; True stays apart from 1; each step knows its line."""
+    path = tmp_path / f"run{suffix}"
+    write_steps(path, STEPS)
+    stream = read_steps(path)
+    assert [repr(step) for step in stream.steps] == [repr(step) for step in STEPS]
+    assert stream.lines == (2, 3, 4)
+
+
+def test_a_saved_trace_keeps_machine_and_initial_values(tmp_path: Path) -> None:
+    """So that a counterexample can be replayed."""
+    path = tmp_path / "trace.jsonl"
+    write_steps(path, STEPS, machine="door", first={"truth_nm": 5})
+    stream = read_steps(path)
+    assert (stream.machine, stream.first) == ("door", {"truth_nm": 5})
+
+
+def test_a_csv_stream_cannot_keep_initial_values(tmp_path: Path) -> None:
+    """They are refused, not lost."""
+    with pytest.raises(StreamError, match=r"a CSV stream cannot hold initial values \['truth_nm'\]; write \.jsonl\.$"):
+        write_steps(tmp_path / "trace.csv", STEPS, first={"truth_nm": 5})
+
+
+def test_an_empty_step_is_not_lost_in_csv(tmp_path: Path) -> None:
+    """With one column it would be an empty line."""
+    with pytest.raises(StreamError, match=r"would be an empty line in CSV; write \.jsonl\.$"):
+        write_steps(tmp_path / "run.csv", [{"speed": 1}, {}])
+
+
+@pytest.mark.parametrize("value", [1.5, float("nan"), None])
+def test_what_is_no_cell_is_not_written(tmp_path: Path, value: object) -> None:
+    """A stream that cannot be read back is not made."""
+    with pytest.raises(StreamError, match=r":1: speed is .*; steps hold whole numbers"):
+        write_steps(tmp_path / "run.jsonl", [{"speed": value}])  # type: ignore[dict-item]
+
+
+@given(steps=st.lists(st.dictionaries(st.sampled_from(["a", "b", "c"]), st.integers() | st.booleans(), min_size=1)))
+def test_any_stream_survives(tmp_path_factory: pytest.TempPathFactory, steps: list[dict[str, Cell]]) -> None:
+    """Numbers of any size, absent and present in any pattern."""
+    folder = tmp_path_factory.mktemp("streams")
+    for name in ("run.jsonl", "run.csv"):
+        if steps or name == "run.jsonl":
+            write_steps(folder / name, steps)
+            assert [repr(dict(sorted(step.items()))) for step in read_steps(folder / name).steps] == [
+                repr(dict(sorted(step.items()))) for step in steps
+            ]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("run.jsonl", '{"a": NaN}', "run.jsonl:1: NaN is no measurement"),
+        ("run.jsonl", '\n\n{"a": 1.5}', "run.jsonl:3: a is 1.5; steps hold whole numbers"),
+        ("run.jsonl", '{"a": [1]}', "run.jsonl:1: a is [1]; steps hold"),
+        ("run.jsonl", '{"a": 1, "a": 2}', "run.jsonl:1: ['a'] given twice in one step; keep one."),
+        ("run.jsonl", "3", "run.jsonl:1: expected an object with one entry an input, got int."),
+        ("run.jsonl", "{", "run.jsonl:1: not JSON ("),
+        (
+            "run.jsonl",
+            '{"schema": "other/9"}',
+            "run.jsonl:1: schema is 'other/9'; this version reads ",
+        ),
+        ("run.jsonl", '{"schema": "safeloc-stream/1", "first": 3}', "run.jsonl:1: `first` must be an object"),
+        ("run.csv", "a,a\n1,2\n", "run.csv:1: the first line must name every column once; got ['a', 'a']."),
+        ("run.csv", "", "run.csv:1: the first line must name every column once; got []."),
+        ("run.csv", "a,b\n1\n", "run.csv:2: 1 cells, expected 2."),
+        ("run.csv", "a,b\n1,nan\n", "run.csv:2: b is 'nan'; steps hold whole numbers."),
+        ("run.csv", "a,b\n1,1e3\n", "run.csv:2: b is '1e3'; steps hold whole numbers."),
+        ("run.csv", "a,b\n1,1_0\n", "run.csv:2: b is '1_0'; steps hold whole numbers."),
+        ("run.txt", "", "run.txt: unknown kind of file '.txt'; use .jsonl or .csv."),
+    ],
+)
+def test_what_is_no_step_is_refused(tmp_path: Path, name: str, text: str, message: str) -> None:
+    """With file and line, and the input where there is one."""
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(StreamError, match=re.escape(message)):
+        read_steps(path)
+
+
+@pytest.mark.parametrize("name", ["run.jsonl", "run.csv"])
+def test_bytes_that_are_no_text_are_refused(tmp_path: Path, name: str) -> None:
+    """As a StreamError."""
+    path = tmp_path / name
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(StreamError, match=r"not UTF-8 text \(invalid start byte at byte 0\)\.$"):
+        read_steps(path)
+
+
+def test_a_missing_file_and_a_wrong_suffix_are_refused(tmp_path: Path) -> None:
+    """Before anything is written or read."""
+    with pytest.raises(StreamError, match=r"none\.jsonl: no such file\.$"):
+        read_steps(tmp_path / "none.jsonl")
+    with pytest.raises(StreamError, match=r"unknown kind of file '\.txt'; use \.jsonl or \.csv\.$"):
+        write_steps(tmp_path / "run.txt", STEPS)
+    assert not list(tmp_path.iterdir())
