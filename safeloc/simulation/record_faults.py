@@ -49,35 +49,36 @@ def _meant(fault: RecordFault, record: Record) -> bool:
 
 
 def _disturbed(stream: list[Record], fault: RecordFault, hit: Sequence[int]) -> list[Record]:
+    struck = set(hit)
     match fault.kind:
         case "duplicate":
-            return [copy for number, record in enumerate(stream) for copy in [record] * (1 + (number in hit))]
+            return [copy for number, record in enumerate(stream) for copy in [record] * (1 + (number in struck))]
         case "drop":
-            return [record for number, record in enumerate(stream) if number not in hit]
+            return [record for number, record in enumerate(stream) if number not in struck]
         case "late":
-            return _late(stream, fault.reach, hit)
+            return _late(stream, fault.reach, struck)
         case "swap":
             return _swapped(stream, hit)
         case "freeze":
             return _frozen(stream, fault, hit)
         case "cross-talk":
-            return [_cross_talk(record, fault) if number in hit else record for number, record in enumerate(stream)]
+            return [_cross_talk(record, fault) if number in struck else record for number, record in enumerate(stream)]
         case _:
             assert_never(fault.kind)
 
 
-def _late(stream: list[Record], reach: int, hit: Sequence[int]) -> list[Record]:
+def _late(stream: list[Record], reach: int, struck: set[int]) -> list[Record]:
     """A stable sort by where each record is now due."""
-    due = [number + (reach + 0.5 if number in hit else 0) for number in range(len(stream))]
+    due = [number + (reach + 0.5 if number in struck else 0) for number in range(len(stream))]
     return [stream[number] for number in sorted(range(len(stream)), key=due.__getitem__)]
 
 
 def _swapped(stream: list[Record], hit: Sequence[int]) -> list[Record]:
     stream = list(stream)
     own = [number for number, record in enumerate(stream) if record.channel == stream[hit[0]].channel]
-    first = own.index(hit[0])
+    first, struck = own.index(hit[0]), set(hit)
     for one, other in zip(own[first::2], own[first + 1 :: 2], strict=False):
-        if one in hit:
+        if one in struck:
             stream[one], stream[other] = stream[other], stream[one]
     return stream
 
