@@ -1,0 +1,113 @@
+"""A user's own machine, outside the package: proved, tested, replayed and reported; a wrong guard is found."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from safeloc.report.data import schema
+from tests.cli.calling import DOOR, DOOR_FILE, QUICK, QUICK_VERIFY, Call, wrong_door
+
+
+def test_the_example_is_a_forty_line_file() -> None:
+    """A useful machine fits on one screen."""
+    assert 40 >= len(DOOR_FILE.read_text(encoding="utf-8").splitlines()) - 5
+
+
+def test_all_holds(call: Call) -> None:
+    """The door is proved: exit code 0, a line for each property."""
+    called = call("prove", DOOR, *QUICK)
+    assert 0 == called.code
+    for name in ("opens at speed", "clock at rest", "closes", "opens"):
+        assert f"proved    door/property/{name}" in called.out
+
+
+def test_wrong_guard(call: Call, tmp_path: Path) -> None:
+    """Without the speed in the guard: exit code 1, and a run of one step that a person can read."""
+    called = call("prove", wrong_door(tmp_path), "--property", "opens at speed", *QUICK)
+    assert 1 == called.code
+    assert "violated  door/property/opens at speed" in called.out
+    assert "   0  start  mode=LOCKED closing_for=0" in called.out
+    last = called.out.splitlines()[-2]
+    assert last.startswith("   1  open  [")
+    assert "released=true" in last
+    assert "mode=OPEN" in last
+
+
+def test_counterexample_replays(call: Call, tmp_path: Path) -> None:
+    """The saved trace of a violation, replayed, violates the same property; the right machine keeps it."""
+    wrong = wrong_door(tmp_path)
+    assert 1 == call("verify", wrong, "--out", str(tmp_path / "report"), *QUICK_VERIFY).code
+    trace = tmp_path / "report" / "traces" / "door-property-opens-at-speed.jsonl"
+    again = call("replay", wrong, str(trace))
+    assert 1 == again.code
+    assert "opens at speed" in next(line for line in again.out.splitlines() if line.startswith("violated"))
+    assert 0 == call("replay", DOOR, str(trace)).code
+
+
+def test_undecided(call: Call, tmp_path: Path) -> None:
+    """A statement out of reach of the given limits is undecided: exit code 3."""
+    path = tmp_path / "long.py"
+    path.write_text(LONG, encoding="utf-8")
+    called = call("prove", f"{path}:machine", "--property", "far", "--seconds", "0.1", "--depth", "1", "--jobs", "1")
+    assert 3 == called.code
+    assert "unknown   long/property/far" in called.out
+
+
+LONG = """
+from safeloc.expr import TRUE, number, product
+from safeloc.machine import Machine, Transition, modes
+from safeloc.spec import never
+from safeloc.units import COUNT
+(ON,) = modes("ON")
+a, b, c, d = (number(n, COUNT, 0, 1000) for n in "abcd")
+u, v, w = (number(n, COUNT, 1, 1000) for n in "uvw")
+machine = Machine("long", (ON,), [u, v, w, d], {a: 0, b: 0, c: 0}, {}, [
+    Transition("go", ON, ON, TRUE, {a: u, b: v, c: w}),
+])
+properties = [never("far", (a > 2) & (product(product(a, a), a) + product(product(b, b), b)).eq(
+    product(product(c, c), c)) & (b > 2))]
+"""
+
+
+def test_json_is_pure_and_valid(call: Call) -> None:
+    """With --json standard output is one document of the published schema and standard error is empty."""
+    called = call("prove", DOOR, "--json", *QUICK)
+    data = json.loads(called.out)
+    jsonschema.validate(data, schema())
+    assert "" == called.err
+    assert ("safeloc-report/1", "proved") == (data["schema"], data["verdict"])
+    assert ["door"] == [machine["name"] for machine in data["machines"]]
+
+
+def test_a_shell_sees_the_same(tmp_path: Path) -> None:
+    """In a process of its own, from another folder, by module name: the same verdict and exit code."""
+    (tmp_path / "my_door.py").write_text(DOOR_FILE.read_text(encoding="utf-8"), encoding="utf-8")
+    command = [sys.executable, "-c", "from safeloc.cli import main; main()", "prove", "my_door:machine", *QUICK]
+    root = Path(__file__).parents[2]
+    done = subprocess.run(
+        command, cwd=tmp_path, env={"PYTHONPATH": str(root), "PATH": ""}, capture_output=True, text=True, check=False
+    )
+    assert 0 == done.returncode, done.stderr
+    assert "proved    door/property/opens at speed" in done.stdout
+    assert "\x1b" not in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("form", ["python", "mermaid", "dot", "svg", "table", "smtlib"])
+def test_export(call: Call, form: str) -> None:
+    """Every form of the door names its modes or its transitions."""
+    called = call("export", DOOR, "--to", form)
+    assert 0 == called.code
+    assert "closing_for" in called.out or "CLOSING" in called.out
+
+
+def test_export_to_a_file(call: Call, tmp_path: Path) -> None:
+    """--out writes the file and prints nothing."""
+    path = tmp_path / "door.svg"
+    assert "" == call("export", DOOR, "--to", "svg", "--out", str(path)).out
+    assert path.read_text(encoding="utf-8").startswith("<svg")
