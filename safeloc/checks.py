@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from safeloc.errors import ModelError
 from safeloc.expr import Bool, BoolVar, Compare, Expr, Lit, Num, NumVar, Optional, Past, Var, in_order, variables
-from safeloc.machine import ANY, STAY_NAME, Initial, Machine
+from safeloc.machine import ANY, STAY_NAME, Initial, Machine, Transition
 
 RESERVED = ("mode", "fired")
 
@@ -80,9 +80,18 @@ def _transitions_join_known_modes(machine: Machine) -> Iterator[str]:
 
 
 def _ranks_are_in_order(machine: Machine) -> Iterator[str]:
-    for earlier, later in zip(machine.transitions, machine.transitions[1:], strict=False):
-        if later.rank < earlier.rank:
-            yield f"transition {later.name!r} ({later.src}) has rank {later.rank} but follows rank {earlier.rank}."
+    """Among transitions out of one mode; the order of the table is the order of priority."""
+    highest: dict[Lit, Transition] = {}
+    for t in machine.transitions:
+        for source in t.sources:
+            before = highest.setdefault(source, t)
+            if t.rank < before.rank:
+                yield (
+                    f"transition {t.name!r} ({t.src}) has rank {t.rank} but follows {before.name!r} of rank {before.rank} "
+                    f"out of {source.label}; declare it earlier."
+                )
+                break
+            highest[source] = t
 
 
 def _updates_fit(machine: Machine) -> Iterator[str]:

@@ -2,7 +2,8 @@
 
 Plain bounded search dies at a few dozen steps. Here a run of hundreds of steps is driven by one simple habit (inputs
 held, the environment leaning always to the same side), which is how errors add up; then, from the states where the
-property is nearest to failing, bounded search looks a few steps further with exact numbers. A stream counts only
+property is nearest to failing, bounded search looks a few steps further with exact numbers. Every other run goes on
+from where an earlier one came to a new combination of modes and flags. A stream counts only
 after exact replay, and is shortened before it is reported.
 """
 
@@ -23,6 +24,7 @@ from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.spec import Goal
 from safeloc.system import TransitionSystem, canonical
 from safeloc.trace import Trace
+from safeloc.units import Enumeration
 from safeloc.verdict import Unknown, Verdict, Violated
 
 LONGEST = 250
@@ -30,6 +32,7 @@ FINISH_STEPS = 6
 FINISH_SECONDS = 1.5
 STARTS = 4
 SHRINK_SECONDS = 3.0
+REPLACED = 0.05
 Record = dict[str, Value]
 
 
@@ -56,6 +59,19 @@ class _Near:
     steps: int
 
 
+@dataclass(frozen=True)
+class _Reached:
+    """Where a run came to some combination of modes and flags."""
+
+    first: Mapping[str, Value]
+    stream: tuple[Record, ...]
+    state: Row
+
+
+def _is_quantity(var: Var) -> bool:
+    return isinstance(var, NumVar) and not isinstance(var.unit, Enumeration)
+
+
 class _Search:
     def __init__(self, goal: Goal, seed: int) -> None:
         self.goal, self._draw = goal, random.Random(seed)
@@ -66,16 +82,14 @@ class _Search:
         self.first: Mapping[str, Value] = {}
         self._stream: list[Record] = []
         self._near: list[_Near] = []
+        self._archive: dict[Row, _Reached] = {}
+        self._labels = [n for n, var in enumerate(goal.system.state) if not _is_quantity(var)]
 
     def run(self) -> list[Record] | None:
         """One run by one habit; its stream if it breaks the property."""
         habit = _Habit(self.goal.system, self._draw)
-        hidden = {var.name for var in self.goal.observers}
-        chosen = first_state(self.goal.system, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.3)))
-        self.first = {name: value for name, value in chosen.items() if name not in hidden}
-        state = self._code.first({**self.first})
-        self._stream, self._near = [], []
-        for _ in range(LONGEST):
+        state = self._begin()
+        while len(self._stream) < LONGEST:
             if habit.is_over():
                 habit = _Habit(self.goal.system, self._draw)
             inputs = self._lawful(state, habit)
@@ -88,6 +102,19 @@ class _Search:
             self._remember(state)
         return None
 
+    def _begin(self) -> Row:
+        """A first state, or one where an earlier run came to something new."""
+        self._near = []
+        if self._archive and self._draw.random() < 0.5:
+            known = self._draw.choice(list(self._archive.values()))
+            self.first, self._stream = known.first, list(known.stream)
+            return known.state
+        hidden = {var.name for var in self.goal.observers}
+        chosen = first_state(self.goal.system, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.3)))
+        self.first = {name: value for name, value in chosen.items() if name not in hidden}
+        self._stream = []
+        return self._code.first({**self.first})
+
     def _lawful(self, state: Row, habit: _Habit) -> dict[Var, Value] | None:
         values = dict(zip(self.goal.system.state, state, strict=True))
         return self._repair.mend(values, habit.inputs(), self._draw, habit.pick)
@@ -96,6 +123,9 @@ class _Search:
         values = dict(zip(self.goal.system.state, state, strict=True))
         distance = slack(self.goal.good, values)
         self._near.append(_Near(distance, state, len(self._stream)))
+        labels = tuple(state[number] for number in self._labels)
+        if labels not in self._archive or self._draw.random() < REPLACED:
+            self._archive[labels] = _Reached(self.first, tuple(self._stream), state)
 
     def finish(self, ends: Deadline) -> list[Record] | None:
         """Exact search of a few steps from the nearest states of the run, and from some others."""
