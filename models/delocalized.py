@@ -8,7 +8,7 @@ position is passed on. It is left only when the source is valid AND an absolute 
 from __future__ import annotations
 
 from safeloc.config import Config, quantity
-from safeloc.expr import Bool, NumVar, between, boolean, choice, enumeration, exact_to, ite, number
+from safeloc.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.odometry_parts.variables import LOCATED, NO_REFERENCE, REASON, TOLERANCE
@@ -44,8 +44,8 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     tolerable = (seen_over <= tolerance) & (seen_under <= tolerance)
     usable = valid & tolerable
     stated = ite(valid, TOLERANCE, ite(cause.eq(LOCATED), NO_REFERENCE, cause))
-    nothing = {position: 0, over: 0, under: 0}
-    passed = {position: seen, over: seen_over, under: seen_under, reason: LOCATED}
+    nothing: dict[Var, Expr | int] = {position: 0, over: 0, under: 0}
+    passed: dict[Var, Expr | int] = {position: seen, over: seen_over, under: seen_under, reason: LOCATED}
     return Machine(
         name="delocalized",
         modes=table,

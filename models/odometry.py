@@ -34,7 +34,7 @@ from safeloc.expr import (
     ite,
     members,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.models.odometry_parts.cycle import Judged, Situation, judge, nothing
 from safeloc.models.odometry_parts.distance_device import Device, Unit, Values, choose
 from safeloc.models.odometry_parts.marker_reading import ACCEPTED
@@ -73,7 +73,7 @@ class Odometry:
     @property
     def lead(self) -> Values:
         """What is reported: the values of the device that the mode names."""
-        return lead(self.own, self.machine.mode, self.machine.modes)
+        return lead(self.own, self.machine.mode)
 
 
 def build(own: Parts) -> Odometry:
@@ -108,14 +108,20 @@ def build(own: Parts) -> Odometry:
     return Odometry(made, own, judged)
 
 
-def _state(own: Parts) -> dict[Var, object]:
-    state: dict[Var, object] = {}
+def _state(own: Parts) -> dict[Var, Initial]:
+    state: dict[Var, Initial] = {}
     for device in own.devices:
         state |= device.state()
     for reader in own.readers:
         state |= reader.state()
     state |= own.pending.state()
-    first = {own.backwards: False, own.rolled: 0, own.last_marker: 0, own.last_place: 0, own.reason: NO_REFERENCE}
+    first: dict[Var, Initial] = {
+        own.backwards: False,
+        own.rolled: 0,
+        own.last_marker: 0,
+        own.last_place: 0,
+        own.reason: NO_REFERENCE,
+    }
     return {**state, **first}
 
 
@@ -182,7 +188,7 @@ def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
                 f"trusted marker at {end}", lost, target, reading.accepted & leads, {**sure, **first, own.reason: LOCATED},
                 ("MRK-1",), 7,
             )  # fmt: skip
-    kept = {place: ite(cycle.reversed, 0, place) for place in (*own.pending.places, own.last_marker)}
+    kept: dict[Var, Expr] = {place: ite(cycle.reversed, 0, place) for place in (*own.pending.places, own.last_marker)}
     carried: dict[Var, Expr] = {**cycle.listen(), **cycle.run_on(), **kept}
     dropped = {**cycle.listen(), **cycle.forget(), **_no_devices(own)}
     yield Transition("candidate lost", candidate, lost, ~cycle.any_prolonged, dropped, ("MRK-D1",), 8)
@@ -239,7 +245,7 @@ def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
 # ------------------------------------------------------------------ what is reported
 
 
-def lead(own: Parts, current: Num, mode: tuple[Lit, ...] | object) -> Values:
+def lead(own: Parts, current: Num) -> Values:
     """The values of the device that the mode names."""
     if len(own.devices) == 1:
         return own.devices[0].values
@@ -253,10 +259,10 @@ def _names_rear(own: Parts, current: Num) -> Bool:
 
 def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]:
     valid = current.one_of(*mode[2:])
-    values = lead(own, current, mode)
+    values = lead(own, current)
     rear = _names_rear(own, current)
-    by_leading = _of_lead(own, rear, [ite(d.by_leading, M1, M2) for d in own.devices])
-    speaks = _of_lead(own, rear, [ite(_second_speaks(d), SECOND_UNIT, FIRST_UNIT) for d in own.devices])
+    by_leading = _of_lead(rear, [ite(d.by_leading, M1, M2) for d in own.devices])
+    speaks = _of_lead(rear, [ite(_second_speaks(d), SECOND_UNIT, FIRST_UNIT) for d in own.devices])
     accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
     return {
         "valid": valid,
@@ -265,14 +271,14 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
         "under_mm": ite(valid, ceil_to(values.under, MM), 0),
         "values": ite(valid, by_leading, NO_VALUES),
         "unit": ite(valid, speaks, NO_UNIT),
-        "age_ms": ite(valid, _of_lead(own, rear, [d.age for d in own.devices]), 0),
-        "distance_run_mm": ite(valid, _of_lead(own, rear, [d.run for d in own.devices]), 0),
+        "age_ms": ite(valid, _of_lead(rear, [d.age for d in own.devices]), 0),
+        "distance_run_mm": ite(valid, _of_lead(rear, [d.run for d in own.devices]), 0),
         "reference_accepted": valid & accepted,
         "reason": own.reason,
     }
 
 
-def _of_lead(own: Parts, rear: Bool, terms: list[Num]) -> Num:
+def _of_lead(rear: Bool, terms: list[Num]) -> Num:
     return terms[0] if len(terms) == 1 else ite(rear, terms[1], terms[0])
 
 
@@ -284,16 +290,16 @@ def _second_speaks(device: Device) -> Bool:
 # ------------------------------------------------------------------ the environment, and what helps to prove
 
 
-def _ghosts(own: Parts, cycle: Judged) -> tuple[dict[Var, object], dict[Var, Expr], list[Var]]:
-    first: dict[Var, object] = {own.truth: ANY}
+def _ghosts(own: Parts, cycle: Judged) -> tuple[dict[Var, Initial], dict[Var, Expr], list[Var]]:
+    first: dict[Var, Initial] = {own.truth: ANY}
     moves: dict[Var, Expr] = {own.truth: own.truth + own.true_step}
-    for (wander, chosen), (_, admitted) in zip(own.wanders, _admitted(own, cycle), strict=True):
+    for (wander, chosen), (_, admitted) in zip(own.wanders, _admitted(cycle), strict=True):
         first[wander] = ANY
         moves[wander] = ite(admitted, chosen, wander)
     return first, moves, [own.true_step, *(chosen for _, chosen in own.wanders)]
 
 
-def _admitted(own: Parts, cycle: Judged) -> list[tuple[Unit, Bool]]:
+def _admitted(cycle: Judged) -> list[tuple[Unit, Bool]]:
     return [(unit, ok) for moved in cycle.cycles for unit, ok in zip(moved.device.units, moved.admitted, strict=True)]
 
 
@@ -301,9 +307,7 @@ def _assumption(own: Parts, cycle: Judged) -> Bool:
     """The error laws of admitted distances, the truth of accepted readings, and the vehicle staying on the line."""
     after = own.truth + own.true_step
     laws = []
-    for (unit, admitted), (wander, chosen), device in zip(
-        _admitted(own, cycle), own.wanders, _owners(own), strict=True
-    ):
+    for (unit, admitted), (wander, chosen), device in zip(_admitted(cycle), own.wanders, _owners(own), strict=True):
         error = own.true_step - exact_to(unit.step.value, NM) - (chosen - wander)
         most = unit.law.growth_nm(abs_(unit.step.value), device.age + unit.limits.period_ms, unit.limits.period_ms)
         laws.append(admitted.implies(between(-most, error, most)))

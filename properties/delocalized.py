@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from safeloc.expr import NumVar, before, between, exact_to
+from safeloc.expr import BoolVar, NumVar, before, between, exact_to
 from safeloc.machine import Machine
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.odometry_parts.variables import LOCATED
@@ -17,7 +17,7 @@ def properties(machine: Machine, config: DelocalizedConfig | None = None) -> lis
     config = config or DelocalizedConfig()
     delocalized, localized = machine.modes
     is_lost, mode = machine.mode.eq(delocalized), machine.mode
-    inputs = {var.name: var for var in machine.inputs if not isinstance(var, tuple)}
+    inputs = {var.name: var for var in machine.inputs if isinstance(var, BoolVar)}
     reference, valid = inputs["reference_accepted"], inputs["source_valid"]
     position, over, under = (machine.output(f"{name}_mm") for name in ("position", "over", "under"))
     truth = next(iter(machine.ghosts))

@@ -300,7 +300,7 @@ def _caught(run: type[RuleBasedStateMachine], examples: int, seed: int) -> Prope
         stateful_step_count=8,
         deadline=None,
         database=None,
-        suppress_health_check=list(hypothesis.HealthCheck),
+        suppress_health_check=tuple(hypothesis.HealthCheck.__members__.values()),
         print_blob=False,
     )
     seeded = hypothesis.seed(seed)(run)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -33,7 +34,7 @@ def log_steps_mm(name: str, period_ms: int = 400) -> list[int | None]:
         for row in rows(name)
     ]
     steps: list[int | None] = []
-    for (before, x0, y0), (after, x1, y1) in zip(fixes, fixes[1:], strict=False):
+    for (before, x0, y0), (after, x1, y1) in pairwise(fixes):
         elapsed_ms = round((after - before).total_seconds() * 1000)
         steps.append(round(math.hypot(x1 - x0, y1 - y0) * 1000) if elapsed_ms == period_ms else None)
     return steps

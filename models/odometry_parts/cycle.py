@@ -171,7 +171,7 @@ class Judged:
         queue = self.own.pending.after(
             passed[0][0] | passed[1][0], first_of(*passed, default=zero), led[0][0] | led[1][0], last, ~self.reversed
         )
-        kept = {self.own.last_marker: ite(self.reversed, zero, last), self.own.last_place: place}
+        kept: dict[Var, Expr] = {self.own.last_marker: ite(self.reversed, zero, last), self.own.last_place: place}
         return {**queue, **kept}
 
     def remember_only(self, reading: Reading) -> dict[Var, Expr]:

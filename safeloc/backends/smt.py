@@ -7,7 +7,7 @@ obligation makes that sound for machine words. Sub-terms that several terms shar
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import assert_never
+from typing import Any, assert_never
 
 import z3
 
@@ -61,7 +61,7 @@ class Terms:
         return result
 
 
-def _translate(node: Node, of: Mapping[Expr, z3.ExprRef]) -> z3.ExprRef:
+def _translate(node: Node, of: Mapping[Expr, Any]) -> Any:  # z3 builds terms by operators that type checkers cannot see
     match node:
         case Lit(value, _):
             return z3.IntVal(value)
@@ -131,7 +131,8 @@ class Unrolling:
         """Inputs of the step are admissible, and the state at `step` + 1 follows."""
         now, after = self._terms(step), self._terms(step + 1)
         moves = [after(var) == now(term) for var, term in self.system.next.items()]
-        return z3.And(now.bool(self._environment), *moves)
+        step_: z3.BoolRef = z3.And(now.bool(self._environment), *moves)  # pyright: ignore[reportAssignmentType] # no Probe here
+        return step_
 
     def values(self, model: z3.ModelRef, step: int, variables: Iterable[Var]) -> dict[str, Value]:
         """What the model says of variables at a step."""

@@ -17,7 +17,7 @@ def to_junit(findings: Sequence[Finding]) -> str:
         failed = sum(isinstance(finding.result, Violated) for finding in own)
         unsure = sum(isinstance(finding.result, Unknown) for finding in own)
         counts = {"tests": str(len(own)), "failures": str(failed), "errors": str(unsure)}
-        suite = ElementTree.SubElement(root, "testsuite", name=machine, **counts)
+        suite = ElementTree.SubElement(root, "testsuite", {"name": machine, **counts})
         for finding in own:
             _case(suite, finding)
     ElementTree.indent(root)
