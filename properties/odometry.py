@@ -118,6 +118,17 @@ def _selection(model: Odometry) -> Iterator[Property]:
         trace=("MRK-D3", "MRK-D4"),
         unconditional=True,
     )
+    front = any_of(unit.alive for unit in own.devices[0].units)
+    candidate = machine.mode.eq(machine.modes[1])
+    best = [unit.alive.implies(lead.margin <= unit.values.margin) for unit in own.devices[0].units]
+    yield always(
+        "never worse than the front device alone",
+        (front & ~candidate).implies(valid & all_of(best)),
+        statement="whenever the front device alone would have a position, one is reported, with a margin that is not "
+        "greater than the front device's (which no reading of the other device touches)",
+        trace=("MRK-1", "MRK-D3", "MRK-D5"),
+        unconditional=True,
+    )
     leading = [f"leading reading at {end}" for end in ("front", "rear")]
     trailing = [f"trailing reading at {end}" for end in ("front", "rear")]
     yield always(
@@ -138,15 +149,16 @@ def _selection(model: Odometry) -> Iterator[Property]:
 
 def _rejection(model: Odometry) -> Iterator[Property]:
     own = model.own
-    rejected = ~any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
     valid = model.machine.flag("valid")
     for device in own.devices:
+        setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
+        rejected = ~any_of(reader.verdict.eq(ACCEPTED) for reader in setting)
         for unit, other in (device.units, device.units[::-1]):
             kept = rejected & valid & earlier_bool(valid) & unit.alive
             yield always(
                 f"{unit.name} ignores rejected readings",
                 kept.implies(_ran_on(unit, other)),
-                statement="a foreign, repeated, unpaired or implausible marker moves no position and narrows no margin: "
+                statement="a foreign, repeated, unpaired or implausible marker, or one of the other device, narrows no margin: "
                 "the position moves by the measured distance alone, and both margins grow alike",
                 trace=("MRK-1", "MRK-D1", "MRK-4"),
                 unconditional=True,
