@@ -1,0 +1,30 @@
+"""Every variant of the odometry machine is proved, not only the default one."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.models.odometry import build
+from safeloc.models.odometry_parts.error_law import ACCELEROMETER, EDDY_CURRENT, OPTICAL
+from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.properties.odometry import properties
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.system import lower
+from safeloc.verdict import word
+
+VARIANTS = {
+    "one device": OdometryConfig(devices=1),
+    "single fault safe, first marker trusted": OdometryConfig(trust_first_marker=True, single_fault_safe=True),
+    "accelerometer and eddy current": OdometryConfig(first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER),
+    "optical and eddy current": OdometryConfig(first_unit=OPTICAL, second_unit=EDDY_CURRENT, devices=1),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", VARIANTS)
+def test_variant_is_proved(name: str) -> None:
+    """MRK-1, MRK-4: one or two devices, and units of every kind with their error laws."""
+    model = build(parts(VARIANTS[name]))
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), jobs=2)
+    assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
