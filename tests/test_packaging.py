@@ -1,0 +1,189 @@
+"""What is delivered: the wheel holds the tree and nothing else, and works on a machine that has no checkout."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import venv
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TREES = {"safeloc": "safeloc", "models": "safeloc/models", "properties": "safeloc/properties"}
+LINKS = ("models", "properties")
+LEFT_OUT = shutil.ignore_patterns(
+    ".*", "__pycache__", "*.egg-info", "build", "dist", "tests", "benchmarks", "safeloc-*"
+)
+
+
+def project() -> dict[str, Any]:
+    """pyproject.toml."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def delivered() -> Iterator[tuple[Path, str]]:
+    """Every file of the three trees with its name in the wheel."""
+    for tree, name in TREES.items():
+        for folder, folders, files in os.walk(ROOT / tree):
+            folders[:] = [one for one in folders if one != "__pycache__" and not (Path(folder) / one).is_symlink()]
+            for file in files:
+                path = Path(folder) / file
+                yield path, f"{name}/{path.relative_to(ROOT / tree).as_posix()}"
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel, built from the source distribution, which is built from a copy of the tree."""
+    copy, out = tmp_path_factory.mktemp("copy") / "source", tmp_path_factory.mktemp("dist")
+    shutil.copytree(ROOT, copy, symlinks=True, ignore=LEFT_OUT)
+    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out), str(copy)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=out)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (found,) = out.glob("*.whl")
+    assert len(list(out.glob("*.tar.gz"))) == 1
+    return found
+
+
+def names(wheel: Path) -> list[str]:
+    """Files of the wheel, without its metadata."""
+    with zipfile.ZipFile(wheel) as archive:
+        return sorted(name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info"))
+
+
+def test_the_wheel_holds_the_tree(wheel: Path) -> None:
+    """Every file of safeloc, models and properties is in the wheel, and no other."""
+    expected = sorted(name for _, name in delivered())
+    kinds = {Path(name).suffix for name in expected}
+    assert {".py", ".toml", ".json", ".jinja", ".jsonl"} <= kinds
+    assert "safeloc/py.typed" in expected
+    assert names(wheel) == expected
+
+
+def test_the_wheel_holds_what_the_tree_holds(wheel: Path) -> None:
+    """Every file of the wheel is byte for byte the one in the tree."""
+    with zipfile.ZipFile(wheel) as archive:
+        differing = [name for path, name in delivered() if archive.read(name) != path.read_bytes()]
+    assert differing == []
+
+
+def test_one_top_level_name(wheel: Path) -> None:
+    """Installed, the package takes the name safeloc and no other: models and properties lie within it."""
+    with zipfile.ZipFile(wheel) as archive:
+        tops = {name.split("/")[0] for name in archive.namelist()}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"safeloc"}
+    assert len(tops) == 2
+
+
+def test_packages_are_the_trees() -> None:
+    """The list of packages in pyproject.toml is the list of folders with Python files."""
+    expected = {name.rpartition("/")[0].replace("/", ".") for _, name in delivered() if name.endswith(".py")}
+    listed = project()["tool"]["setuptools"]["packages"]
+    assert sorted(listed) == sorted(expected)
+    missing = [name for _, name in delivered() if name.endswith(".py") and not _has_init(name)]
+    assert missing == []
+
+
+def _has_init(name: str) -> bool:
+    return f"{name.rpartition('/')[0]}/__init__.py" in {other for _, other in delivered()}
+
+
+@pytest.mark.parametrize("name", LINKS)
+def test_links(name: str) -> None:
+    """safeloc/models and safeloc/properties are relative links, so a checkout works wherever it stands."""
+    link = ROOT / "safeloc" / name
+    assert link.is_symlink()
+    assert os.readlink(link) == f"../{name}"
+
+
+def test_dependencies_are_declared() -> None:
+    """Every package that is imported is declared; only Parquet is an extra, and jinja2 brings markupsafe."""
+    distributions = {"z3": "z3-solver"}
+    declared = {re.split(r"[<>=~!]", one)[0] for one in project()["project"]["dependencies"]} | {
+        "pyarrow",
+        "markupsafe",
+    }
+    imported = {top for path, _ in delivered() if path.suffix == ".py" for top in _imports(path)}
+    outside = imported - set(sys.stdlib_module_names) - {"safeloc"}
+    assert {distributions.get(name, name) for name in outside} <= declared
+    assert {"z3", "cvc5", "hypothesis"} <= outside
+
+
+def _imports(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module.split(".")[0]
+
+
+# ------------------------------------------------------------------ as a user installs it
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The command of a fresh environment with nothing but the wheel and what it asks for."""
+    home = tmp_path_factory.mktemp("fresh") / "environment"
+    venv.create(home, with_pip=True)
+    command = [str(home / "bin" / "python"), "-m", "pip", "install", "--quiet", str(wheel)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=home)
+    assert done.returncode == 0, done.stderr
+    return home / "bin" / "safeloc"
+
+
+def readme_door() -> str:
+    """The machine of one's own that README.md shows."""
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    (door,) = [block for block in blocks if 'name="door"' in block]
+    return str(door)
+
+
+def called(command: Path, folder: Path, *arguments: str) -> tuple[int, str]:
+    """Exit code and everything printed, from a folder outside the repository and without its variables."""
+    clean = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV", "PYTEST"))}
+    done = subprocess.run(
+        [str(command), *arguments], capture_output=True, text=True, check=False, cwd=folder, env=clean
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_installed_package_is_the_wheel(installed: Path, tmp_path: Path) -> None:
+    """The command imports the installed files, models and properties included, not the checkout."""
+    code = "import safeloc.models.odometry as m, safeloc.properties.odometry as p; print(m.__file__, p.__file__)"
+    status, printed = called(installed.with_name("python"), tmp_path, "-c", code)
+    assert status == 0, printed
+    files = printed.split()
+    assert len(files) == 2
+    assert all(file.startswith(str(installed.parents[1])) for file in files)
+
+
+@pytest.mark.slow
+def test_own_machine_is_verified(installed: Path, tmp_path: Path) -> None:
+    """The door of README.md as door.py, by module name: exit code 0 and a report."""
+    (tmp_path / "door.py").write_text(readme_door(), encoding="utf-8")
+    code, printed = called(installed, tmp_path, "verify", "door:machine", "--out", "report")
+    assert code == 0, printed
+    assert "violated" not in printed
+    assert (tmp_path / "report" / "index.html").is_file()
+
+
+@pytest.mark.slow
+def test_wrong_guard_is_shown(installed: Path, tmp_path: Path) -> None:
+    """The door released at any speed: exit code 1, and the run that shows it."""
+    wrong = readme_door().replace("wanted & speed.eq(0)", "wanted")
+    assert wrong != readme_door()
+    (tmp_path / "door.py").write_text(wrong, encoding="utf-8")
+    code, printed = called(installed, tmp_path, "verify", "door:machine", "--out", "report")
+    assert code == 1, printed
+    assert "door/property/open while moving" in printed
+    assert "   0  start  mode=CLOSED" in printed
+    assert re.search(r"^   1  release  \[.*open_wanted=true.*\]  mode=OPEN", printed, re.MULTILINE)
