@@ -1,0 +1,266 @@
+"""The report: its data obey the published schema, its page shows what was found and asks nothing of a network."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import jsonschema
+import pytest
+
+from safeloc.catalogue import load_target
+from safeloc.interpret import run
+from safeloc.monitor import check_all
+from safeloc.report.data import report_data, schema
+from safeloc.report.folder import write_folder
+from safeloc.report.junit import to_junit
+from safeloc.report.page import file_name, to_html
+from safeloc.report.plot import line_chart
+from safeloc.results import Finding
+from safeloc.streams.steps import read_steps
+from safeloc.verdict import Held, Proved, Unknown, Violated, word
+from tests.report.lamp import DOC, UNDECIDED, findings, target
+
+WRONG = "lamp/property/wears & tears"
+
+
+@pytest.fixture(scope="module")
+def data() -> dict[str, object]:
+    """The report of the lamp."""
+    return report_data(findings(), [target()])
+
+
+@pytest.fixture(scope="module")
+def page(data: dict[str, object]) -> str:
+    """Its page."""
+    return to_html(data)
+
+
+def found(name: str) -> Finding:
+    """One finding of the lamp."""
+    return next(one for one in findings() if one.id == name)
+
+
+# ------------------------------------------------------------------ data
+
+
+def test_one_finding_of_each_kind() -> None:
+    """The lamp gives a proof, a violation and an undecided statement."""
+    assert [word(one.result) for one in findings()] == ["proved", "violated", "unknown"]
+
+
+def test_data_obey_the_schema(data: dict[str, object]) -> None:
+    """The data validate against the published schema, before and after they were text."""
+    jsonschema.Draft202012Validator.check_schema(schema())
+    jsonschema.validate(data, schema())
+    assert json.loads(json.dumps(data)) == data
+
+
+def test_the_schema_refuses_strangers(data: dict[str, object]) -> None:
+    """A field that the schema does not know, an unknown verdict, a missing field: each is refused."""
+    for wrong in ({**data, "more": 1}, {**data, "verdict": "fine"}, {k: v for k, v in data.items() if k != "results"}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(wrong, schema())
+
+
+@pytest.mark.parametrize("name", ["odometry", "delocalized", "supervised_odometry"])
+def test_shipped_machines_obey_the_schema(name: str) -> None:
+    """Each shipped machine, with its configuration and composition, is described within the schema."""
+    shipped = load_target(name)
+    described = report_data([], [shipped])
+    jsonschema.validate(described, schema())
+    (machine,) = described["machines"]
+    assert [part["name"] for part in machine["parts"]] == [one.name for one in shipped.machines]
+    assert machine["configuration"]["tolerance_mm"] == 30_000
+
+
+def test_the_headline_is_the_worst() -> None:
+    """One violation makes the report violated, one undecided statement unknown; a test alone is no proof."""
+    proved, violated, unknown = findings()
+    held = replace(proved, result=Held("tests", 10, 200))
+    assert report_data([proved, violated, unknown], [target()])["verdict"] == "violated"
+    assert report_data([proved, unknown, held], [target()])["verdict"] == "unknown"
+    assert report_data([proved, held], [target()])["verdict"] == "held"
+    assert report_data([proved], [target()])["verdict"] == "proved"
+
+
+def test_requirement_table_goes_both_ways(data: dict[str, object]) -> None:
+    """A requirement lists exactly the results and transitions that name it; its verdict is its worst result's."""
+    rows = {row["id"]: row for row in data["requirements"]}
+    for row in rows.values():
+        assert row["results"] == [one.id for one in findings() if row["id"] in one.requirements]
+    for one in findings():
+        assert all(one.id in rows[name]["results"] for name in one.requirements)
+    assert rows["MRK-1"]["transitions"] == ["lamp: switch <on>", "lamp: burnt out"]
+    assert rows["MRK-D1"]["transitions"] == ["lamp: burnt out"]
+    assert rows["MRK-1"]["verdict"] == "proved"
+    assert rows["MRK-D1"]["verdict"] == "violated"
+    assert (rows["SAT-1"]["transitions"], rows["SAT-1"]["results"], rows["SAT-1"]["verdict"]) == ([], [], "")
+
+
+# ------------------------------------------------------------------ page
+
+
+def test_page_shows_the_violated_run(page: str) -> None:
+    """Each step of the run that breaks the statement is a row: number, transition, inputs and what changed."""
+    shown = page[page.index("<h2>Violated</h2>") : page.index("<h2>Undecided</h2>")]
+    assert "lamp/property/wears &amp; tears" in shown
+    rows = re.findall(
+        r"<tr><td class=\"n\">(\d+)</td><td>(.*?)</td><td><code>(.*?)</code></td>.*?<code>(.*?)</code>", shown
+    )
+    assert [row[0] for row in rows] == ["0", "1", "2", "3"]
+    assert rows[0][3] == "mode=DARK  wear=0"
+    assert rows[3] == ("3", "switch &lt;on&gt;", "press=true", "mode=LIT  wear=2")
+    assert "traces/lamp-property-wears---tears.jsonl" in shown
+
+
+def test_page_shows_what_is_undecided(page: str) -> None:
+    """An undecided statement stands with its reason and how far it was looked at."""
+    shown = page[page.index("<h2>Undecided</h2>") : page.index('<h2 id="lamp">')]
+    assert "no &lt;i&gt;time&lt;/i&gt;" in shown
+    assert '<td class="n">4</td>' in shown
+
+
+def test_counts_in_the_headline(page: str) -> None:
+    """The headline counts each verdict."""
+    assert "1 proved, 0 held in tests, 1 undecided, 1 violated" in page
+
+
+def test_text_of_a_user_is_escaped(page: str) -> None:
+    """Nothing that a user wrote becomes markup, in text or in drawings."""
+    assert "&lt;script&gt;" in page
+    for raw in ("<script", DOC, "<on>", "<b>twice", "<i>time"):
+        assert raw not in page
+    assert page.count("switch &lt;on&gt;") >= 3
+
+
+def test_page_stands_alone(page: str) -> None:
+    """No address, script, frame, image or style sheet of elsewhere: only the name of the drawing format."""
+    addresses = set(re.findall(r"https?://[^\s\"'<]*", page))
+    assert addresses == {"http://www.w3.org/2000/svg"}
+    assert not re.search(r"<(script|link|iframe|img|object|embed)\b|@import|url\((?!#)|\bon\w+=", page)
+    assert {link[:1] for link in re.findall(r'href="([^"]*)"', page)} == {"#"}
+
+
+def test_links_of_the_page_lead_somewhere(page: str) -> None:
+    """Every link names a heading of the page."""
+    ids = set(re.findall(r'id="([^"]*)"', page))
+    links = re.findall(r'href="#([^"]*)"', page)
+    assert {"lamp", "requirements", "versions"} == set(links)
+    assert set(links) <= ids
+
+
+def test_page_of_data_read_back(data: dict[str, object], page: str) -> None:
+    """report.json alone gives the same page."""
+    assert to_html(json.loads(json.dumps(data))) == page
+
+
+# ------------------------------------------------------------------ JUnit
+
+
+def test_junit_counts() -> None:
+    """Violated is a failure with its run, unknown an error, all else passes; counts agree with the cases."""
+    held = replace(UNDECIDED, id="other/test/x", machine="other", kind="test", result=Held("tests", 1, 10))
+    root = ElementTree.fromstring(to_junit([*findings(), held]).encode())
+    lamp, other = root.findall("testsuite")
+    assert (lamp.get("name"), lamp.get("tests"), lamp.get("failures"), lamp.get("errors")) == ("lamp", "3", "1", "1")
+    assert (other.get("tests"), other.get("failures"), other.get("errors")) == ("1", "0", "0")
+    assert (len(lamp.findall("testcase")), len(lamp.findall(".//failure")), len(lamp.findall(".//error"))) == (3, 1, 1)
+    failure = root.find(".//failure")
+    assert failure is not None
+    assert "   3  switch <on>  [press=true]  mode=LIT wear=2" in str(failure.text)
+    assert {case.get("name") for case in root.iter("testcase")} == {one.id for one in (*findings(), held)}
+
+
+# ------------------------------------------------------------------ folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The lamp's report folder."""
+    path = tmp_path_factory.mktemp("report") / "deep" / "folder"
+    assert write_folder(path, findings(), [target()]) == path / "index.html"
+    return path
+
+
+def test_folder(folder: Path) -> None:
+    """Page, data, JUnit, every certificate of a proof and every trace of a violation, and nothing else."""
+    proof = found("lamp/property/new").result
+    assert isinstance(proof, Proved)
+    assert proof.certificates
+    expected = {"index.html", "report.json", "junit.xml", f"traces/{file_name(WRONG)}.jsonl"}
+    expected |= {f"certificates/{name}" for name in proof.certificates}
+    assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
+    jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
+    for name, text in proof.certificates.items():
+        assert (folder / "certificates" / name).read_text(encoding="utf-8") == text
+
+
+def test_the_saved_trace_replays(folder: Path) -> None:
+    """Read back and run, the saved stream is the same run and breaks the same statement, and no other."""
+    stream = read_steps(folder / "traces" / f"{file_name(WRONG)}.jsonl")
+    assert stream.machine == "lamp"
+    first = {name: value for name, value in stream.first.items() if name not in ("mode", "wear")}
+    again = run(target().system, stream.steps, first=first)
+    violated = found(WRONG).result
+    assert isinstance(violated, Violated)
+    assert violated.trace is not None
+    assert [one.state for one in again.steps] == [
+        {k: step.state[k] for k in again.initial} for step in violated.trace.steps
+    ]
+    new, tears = check_all(again, target().properties)
+    assert isinstance(new, Held)
+    assert isinstance(tears, Violated)
+
+
+def test_undecided_leaves_no_evidence(tmp_path: Path) -> None:
+    """A statement that was not decided has no trace and no certificate."""
+    assert isinstance(UNDECIDED.result, Unknown)
+    write_folder(tmp_path, [UNDECIDED], [target()])
+    assert [*(tmp_path / "traces").iterdir(), *(tmp_path / "certificates").iterdir()] == []
+
+
+# ------------------------------------------------------------------ plot
+
+
+def paths(chart: str) -> list[str]:
+    """The line of each series."""
+    return re.findall(r'<path d="([^"]*)"', chart)
+
+
+def test_a_gap_interrupts_the_line() -> None:
+    """Where nothing is reported the pen is lifted, and the band is in two pieces."""
+    series = [1.0, 2.0, None, 4.0, 5.0]
+    chart = line_chart("gap", "mm", {"position": series}, (series, series))
+    (line,) = paths(chart)
+    assert re.sub(r"[^ML]", "", line) == "MLML"
+    assert chart.count("<polygon") == 2
+    ElementTree.fromstring(chart)
+
+
+def test_a_constant_series_is_a_level_line() -> None:
+    """A series that never changes is drawn level within the frame; zero as well."""
+    for value in (0.0, 7.0, -3e9):
+        (line,) = paths(line_chart("level", "mm", {"a": [value] * 3}))
+        heights = {point.split(" ")[1] for point in re.split("[ML]", line)[1:]}
+        assert len(heights) == 1
+        assert 0 < float(heights.pop()) < 240
+
+
+def test_nothing_to_draw() -> None:
+    """Without lines, without values, or with a single step there is no chart."""
+    assert line_chart("none", "mm", {}) == ""
+    assert line_chart("none", "mm", {"a": [None, None]}) == ""
+    assert line_chart("none", "mm", {"a": [1.0]}) == ""
+
+
+def test_labels_of_a_chart_are_escaped() -> None:
+    """Title, unit and names of lines are text."""
+    chart = line_chart('<t> "q"', "<u>", {"<n>": [1.0, 2.0]})
+    labels = {text.text for text in ElementTree.fromstring(chart).iter() if text.text}
+    assert "<n>" in labels
+    assert any("<u>" in label for label in labels)
+    assert ElementTree.fromstring(chart).get("aria-label") == '<t> "q"'
