@@ -1,0 +1,249 @@
+"""Machines by name and by address: what is found, and what a person is told who asked for something else."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from safeloc.catalogue import ENTRIES, Target, load_target, read_config
+from safeloc.errors import InputError
+from safeloc.models.odometry_parts.variables import OdometryConfig
+
+OWN = """
+from safeloc.composition import compose
+from safeloc.expr import boolean, number
+from safeloc.machine import Machine, Transition, modes
+from safeloc.spec import always
+from safeloc.units import MM
+
+def lamp(name, high=10):
+    dark, lit = modes("DARK", "LIT")
+    press, level = boolean(name + "_press"), number(name + "_level", MM, 0, high)
+    table = [Transition("on", dark, lit, press, {level: high})]
+    return Machine(name, (dark, lit), [press], {level: 0}, {}, table, doc="a lamp")
+
+machine = lamp("lamp")
+def build(config=None):
+    return lamp("built", high=(config or {"high": 5})["high"])
+pair = compose("pair", [lamp("left"), lamp("right")], {})
+number_of_lamps = 3
+def nothing():
+    return None
+"""
+DECLARED = """
+properties = [always("lit is full", machine.mode.eq(machine.modes[0]) | (next(iter(machine.state)) >= 10))]
+"""
+OF_THE_MACHINE = """
+def properties(found):
+    return [always("of " + getattr(found, "name", "whole"), press.iff(press))]
+press = boolean("never_read")
+"""
+WRONG_PROPERTIES = """
+properties = ["light"]
+"""
+INTERVAL = """
+from safeloc.reported import Reported
+reported = Reported(position="somewhere")
+"""
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A user's folder, with what is imported from it forgotten afterwards."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.setattr(sys, "modules", dict(sys.modules))
+    return tmp_path
+
+
+def own(place: Path, more: str = DECLARED, name: str = "my_lamps.py") -> Path:
+    """The user's file."""
+    path = place / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(OWN + more, encoding="utf-8")
+    return path
+
+
+def refused(spec: str, config: Path | None = None) -> str:
+    """What a person reads."""
+    with pytest.raises(InputError) as error:
+        load_target(spec, config)
+    return str(error.value)
+
+
+# ------------------------------------------------------------------ shipped machines
+
+
+@pytest.mark.parametrize("name", list(ENTRIES))
+def test_shipped(name: str) -> None:
+    """A shipped machine comes with its properties, its default configuration and its documentation."""
+    found = load_target(name)
+    assert (found.name, found.system.name) == (name, name)
+    assert found.properties
+    assert found.doc
+    assert isinstance(found.config, ENTRIES[name].config)
+
+
+def test_shipped_streams_exist() -> None:
+    """Odometry ships with recordings, and each is a file."""
+    streams = load_target("odometry").streams
+    assert {path.name for path in streams} >= {"odometry-service.jsonl", "odometry-wheel-slide.jsonl"}
+    assert all(path.is_file() for path in streams)
+
+
+@pytest.mark.parametrize(("typed", "meant"), [("odometri", "odometry"), ("supervised", "supervised_odometry")])
+def test_a_misspelt_name(typed: str, meant: str) -> None:
+    """A name that is nearly right gets a suggestion beside the list of all names."""
+    message = refused(typed)
+    assert f"no machine {typed!r}" in message
+    assert f"Did you mean {meant!r}?" in message
+    assert all(name in message for name in ENTRIES)
+
+
+def test_an_unknown_name() -> None:
+    """A name like no other gets the list alone, and how to name a machine of one's own."""
+    message = refused("xyz")
+    assert "Did you mean" not in message
+    assert "package.module:name" in message
+
+
+# ------------------------------------------------------------------ configurations
+
+
+@pytest.mark.parametrize("kind", ["toml", "json"])
+def test_a_configuration_file_is_used(kind: str, tmp_path: Path) -> None:
+    """A field of the file replaces its default, in the machine too."""
+    path = tmp_path / f"vehicle.{kind}"
+    path.write_text("tolerance_mm = 20000\n" if kind == "toml" else '{"tolerance_mm": 20000}', encoding="utf-8")
+    found = load_target("delocalized", path)
+    assert found.config is not None
+    assert found.config.model_dump()["tolerance_mm"] == 20_000
+    high = {var.name: var.high for var in found.system.state if hasattr(var, "high")}
+    assert high["passed_over_mm"] == 20_000
+
+
+@pytest.mark.parametrize(
+    ("content", "wrong"),
+    [
+        ({"tolerance_mm": 0}, ["tolerance_mm: "]),
+        ({"tolerance_m": 30}, ["tolerance_m: "]),
+        ({"tolerance_mm": "wide", "devices": 3}, ["tolerance_mm: ", "devices: "]),
+        ({"first_unit": {"kind": "steam"}}, ["first_unit."]),
+        ({"lone_limit_cycles": 1}, ["whole file: "]),
+    ],
+)
+def test_wrong_fields_are_named(content: dict[str, object], wrong: list[str], tmp_path: Path) -> None:
+    """The file and every wrong field are named, one a line."""
+    path = tmp_path / "vehicle.json"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        read_config(OdometryConfig, path)
+    lines = str(error.value).splitlines()
+    assert str(path) in lines[0]
+    assert all(any(line.startswith(f"  - {name}") for line in lines[1:]) for name in wrong), lines
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("broken.toml", "tolerance_mm = = 3", "cannot be read as TOML"),
+        ("broken.json", "{", "cannot be read as JSON"),
+        ("list.json", "[1]", "expected a table of fields"),
+    ],
+)
+def test_files_that_are_no_configuration(name: str, content: str, message: str, tmp_path: Path) -> None:
+    """Text that does not parse, and a document that is no table, are refused with the file's name."""
+    (tmp_path / name).write_text(content, encoding="utf-8")
+    assert message in refused("odometry", tmp_path / name)
+    assert name in refused("odometry", tmp_path / name)
+
+
+def test_a_missing_configuration_file(tmp_path: Path) -> None:
+    """A file that does not exist is an input error, not a crash."""
+    assert "none.toml: cannot be read" in refused("odometry", tmp_path / "none.toml")
+
+
+# ------------------------------------------------------------------ a user's own
+
+
+def checked(found: Target, name: str, properties: list[str]) -> None:
+    """What a target of the user's file must be."""
+    assert (found.name, [prop.name for prop in found.properties]) == (name, properties)
+    assert found.config is None
+    assert found.reported is None
+
+
+def test_by_file(place: Path) -> None:
+    """path/to/file.py:name, from any folder."""
+    found = load_target(f"{own(place)}:machine")
+    checked(found, "lamp", ["lit is full"])
+    assert found.doc == "a lamp"
+
+
+def test_by_module(place: Path) -> None:
+    """module:name, of a module in the current folder."""
+    own(place)
+    checked(load_target("my_lamps:machine"), "lamp", ["lit is full"])
+
+
+def test_by_package(place: Path) -> None:
+    """package.module:name."""
+    own(place, name="light/lamps.py")
+    (place / "light" / "__init__.py").write_text("", encoding="utf-8")
+    checked(load_target("light.lamps:machine"), "lamp", ["lit is full"])
+
+
+def test_a_composition(place: Path) -> None:
+    """A composition is a target with all its machines."""
+    found = load_target(f"{own(place, more='')}:pair")
+    checked(found, "pair", [])
+    assert [machine.name for machine in found.machines] == ["left", "right"]
+
+
+def test_a_function(place: Path) -> None:
+    """A function is called without arguments, or with the content of the configuration file."""
+    spec = f"{own(place, more='')}:build"
+    (place / "own.toml").write_text("high = 7\n", encoding="utf-8")
+    for config, high in ((None, 5), (place / "own.toml", 7)):
+        found = load_target(spec, config)
+        assert found.name == "built"
+        assert {var.name: var.high for var in found.system.state if hasattr(var, "high")}["built_level"] == high
+
+
+def test_properties_as_a_function_of_the_machine(place: Path) -> None:
+    """`properties` may be a function: it gets the machine that was asked for."""
+    path = own(place, OF_THE_MACHINE)
+    assert [prop.name for prop in load_target(f"{path}:machine").properties] == ["of lamp"]
+    assert [prop.name for prop in load_target(f"{path}:build").properties] == ["of built"]
+
+
+@pytest.mark.parametrize(
+    ("more", "name", "message"),
+    [
+        ("", "lamps", "has no 'lamps'; machines in it: ['machine', 'pair']"),
+        ("", "number_of_lamps", "is a int; expected a Machine, a Composition or a function returning one"),
+        ("", "nothing", "is a NoneType; expected a Machine"),
+        (WRONG_PROPERTIES, "machine", "properties holds 'light'; expected always(...), never(...), within(...)"),
+        (INTERVAL, "machine", "reported names 'somewhere'"),
+    ],
+)
+def test_wrong_kinds(place: Path, more: str, name: str, message: str) -> None:
+    """A missing name, something that is no machine, a wrong property, an unknown output: each is said."""
+    assert message in refused(f"{own(place, more)}:{name}")
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ("missing.py:machine", "missing.py: no such Python file"),
+        ("no_such_module:machine", "cannot import 'no_such_module'"),
+        ("no_such_package.lamps:machine", "Give a module on the path, or path/to/file.py:name"),
+    ],
+)
+def test_nothing_there(place: Path, spec: str, message: str) -> None:
+    """A file or module that does not exist is an input error that says what was looked for."""
+    assert place == Path.cwd()
+    assert message in refused(spec)
