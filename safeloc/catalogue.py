@@ -18,12 +18,14 @@ from pydantic import BaseModel, ValidationError
 
 from safeloc.composition import Composition
 from safeloc.errors import InputError
+from safeloc.expr import Value
 from safeloc.machine import Machine
 from safeloc.models import delocalized, odometry, supervised_odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import supervised_odometry as supervised_properties
+from safeloc.reported import Reported, usual_names
 from safeloc.spec import Property
 from safeloc.system import TransitionSystem, lower
 
@@ -33,6 +35,8 @@ class Target:
     """A system with everything that is to be shown of it.
 
     streams   recorded step streams that ship with it and are replayed by `verify`
+    reported  which outputs are the reported interval; None for a machine that reports none
+    simulate  seed -> steps of simulated sensors, where there is a simulation
     """
 
     name: str
@@ -42,6 +46,8 @@ class Target:
     config: BaseModel | None = None
     doc: str = ""
     streams: tuple[Path, ...] = ()
+    reported: Reported | None = None
+    simulate: Callable[[int], Sequence[Mapping[str, Value]]] | None = None
 
 
 Maker = Callable[[BaseModel], Target]
@@ -75,14 +81,23 @@ def _odometry(config: BaseModel) -> Target:
         config,
         model.machine.doc,
         _shipped("odometry"),
+        Reported(),
+        lambda seed: _simulated(config, seed),
     )
+
+
+def _simulated(config: OdometryConfig, seed: int) -> Sequence[Mapping[str, Value]]:
+    from safeloc.models.odometry_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
 
 
 def _delocalized(config: BaseModel) -> Target:
     assert isinstance(config, delocalized.DelocalizedConfig)
     machine = delocalized.machine(config)
     properties = tuple(delocalized_properties.properties(machine, config))
-    return Target("delocalized", (machine,), lower(machine), properties, config, machine.doc)
+    reported = Reported(valid="restrictive", valid_is=False)
+    return Target("delocalized", (machine,), lower(machine), properties, config, machine.doc, reported=reported)
 
 
 def _supervised(config: BaseModel) -> Target:
@@ -91,7 +106,16 @@ def _supervised(config: BaseModel) -> Target:
     machines = (whole.source.machine, whole.guard)
     properties = tuple(supervised_properties.properties(whole))
     doc = "Odometry with the delocalized machine behind it, in one step: what the host of a vehicle sees."
-    return Target("supervised_odometry", machines, whole.composition.system, properties, config, doc)
+    reported = Reported(
+        position="delocalized.position_mm",
+        under="delocalized.under_mm",
+        over="delocalized.over_mm",
+        valid="delocalized.restrictive",
+        valid_is=False,
+        truth="odometry.truth_nm",
+    )
+    system = whole.composition.system
+    return Target("supervised_odometry", machines, system, properties, config, doc, reported=reported)
 
 
 ENTRIES: Mapping[str, Entry] = {
@@ -108,7 +132,8 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     """A shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
 
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
-    content of the configuration file). Its module may define `properties`: a list, or a function of the machine.
+    content of the configuration file). Its module may define `properties`, a list or a function of the machine, and
+    `reported`, a Reported that names the outputs of the interval.
     Raises InputError that says what was looked for and what exists.
     """
     if ":" in spec:
@@ -156,14 +181,22 @@ def _own(spec: str, config: Path | None) -> Target:
     if callable(found):
         found = found(_content(config)) if config is not None else found()
     if isinstance(found, Machine):
-        properties = _properties(module, found)
-        return Target(found.name, (found,), lower(found), properties, None, found.doc)
+        return _target(module, found, lower(found), found.doc)
     if isinstance(found, Composition):
-        system = found.system
-        return Target(system.name, system.machines, system, _properties(module, found), None, "")
+        return _target(module, found, found.system, "")
     raise InputError(
         f"{spec} is a {type(found).__name__}; expected a Machine, a Composition or a function returning one."
     )
+
+
+def _target(module: ModuleType, found: Machine | Composition, system: TransitionSystem, doc: str) -> Target:
+    declared = getattr(module, "reported", None)
+    reported = declared if isinstance(declared, Reported) else usual_names(system.outputs)
+    missing = [name for name in reported.outputs if name not in system.outputs] if reported else []
+    if missing:
+        raise InputError(f"{module.__name__}.reported names {missing[0]!r}; outputs are {', '.join(system.outputs)}.")
+    properties = _properties(module, found)
+    return Target(system.name, system.machines, system, properties, None, doc, reported=reported)
 
 
 def _module(where: str) -> ModuleType:

@@ -15,16 +15,17 @@ from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.replay import replay_stream
 from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
-from safeloc.errors import SafelocError
+from safeloc.errors import InputError, SafelocError
 from safeloc.provers.base import base, step_queries
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import obligations
 from safeloc.provers.portfolio import prove as prove_all
 from safeloc.report.data import report_data
-from safeloc.report.folder import write_folder
+from safeloc.report.folder import render_folder, write_folder
 from safeloc.requirements import requirements
 from safeloc.results import Finding
 from safeloc.spec import Property
+from safeloc.streams.steps import write_steps
 from safeloc.system import without_ghosts
 from safeloc.testing import run_tests
 from safeloc.verdict import Proved, word, worst
@@ -183,8 +184,37 @@ def export(
     text = forms[to]()
     if where is None:
         sys.stdout.write(text)
-    else:
+        return
+    try:
         where.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{where}: cannot be written: {error}") from error
+
+
+@app.command()
+def simulate(
+    target: TargetArgument,
+    where: Annotated[Path, typer.Option("--out", help="stream to write: .jsonl or .csv")],
+    config: ConfigOption = None,
+    seed: SeedOption = 0,
+) -> None:
+    """Write a stream of simulated sensors, with the truth beside it, that `replay` takes."""
+    loaded = load_target(target, config)
+    if loaded.simulate is None:
+        able = [name for name in ENTRIES if load_target(name).simulate is not None]
+        raise InputError(f"{loaded.name} has no simulation; {', '.join(able)} has.")
+    steps = loaded.simulate(seed)
+    try:
+        write_steps(where, steps, machine=loaded.name)
+    except OSError as error:
+        raise InputError(f"{where}: cannot be written: {error}") from error
+    err.print(f"{len(steps)} steps: {where}", markup=False)
+
+
+@app.command()
+def report(folder: Annotated[Path, typer.Argument(help="folder that `safeloc verify` wrote")]) -> None:
+    """Render the page of a report folder again from its report.json."""
+    err.print(f"report: {render_folder(folder)}", markup=False)
 
 
 def _table(target: Target) -> str:
@@ -211,7 +241,7 @@ def verify(
     as_json: JsonOption = False,
 ) -> None:
     """Prove, test, replay the shipped streams, and write the report: the main job."""
-    loaded = [load_target(name, config) for name in targets or list(ENTRIES)]
+    loaded = _distinct([load_target(name, config) for name in targets or list(ENTRIES)])
     limits = Limits(depth=depth, seconds=seconds, seed=seed)
     findings: list[Finding] = []
     with Progressing(sum(len(one.properties) for one in loaded), quiet=as_json) as progress:
@@ -226,6 +256,15 @@ def verify(
     code = result(findings, loaded, as_json=True) if as_json else _summary(findings)
     err.print(f"report: {page}", markup=False)
     raise typer.Exit(code)
+
+
+def _distinct(targets: list[Target]) -> list[Target]:
+    """A report tells machines apart by name."""
+    names = [target.name for target in targets]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise InputError(f"two machines are called {twice[0]!r}; give each machine of a report its own name.")
+    return targets
 
 
 def _tested(target: Target, examples: int, steps: int, seed: int, owed: Sequence[Finding]) -> list[Finding]:

@@ -12,8 +12,8 @@ from typing import Any
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Num, Value, Var, variables
-from safeloc.monitor import check_all
 from safeloc.interpret import read_inputs, run
+from safeloc.monitor import check_all
 from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.streams.steps import StepStream, read_steps
@@ -64,20 +64,20 @@ def replay_stream(target: Target, path: Path) -> tuple[list[Row], list[Finding]]
 
     A stream with the ghosts of the machine in it is checked against every property. One without them (a real
     recording) is checked against those that do not speak of the truth; `truth_mm`, where the stream has it, is
-    compared with the reported interval.
+    compared with the reported interval, if the machine reports one.
     """
     started = time.monotonic()
     stream = read_steps(path)
     ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}
     whole = bool(stream.steps) and ghosts <= set(stream.steps[0])
     system = target.system if whole else without_ghosts(target.system)
-    truth = [step.get("truth_mm") for step in stream.steps]
+    truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = _run(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
     properties = [prop for prop in _applicable(target, system) if prop.kind != "reachable"]
     verdicts = check_all(trace, properties)
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
-    if any(value is not None for value in truth):
+    if target.reported is not None and any(value is not None for value in truth):
         findings.append(_containment(target, path, rows, trace, started))
     return rows, findings
 
@@ -121,12 +121,12 @@ def _names(system: TransitionSystem) -> set[str]:
     return every | {var.name for machine in system.machines for var in machine.ghost_inputs}
 
 
-def _row(target: Target, trace: Trace, index: int, truth: object) -> Row:
+def _row(target: Target, trace: Trace, index: int, truth_mm: int | None) -> Row:
     step = trace.steps[index]
     by_name = {var.name: var for var in trace.system.state}
     modes = {name: shown(by_name[name], value) for name, value in step.state.items() if name.split(".")[-1] == "mode"}
     outputs = {name: _shown(trace.system, name, value) for name, value in step.outputs.items()}
-    return Row(index + 1, modes, step.fired, outputs, _verdict(step.outputs, truth))
+    return Row(index + 1, modes, step.fired, outputs, _standing(target, step.outputs, truth_mm))
 
 
 def _shown(system: TransitionSystem, name: str, value: Value) -> Value | str:
@@ -136,14 +136,17 @@ def _shown(system: TransitionSystem, name: str, value: Value) -> Value | str:
     return value
 
 
-def _verdict(outputs: Mapping[str, Value], truth: object) -> str:
-    """WRONG: the reported interval misses the truth (safety). INVALID: nothing is reported (availability)."""
-    if not isinstance(truth, int) or "position_mm" not in outputs:
+def _standing(target: Target, outputs: Mapping[str, Value], truth_mm: int | None) -> str:
+    if truth_mm is None or target.reported is None:
         return ""
-    if not outputs.get("valid", True):
-        return "INVALID"
-    low, high = outputs["position_mm"] - outputs["under_mm"], outputs["position_mm"] + outputs["over_mm"]
-    return "contained" if low <= truth <= high else "WRONG"
+    return target.reported.standing(outputs, truth_mm)
+
+
+def _truth_mm(path: Path, stream: StepStream, index: int) -> int | None:
+    truth = stream.steps[index].get("truth_mm")
+    if truth is None or (isinstance(truth, int) and not isinstance(truth, bool)):
+        return truth
+    raise StreamError(f"{path}:{stream.lines[index]}: truth_mm is {truth!r}; give whole mm, or leave it out.")
 
 
 def _applicable(target: Target, system: TransitionSystem) -> list[Property]:

@@ -92,7 +92,7 @@ def _evidence(finding: Finding) -> None:
     match finding.result:
         case Violated(trace, engine, reason):
             out.print(f"\n[bold red]violated[/] {_escape(finding.id)}: {_escape(finding.statement)}")
-            out.print(f"found by {engine}. {reason}", markup=False)
+            out.print(f"found by {engine}. {reason}".rstrip(), markup=False)
             if trace is not None:
                 out.print(trace.table(), markup=False)
         case Unknown(reason, depth):

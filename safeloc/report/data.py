@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, assert_never
 
 from safeloc.catalogue import Target
+from safeloc.report.machines import machine_data
 from safeloc.requirements import Requirement, requirements
 from safeloc.results import Finding
 from safeloc.trace import Trace, present_inputs
@@ -33,7 +34,7 @@ def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[
         "schema": SCHEMA,
         "verdict": worst(word(finding.result) for finding in findings),
         "versions": versions(),
-        "machines": [_machine(target) for target in targets],
+        "machines": [machine_data(target) for target in targets],
         "results": [result_data(finding) for finding in findings],
         "requirements": [_requirement(one, targets, findings) for one in requirements()],
     }
@@ -112,17 +113,6 @@ def trace_data(trace: Trace | None) -> dict[str, Any] | None:
         for step in trace.steps
     ]
     return {"first": dict(trace.initial), "steps": steps}
-
-
-def _machine(target: Target) -> dict[str, Any]:
-    return {
-        "name": target.name,
-        "doc": target.doc,
-        "state_variables": len(target.system.state),
-        "inputs": len(target.system.inputs),
-        "transitions": sum(len(machine.transitions) for machine in target.machines),
-        "configuration": None if target.config is None else target.config.model_dump(mode="json"),
-    }
 
 
 def _requirement(one: Requirement, targets: Sequence[Target], findings: Sequence[Finding]) -> dict[str, Any]:

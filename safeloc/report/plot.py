@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Mapping, Sequence
 
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 720, 240, 90, 34, 14
+WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 860, 270, 120, 34, 34
 COLOURS = ("#1f6fb2", "#c4472b", "#3a8f4d", "#8a5bb0", "#9a7b1c")
 
 Series = Sequence[float | None]
@@ -22,10 +22,14 @@ def line_chart(title: str, unit: str, lines: Mapping[str, Series], band: tuple[S
     for index, (name, series) in enumerate(lines.items()):
         colour = COLOURS[index % len(COLOURS)]
         body.append(f'<path d="{_path(scale, series)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
-        body.append(_text(LEFT + 10 + 150 * index, TOP - 2, name, colour))
+        body.append(_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
     frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
     marks = [_mark(scale, value, unit) for value in (scale.low, (scale.low + scale.high) / 2, scale.high)]
-    ends = [_text(LEFT, HEIGHT - 12, "step 0"), _text(WIDTH - 70, HEIGHT - 12, f"step {length - 1}")]
+    ends = [
+        _text(LEFT, 13, title),
+        _text(LEFT, HEIGHT - 12, "step 0"),
+        _text(WIDTH - 70, HEIGHT - 12, f"step {length - 1}"),
+    ]
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'aria-label="{html.escape(title)}" class="chart">{frame}{"".join(marks)}{"".join(body)}{"".join(ends)}</svg>'

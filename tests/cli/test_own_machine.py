@@ -16,13 +16,13 @@ from tests.cli.calling import DOOR, DOOR_FILE, QUICK, QUICK_VERIFY, Call, wrong_
 
 def test_the_example_is_a_forty_line_file() -> None:
     """A useful machine fits on one screen."""
-    assert 40 >= len(DOOR_FILE.read_text(encoding="utf-8").splitlines()) - 5
+    assert len(DOOR_FILE.read_text(encoding="utf-8").splitlines()) - 5 <= 40
 
 
 def test_all_holds(call: Call) -> None:
     """The door is proved: exit code 0, a line for each property."""
     called = call("prove", DOOR, *QUICK)
-    assert 0 == called.code
+    assert called.code == 0
     for name in ("opens at speed", "clock at rest", "closes", "opens"):
         assert f"proved    door/property/{name}" in called.out
 
@@ -30,7 +30,7 @@ def test_all_holds(call: Call) -> None:
 def test_wrong_guard(call: Call, tmp_path: Path) -> None:
     """Without the speed in the guard: exit code 1, and a run of one step that a person can read."""
     called = call("prove", wrong_door(tmp_path), "--property", "opens at speed", *QUICK)
-    assert 1 == called.code
+    assert called.code == 1
     assert "violated  door/property/opens at speed" in called.out
     assert "   0  start  mode=LOCKED closing_for=0" in called.out
     last = called.out.splitlines()[-2]
@@ -42,12 +42,12 @@ def test_wrong_guard(call: Call, tmp_path: Path) -> None:
 def test_counterexample_replays(call: Call, tmp_path: Path) -> None:
     """The saved trace of a violation, replayed, violates the same property; the right machine keeps it."""
     wrong = wrong_door(tmp_path)
-    assert 1 == call("verify", wrong, "--out", str(tmp_path / "report"), *QUICK_VERIFY).code
+    assert call("verify", wrong, "--out", str(tmp_path / "report"), *QUICK_VERIFY).code == 1
     trace = tmp_path / "report" / "traces" / "door-property-opens-at-speed.jsonl"
     again = call("replay", wrong, str(trace))
-    assert 1 == again.code
+    assert again.code == 1
     assert "opens at speed" in next(line for line in again.out.splitlines() if line.startswith("violated"))
-    assert 0 == call("replay", DOOR, str(trace)).code
+    assert call("replay", DOOR, str(trace)).code == 0
 
 
 def test_undecided(call: Call, tmp_path: Path) -> None:
@@ -55,7 +55,7 @@ def test_undecided(call: Call, tmp_path: Path) -> None:
     path = tmp_path / "long.py"
     path.write_text(LONG, encoding="utf-8")
     called = call("prove", f"{path}:machine", "--property", "far", "--seconds", "0.1", "--depth", "1", "--jobs", "1")
-    assert 3 == called.code
+    assert called.code == 3
     assert "unknown   long/property/far" in called.out
 
 
@@ -80,9 +80,9 @@ def test_json_is_pure_and_valid(call: Call) -> None:
     called = call("prove", DOOR, "--json", *QUICK)
     data = json.loads(called.out)
     jsonschema.validate(data, schema())
-    assert "" == called.err
-    assert ("safeloc-report/1", "proved") == (data["schema"], data["verdict"])
-    assert ["door"] == [machine["name"] for machine in data["machines"]]
+    assert called.err == ""
+    assert (data["schema"], data["verdict"]) == ("safeloc-report/1", "proved")
+    assert [machine["name"] for machine in data["machines"]] == ["door"]
 
 
 def test_a_shell_sees_the_same(tmp_path: Path) -> None:
@@ -93,7 +93,7 @@ def test_a_shell_sees_the_same(tmp_path: Path) -> None:
     done = subprocess.run(
         command, cwd=tmp_path, env={"PYTHONPATH": str(root), "PATH": ""}, capture_output=True, text=True, check=False
     )
-    assert 0 == done.returncode, done.stderr
+    assert done.returncode == 0, done.stderr
     assert "proved    door/property/opens at speed" in done.stdout
     assert "\x1b" not in done.stdout + done.stderr
 
@@ -102,12 +102,12 @@ def test_a_shell_sees_the_same(tmp_path: Path) -> None:
 def test_export(call: Call, form: str) -> None:
     """Every form of the door names its modes or its transitions."""
     called = call("export", DOOR, "--to", form)
-    assert 0 == called.code
+    assert called.code == 0
     assert "closing_for" in called.out or "CLOSING" in called.out
 
 
 def test_export_to_a_file(call: Call, tmp_path: Path) -> None:
     """--out writes the file and prints nothing."""
     path = tmp_path / "door.svg"
-    assert "" == call("export", DOOR, "--to", "svg", "--out", str(path)).out
+    assert call("export", DOOR, "--to", "svg", "--out", str(path)).out == ""
     assert path.read_text(encoding="utf-8").startswith("<svg")

@@ -1,0 +1,102 @@
+"""A trace of the report as rows and as charts, from the report's data alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from safeloc.report.plot import line_chart
+from safeloc.reported import Reported
+
+Data = Mapping[str, Any]
+Series = list[float | None]
+NM_PER_MM = 1e6
+MOST_CHARTS = 3
+
+
+def trace_rows(trace: Data, signals: Data) -> list[dict[str, Any]]:
+    """One row a step: number, what fired, the inputs that were present, the state that changed."""
+    before = trace["first"]
+    rows = [{"number": 0, "fired": "start", "inputs": "", "changed": _values(signals, before)}]
+    for number, step in enumerate(trace["steps"], 1):
+        changed = {name: value for name, value in step["state"].items() if before[name] != value}
+        rows.append(
+            {
+                "number": number,
+                "fired": ", ".join(step["fired"].values()),
+                "inputs": _values(signals, step["inputs"]),
+                "changed": _values(signals, changed),
+            }
+        )
+        before = step["state"]
+    return rows
+
+
+def _values(signals: Data, values: Data) -> str:
+    return "  ".join(f"{name}={shown_value(signals, name, value)}" for name, value in values.items())
+
+
+def shown_value(signals: Data, name: str, value: bool | int) -> str:
+    """A member's label, true or false, or the number; variables of observers are numbers without a name for them."""
+    members = signals[name]["members"] if name in signals else []
+    if members:
+        return str(members[value])
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def trace_charts(trace: Data, machine: Data) -> str:
+    """Truth, reported position and margins where the machine reports an interval; otherwise what changed most."""
+    if machine["reported"] is not None:
+        return _position_chart(trace, Reported(**machine["reported"]))
+    signals = machine["signals"]
+    numbers = [name for name in trace["first"] if name in signals and signals[name]["unit"]]
+    moving = sorted((name for name in numbers if _spread(trace, name)), key=lambda name: -_spread(trace, name))
+    return "".join(
+        line_chart(name, signals[name]["unit"], {name: _series(trace, name)}) for name in moving[:MOST_CHARTS]
+    )
+
+
+def _series(trace: Data, name: str) -> Series:
+    return [float(trace["first"][name]), *(float(step["state"][name]) for step in trace["steps"])]
+
+
+def _spread(trace: Data, name: str) -> float:
+    values = [value for value in _series(trace, name) if value is not None]
+    return max(values) - min(values)
+
+
+def _position_chart(trace: Data, reported: Reported) -> str:
+    truth = _truth_mm(trace, reported)
+    ends = [None, *(reported.interval_mm(step["outputs"]) for step in trace["steps"])]
+    position: Series = [None]
+    for step, end in zip(trace["steps"], ends[1:], strict=True):
+        position.append(None if end is None else float(step["outputs"][reported.position]))
+    low: Series = [None if end is None else float(end[0]) for end in ends]
+    high: Series = [None if end is None else float(end[1]) for end in ends]
+    origin = next((value for value in (*truth, *position) if value is not None), 0.0)
+    lines = {"truth": _shift(truth, origin), "reported position": _shift(position, origin)}
+    title = f"truth, position and interval, from {origin:.0f} mm on"
+    chart = line_chart(title, "mm", lines, (_shift(low, origin), _shift(high, origin)))
+    return chart + _margin_chart(truth, position, low, high)
+
+
+def _margin_chart(truth: Series, position: Series, low: Series, high: Series) -> str:
+    """How far the truth is from the reported position, against the margins: outside the band the report is WRONG."""
+    under, over = _minus(low, position), _minus(high, position)
+    lines = {"truth - position": _minus(truth, position), "- under": under, "+ over": over}
+    return line_chart("distance of the truth from the reported position, and margins", "mm", lines, (under, over))
+
+
+def _truth_mm(trace: Data, reported: Reported) -> Series:
+    """The ghost in mm; gaps for a recorded run, which has no ghost."""
+    if reported.truth not in trace["first"]:
+        return [None] * (len(trace["steps"]) + 1)
+    return [None if value is None else value / NM_PER_MM for value in _series(trace, reported.truth)]
+
+
+def _shift(series: Series, origin: float) -> Series:
+    return [None if value is None else value - origin for value in series]
+
+
+def _minus(first: Series, second: Series) -> Series:
+    return [None if a is None or b is None else a - b for a, b in zip(first, second, strict=True)]
