@@ -89,6 +89,13 @@ class Driver:
         self.broken: Property | None = None
         self.statistics.runs += 1
 
+    def follow(self, trace: Trace) -> None:
+        """Start a new run that first repeats a known one."""
+        self.reset(dict(trace.initial))
+        for record in trace.steps:
+            inputs = {var: record.inputs[var.name] for var in self.system.inputs}
+            self._step(inputs, faulty=True, draw=random.Random(0))
+
     def drive(self, kind: str, length: int, seed: int, *, faulty: bool) -> None:
         """Several steps by one rule."""
         profile = _Profile(self.system, kind, random.Random(seed))
@@ -206,9 +213,10 @@ def state_machine(
         @initialize(which=st.integers(-1, len(corpus) - 1))
         def begin(self, which: int) -> None:
             """From the first state, or after a known run."""
-            driver.reset(first_state(system, random.Random(0)) if which < 0 else dict(corpus[which].initial))
-            for record in corpus[which].steps if which >= 0 else ():
-                driver._step({v: record.inputs[v.name] for v in system.inputs}, faulty=True, draw=random.Random(0))
+            if which < 0:
+                driver.reset(first_state(system, random.Random(0)))
+            else:
+                driver.follow(corpus[which])
 
         @rule(kind=st.sampled_from(RULES), length=st.integers(1, steps), seed=st.integers(0, 2**16))
         def run_plausibly(self, kind: str, length: int, seed: int) -> None:
@@ -300,7 +308,11 @@ def _caught(run: type[RuleBasedStateMachine], examples: int, seed: int) -> Prope
         stateful_step_count=8,
         deadline=None,
         database=None,
-        suppress_health_check=tuple(hypothesis.HealthCheck.__members__.values()),
+        suppress_health_check=(
+            hypothesis.HealthCheck.too_slow,
+            hypothesis.HealthCheck.filter_too_much,
+            hypothesis.HealthCheck.data_too_large,
+        ),
         print_blob=False,
     )
     seeded = hypothesis.seed(seed)(run)

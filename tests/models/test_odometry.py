@@ -24,6 +24,7 @@ from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
 from safeloc.spec import observe
 from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.testing import Driver
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Proved
 from tests.data_sources import log_steps_mm, rows
@@ -419,6 +420,23 @@ def test_a_forgotten_loss_is_noticed() -> None:
     model = odometry.build(parts(OdometryConfig()))
     assert proved(model.machine, "same-step loss", model)
     assert not proved(without(model.machine, "tolerance exceeded"), "same-step loss", model)
+
+
+def test_simulated_runs_notice_a_forgotten_loss() -> None:
+    """The same broken machine fails on lawful runs: simulated sensors first, then stretches driven at random."""
+    model = odometry.build(parts(OdometryConfig(trust_first_marker=True)))
+    stream = simulate(model.own.config, seed=2, legs=[Leg(30_000, 30)], markers=[(1, 50_000)])
+    records = [{name: value for name, value in record.items() if name != "truth_mm"} for record in stream]
+
+    def broken(machine: Machine) -> str:
+        system = lower(machine)
+        driver = Driver(system, [p for p in properties(model) if p.name in ("same-step loss", "tolerance")])
+        driver.follow(run(system, records[:150]))
+        driver.drive("steady", 400, seed=1, faulty=False)
+        return "" if driver.broken is None else driver.broken.name
+
+    assert broken(model.machine) == ""
+    assert broken(without(model.machine, "tolerance exceeded")) == "same-step loss"
 
 
 def test_a_forgotten_hand_over_is_noticed() -> None:
