@@ -83,7 +83,7 @@ def _position_chart(trace: Data, reported: Reported) -> str:
 def _margin_chart(truth: Series, position: Series, low: Series, high: Series) -> str:
     """How far the truth is from the reported position, against the margins: outside the band the report is WRONG."""
     under, over = _minus(low, position), _minus(high, position)
-    lines = {"truth - position": _minus(truth, position), "- under": under, "+ over": over}
+    lines = {"- under": under, "+ over": over, "truth - position": _minus(truth, position)}
     return line_chart("distance of the truth from the reported position, and margins", "mm", lines, (under, over))
 
 

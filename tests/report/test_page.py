@@ -1,0 +1,135 @@
+"""The page is rendered from the data of a report alone: rows, charts, machines, and the folder written again."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from safeloc.catalogue import Target, load_target
+from safeloc.errors import InputError
+from safeloc.interpret import run
+from safeloc.report.data import report_data
+from safeloc.report.folder import render_folder, write_folder
+from safeloc.report.page import to_html
+from safeloc.report.traces import shown_value, trace_charts
+from safeloc.results import Finding
+from safeloc.trace import Trace
+from safeloc.verdict import Held, Proved, Result, Unknown, Violated
+
+DOOR = f"{Path(__file__).parents[1] / 'data' / 'door_controller.py'}:machine"
+
+
+@cache
+def door() -> Target:
+    """The user's door controller."""
+    return load_target(DOOR)
+
+
+def opening() -> Trace:
+    """The door opens, starts to close, and an obstacle opens it again."""
+    rows = [{"released": True}, {"released": False}, {"released": False, "blocked": True}]
+    return run(door().system, [{"speed": 0, "blocked": False, **row} for row in rows])
+
+
+def finding(name: str, result: Result, kind: Any = "property", requirements: tuple[str, ...] = ()) -> Finding:
+    """A finding about the door."""
+    return Finding(f"door/{kind}/{name}", "door", kind, f"statement of {name}", result, "by hand", 0.5, requirements)
+
+
+def findings() -> list[Finding]:
+    """One finding of each verdict."""
+    return [
+        finding("good", Proved(None, "bmc", witness=opening(), certificates={"good.smt2": "(check-sat)"})),
+        finding("bad <b>", Violated(opening(), "bmc", "shown by hand"), requirements=("MRK-D1",)),
+        finding("open question", Unknown("time is up", 7)),
+        finding("tried", Held("Hypothesis", 3, 90, {"deepest run": "41"}), "test"),
+    ]
+
+
+def data() -> dict[str, Any]:
+    """The report's data of these findings."""
+    return report_data(findings(), [door()])
+
+
+def test_headline_is_the_worst_verdict() -> None:
+    """One violation makes the report violated; without it and the open question, all holds."""
+    assert '<span class="verdict">violated</span>' in to_html(data())
+    assert '<span class="verdict">unknown</span>' in to_html(report_data(findings()[2:], [door()]))
+    assert '<span class="verdict">all holds</span>' in to_html(report_data(findings()[:1], [door()]))
+
+
+def test_machine_is_shown() -> None:
+    """Transitions with file and line, variables with unit and range, and statistics of the tests are on the page."""
+    page = to_html(data())
+    line = next(n for n, text in enumerate(_source().splitlines(), 1) if '"obstacle"' in text)
+    assert f"door_controller.py:{line}" in page
+    assert "<td>input</td><td>mm/s</td><td>0 .. 100000</td>" in page
+    assert "<td>deepest run</td><td>41</td>" in page
+
+
+def _source() -> str:
+    return Path(DOOR.rpartition(":")[0]).read_text(encoding="utf-8")
+
+
+def test_chart_of_a_reported_interval() -> None:
+    """A machine with an interval gets truth and margins; gaps where nothing is reported, and without a ghost."""
+    target = load_target("delocalized")
+    machine = report_data([], [target])["machines"][0]
+    outputs = {"restrictive": False, "position_mm": 100, "under_mm": 5, "over_mm": 7, "reason": 0}
+    step = {"inputs": {}, "fired": {}, "state": {"truth_nm": 110_000_000}, "outputs": outputs}
+    lost = {**step, "outputs": {**outputs, "restrictive": True}}
+    trace = {"first": {"truth_nm": 100_000_000}, "steps": [step, step, lost, step]}
+    chart = trace_charts(trace, machine)
+    assert "truth - position" in chart
+    assert chart.count("<polygon") == 4
+    recorded = {"first": {}, "steps": [step, step]}
+    assert "reported position" in trace_charts(recorded, machine)
+
+
+def test_values_are_shown_as_labels() -> None:
+    """Enumerations by label, truth values in lower case, variables of an observer as they are."""
+    signals = data()["machines"][0]["signals"]
+    assert shown_value(signals, "mode", 2) == "CLOSING"
+    assert shown_value(signals, "released", True) == "true"
+    assert shown_value(signals, "no such", 3) == "3"
+
+
+def test_folder(tmp_path: Path) -> None:
+    """Page, data, JUnit, certificates and traces are written; the page can be rendered again from the data."""
+    page = write_folder(tmp_path, findings(), [door()])
+    first = page.read_text(encoding="utf-8")
+    assert (tmp_path / "certificates" / "good.smt2").read_text(encoding="utf-8") == "(check-sat)"
+    assert len(list((tmp_path / "traces").iterdir())) == 2
+    page.unlink()
+    assert render_folder(tmp_path).read_text(encoding="utf-8") == first
+    suite = ElementTree.parse(tmp_path / "junit.xml").getroot()[0]
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("4", "1", "1")
+
+
+def test_old_evidence_goes(tmp_path: Path) -> None:
+    """A second report in the same folder leaves no trace of the first; files of others stay."""
+    write_folder(tmp_path, findings(), [door()])
+    (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
+    write_folder(tmp_path, findings()[2:], [door()])
+    assert [] == [*(tmp_path / "traces").iterdir(), *(tmp_path / "certificates").iterdir()]
+    assert (tmp_path / "notes.txt").is_file()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "cannot be read as a report"),
+        ("[]", "not a report of schema safeloc-report/1"),
+        (json.dumps({"schema": "safeloc-report/1"}), "does not keep to schema safeloc-report/1: 'results'"),
+    ],
+)
+def test_no_report(tmp_path: Path, text: str, message: str) -> None:
+    """What is no report is refused by file name."""
+    (tmp_path / "report.json").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        render_folder(tmp_path)
