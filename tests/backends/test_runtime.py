@@ -28,6 +28,7 @@ ROOT = Path(__file__).parents[2]
 STAND = {"speed": 0, "released": True, "blocked": False}
 RUN = {"speed": 5_000, "released": True, "blocked": False}
 SHUT = {"speed": 0, "released": False, "blocked": False}
+LOCKED = door.modes[0].value
 MACHINES = [machine for example in EXAMPLES for machine in example.machines]
 
 
@@ -103,6 +104,18 @@ def test_callbacks() -> None:
         host.tick(**record)  # type: ignore[attr-defined]
     assert host.told == ["exit locked", "enter OPEN"]
     assert host.is_CLOSING()  # type: ignore[attr-defined]
+
+
+def test_callbacks_see_the_step() -> None:
+    """A callback that runs when a mode is entered sees the values and outputs of that step already."""
+    seen: list[Value] = []
+    host = SimpleNamespace(on_enter_locked=lambda event: seen.append(embedded.outputs["closing_for"]))
+    host.on_exit_closing = lambda event: seen.append(embedded.values["mode"])
+    embedded = to_fsm(door, host)
+    for record in (STAND, *[SHUT] * 7):
+        host.tick(**record)
+    assert host.state == "LOCKED"
+    assert seen == [LOCKED, 0]
 
 
 def test_no_mode_is_entered_past_its_guard() -> None:
