@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from safeloc.errors import ModelError
 from safeloc.expr import Bool, BoolVar, Compare, Expr, Lit, Num, NumVar, Optional, Past, Var, in_order, variables
 from safeloc.machine import ANY, STAY_NAME, Initial, Machine, Transition
+from safeloc.units import Enumeration
 
 RESERVED = ("mode", "fired")
 
@@ -35,8 +36,12 @@ def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
         yield "no modes; declare at least one with modes(...)."
     elif any(mode.unit is not machine.modes[0].unit for mode in machine.modes):
         yield "modes come from different enumerations; create them with one call of modes(...)."
-    elif [mode.value for mode in machine.modes] != list(range(len(machine.modes))):
+    elif [mode.label for mode in machine.modes] != list(_members(machine.modes[0])):
         yield "modes must be all members of their enumeration, in order."
+
+
+def _members(mode: Lit) -> tuple[str, ...]:
+    return mode.unit.members if isinstance(mode.unit, Enumeration) else ()
 
 
 def _names_are_distinct(machine: Machine) -> Iterator[str]:

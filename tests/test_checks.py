@@ -1,0 +1,107 @@
+"""Declaration rules: every wrong declaration is refused, with what, where and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+
+from safeloc.errors import ModelError
+from safeloc.expr import boolean, number
+from safeloc.machine import Machine, Transition, modes
+from safeloc.spec import once
+from safeloc.units import MM, MS
+
+A, B = modes("A", "B")
+STRANGE, _ = modes("A", "B")
+X, N = number("x", MM, 0, 10), number("n", MM, 0, 10)
+T, P = number("t", MS, 0, 10), boolean("p")
+GHOST, PUSH = number("g", MM, 0, 10), number("push", MM, 0, 10)
+
+
+def declare(**changes: object) -> Machine:
+    """A sound machine with something changed."""
+    fields: dict[str, object] = {
+        "name": "m",
+        "modes": (A, B),
+        "inputs": [X, P],
+        "state": {N: 0},
+        "outputs": {"n": N},
+        "transitions": [Transition("go", A, B, P, {N: X})],
+        "ghosts": {GHOST: 0},
+        "ghost_inputs": [PUSH],
+        "ghost_moves": {GHOST: PUSH},
+    }
+    return Machine(**{**fields, **changes})  # type: ignore[arg-type]
+
+
+def test_the_sound_machine_is_accepted() -> None:
+    """The machine that the other tests spoil is itself fine."""
+    assert declare().mode.high == 1
+
+
+WRONG: Mapping[str, tuple[dict[str, object], str]] = {
+    "no modes": ({"modes": (), "transitions": []}, "no modes; declare at least one"),
+    "mixed modes": ({"modes": (A, STRANGE)}, "different enumerations"),
+    "half the modes": ({"modes": (A,), "transitions": []}, "must be all members"),
+    "same name twice": ({"inputs": [X, P, boolean("x")]}, "variable 'x' is declared twice"),
+    "reserved name": ({"inputs": [X, P, boolean("mode")]}, "this name is reserved"),
+    "output like an input": ({"outputs": {"x": N}}, "variable or output 'x' is declared twice"),
+    "same transition twice": (
+        {"transitions": [Transition("go", A, B, P), Transition("go", B, A, P)]},
+        "transition 'go' is declared twice",
+    ),
+    "strange mode": ({"transitions": [Transition("go", A, STRANGE)]}, "'A' is not a mode of this machine"),
+    "no source": ({"transitions": [Transition("go", (), B)]}, "has no source mode"),
+    "sets an input": ({"transitions": [Transition("go", A, B, P, {X: 1})]}, "sets 'x', which is not a state variable"),
+    "wrong unit": (
+        {"inputs": [X, P, T], "transitions": [Transition("go", A, B, P, {N: T})]},
+        "unit is ms, expected mm",
+    ),
+    "wrong kind": ({"transitions": [Transition("go", A, B, P, {N: P})]}, "is not a number"),
+    "beyond the range": ({"transitions": [Transition("go", A, B, P, {N: 11})]}, "11 is outside 0..10"),
+    "initial beyond": ({"state": {N: 11}}, "initial value of 'n'"),
+    "reads a ghost": (
+        {"transitions": [Transition("go", A, B, GHOST > 3)]},
+        "reads 'g'; it may read only inputs and state",
+    ),
+    "output reads input": ({"outputs": {"o": X}}, "reads 'x'; it may read only state"),
+    "past in a guard": ({"transitions": [Transition("go", A, B, once(P))]}, "uses a past operator"),
+    "ghost without move": ({"ghost_moves": {}}, "ghost 'g'"),
+    "move of no ghost": ({"ghost_moves": {GHOST: PUSH, N: PUSH}}, "ghost move of 'n', which is not a ghost"),
+    "constant guard": ({"transitions": [Transition("go", A, B, X <= 10)]}, "never changes"),
+    "rank out of order": (
+        {"transitions": [Transition("late", A, B, P, rank=1), Transition("early", A, A, rank=0)]},
+        "has rank 0 but follows 'late' of rank 1",
+    ),
+    "lemma reads input": ({"lemmas": {"l": X > 3}}, "lemma 'l' reads 'x'"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_declaration_is_refused(name: str) -> None:
+    """Each rule has a declaration that breaks it; the message names machine, offence and file."""
+    changes, message = WRONG[name]
+    with pytest.raises(ModelError) as caught:
+        declare(**changes)
+    assert message in str(caught.value)
+    assert str(caught.value).startswith("machine 'm' (")
+    assert "test_checks.py:" in str(caught.value)
+
+
+def test_all_offences_are_named_at_once() -> None:
+    """One run shows every mistake."""
+    with pytest.raises(ModelError) as caught:
+        declare(state={N: 11}, ghost_moves={})
+    assert str(caught.value).count("\n  - ") == 2
+
+
+def test_unknown_names_are_told() -> None:
+    """fired, output and flag say what there is instead."""
+    machine = declare(outputs={"n": N, "some": N > 0})
+    with pytest.raises(KeyError, match="has no transition"):
+        machine.fired("gone")
+    with pytest.raises(TypeError, match="use output"):
+        machine.flag("n")
+    with pytest.raises(TypeError, match="use flag"):
+        machine.output("some")
