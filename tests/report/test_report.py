@@ -164,15 +164,16 @@ def test_page_of_data_read_back(data: dict[str, object], page: str) -> None:
 def test_junit_counts() -> None:
     """Violated is a failure with its run, unknown an error, all else passes; counts agree with the cases."""
     held = replace(UNDECIDED, id="other/test/x", machine="other", kind="test", result=Held("tests", 1, 10))
-    root = ElementTree.fromstring(to_junit([*findings(), held]).encode())
+    later = replace(UNDECIDED, id="lamp/property/much later")
+    root = ElementTree.fromstring(to_junit([*findings(), later, held]).encode())
     lamp, other = root.findall("testsuite")
-    assert (lamp.get("name"), lamp.get("tests"), lamp.get("failures"), lamp.get("errors")) == ("lamp", "3", "1", "1")
+    assert (lamp.get("name"), lamp.get("tests"), lamp.get("failures"), lamp.get("errors")) == ("lamp", "4", "1", "2")
     assert (other.get("tests"), other.get("failures"), other.get("errors")) == ("1", "0", "0")
-    assert (len(lamp.findall("testcase")), len(lamp.findall(".//failure")), len(lamp.findall(".//error"))) == (3, 1, 1)
+    assert (len(lamp.findall("testcase")), len(lamp.findall(".//failure")), len(lamp.findall(".//error"))) == (4, 1, 2)
     failure = root.find(".//failure")
     assert failure is not None
     assert "   3  switch <on>  [press=true]  mode=LIT wear=2" in str(failure.text)
-    assert {case.get("name") for case in root.iter("testcase")} == {one.id for one in (*findings(), held)}
+    assert {case.get("name") for case in root.iter("testcase")} == {one.id for one in (*findings(), later, held)}
 
 
 # ------------------------------------------------------------------ folder
