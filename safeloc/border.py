@@ -1,0 +1,138 @@
+"""The border: raw measurements become admitted inputs, or faults with a reason. Nothing is clipped or replaced.
+
+    reading -> Admitted(value)   the value exactly as it came, a whole number in the channel's range, fresh and new
+            -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, MISSING
+
+A machine gets admitted values by name; a faulty input is absent, which is what an optional input is for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from safeloc.errors import InputError
+from safeloc.expr import Optional
+from safeloc.machine import Machine
+
+
+class Reason(Enum):
+    """Why a measurement is not admitted."""
+
+    WRONG_TYPE = "not a whole number"
+    NOT_FINITE = "NaN or infinite"
+    OUT_OF_RANGE = "outside the channel's range"
+    STALE = "older than the channel allows"
+    FUTURE = "from after now"
+    DUPLICATE = "delivered before"
+    OUT_OF_ORDER = "older than one delivered before"
+    MISSING = "nothing was delivered"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One measured quantity: whole numbers from `low` to `high` in `unit`, usable up to `max_age_ms`."""
+
+    name: str
+    unit: str
+    low: int
+    high: int
+    max_age_ms: int
+
+
+@dataclass(frozen=True)
+class Raw:
+    """A measurement as it came: any value, taken at `time_ms`, numbered by its sender."""
+
+    value: object
+    time_ms: int
+    sequence: int
+
+
+@dataclass(frozen=True)
+class Admitted:
+    """The value, unchanged."""
+
+    value: int
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Not admitted."""
+
+    channel: str
+    reason: Reason
+    detail: str = ""
+
+
+class Border:
+    """Judges measurements channel by channel and remembers the last one of each.
+
+    A measurement is remembered when it is newer than the last one, admitted or not: a fault does not make an older
+    measurement new again.
+    """
+
+    def __init__(self, channels: Sequence[Channel]) -> None:
+        self._channels = {channel.name: channel for channel in channels}
+        if len(self._channels) != len(channels):
+            raise InputError(f"channels have distinct names; got {[channel.name for channel in channels]}.")
+        self._last: dict[str, tuple[int, int]] = {}
+
+    def judge(self, name: str, raw: Raw | None, now_ms: int) -> Admitted | Fault:
+        """One measurement (None: nothing came). InputError for an unknown channel."""
+        if name not in self._channels:
+            raise InputError(f"no channel {name!r}; there are {sorted(self._channels)}.")
+        channel = self._channels[name]
+        if raw is None:
+            return Fault(name, Reason.MISSING)
+        order = self._order(name, raw)
+        if order is not None:
+            return Fault(name, order, f"at {raw.time_ms} ms, number {raw.sequence}")
+        self._last[name] = (raw.time_ms, raw.sequence)
+        if raw.time_ms > now_ms:
+            return Fault(name, Reason.FUTURE, f"{raw.time_ms - now_ms} ms ahead")
+        if now_ms - raw.time_ms > channel.max_age_ms:
+            return Fault(name, Reason.STALE, f"{now_ms - raw.time_ms} ms old, {channel.max_age_ms} ms allowed")
+        return _value(channel, raw.value)
+
+    def inputs(self, readings: Mapping[str, Raw], now_ms: int) -> tuple[dict[str, int], list[Fault]]:
+        """A step's inputs by name, faulty ones absent, and every fault (missing channels among them)."""
+        unknown = sorted(set(readings) - set(self._channels))
+        if unknown:
+            raise InputError(f"no channel {unknown[0]!r}; there are {sorted(self._channels)}.")
+        admitted: dict[str, int] = {}
+        faults: list[Fault] = []
+        for name in self._channels:
+            judged = self.judge(name, readings.get(name), now_ms)
+            if isinstance(judged, Admitted):
+                admitted[name] = judged.value
+            else:
+                faults.append(judged)
+        return admitted, faults
+
+    def _order(self, name: str, raw: Raw) -> Reason | None:
+        last = self._last.get(name)
+        if last is None or (raw.time_ms > last[0] and raw.sequence > last[1]):
+            return None
+        return Reason.DUPLICATE if (raw.time_ms, raw.sequence) == last else Reason.OUT_OF_ORDER
+
+
+def _value(channel: Channel, value: object) -> Admitted | Fault:
+    if isinstance(value, float) and not math.isfinite(value):
+        return Fault(channel.name, Reason.NOT_FINITE, repr(value))
+    if isinstance(value, bool) or not isinstance(value, int):
+        return Fault(channel.name, Reason.WRONG_TYPE, f"{type(value).__name__}")
+    if not channel.low <= value <= channel.high:
+        return Fault(channel.name, Reason.OUT_OF_RANGE, f"{value} {channel.unit} outside {channel.low}..{channel.high}")
+    return Admitted(value)
+
+
+def channels_of(machine: Machine, max_age_ms: int) -> list[Channel]:
+    """A channel for every optional input of a machine, with its unit and range."""
+    return [
+        Channel(item.value.name, item.value.unit.name, item.value.low, item.value.high, max_age_ms)
+        for item in machine.inputs
+        if isinstance(item, Optional)
+    ]
