@@ -8,7 +8,9 @@ import importlib.util
 import json
 import sys
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -17,7 +19,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from safeloc.composition import Composition
-from safeloc.errors import InputError
+from safeloc.errors import InputError, SafelocError
 from safeloc.expr import Value
 from safeloc.machine import Machine
 from safeloc.models import delocalized, odometry, supervised_odometry
@@ -179,7 +181,8 @@ def _own(spec: str, config: Path | None) -> Target:
         raise InputError(f"{where} has no {name!r}; machines in it: {names or 'none'}.")
     found = getattr(module, name)
     if callable(found):
-        found = found(_content(config)) if config is not None else found()
+        with _as_input_error(spec):
+            found = found(_content(config)) if config is not None else found()
     if isinstance(found, Machine):
         return _target(module, found, lower(found), found.doc)
     if isinstance(found, Composition):
@@ -206,17 +209,30 @@ def _module(where: str) -> ModuleType:
         if not path.is_file() or found is None or found.loader is None:
             raise InputError(f"{where}: no such Python file.")
         module = importlib.util.module_from_spec(found)
-        sys.modules[path.stem] = module
-        found.loader.exec_module(module)
+        with _as_input_error(where):
+            found.loader.exec_module(module)
         return module
     if str(Path.cwd()) not in sys.path:
         sys.path.insert(0, str(Path.cwd()))
     try:
-        return importlib.import_module(where)
+        with _as_input_error(where):
+            return importlib.import_module(where)
     except ModuleNotFoundError as error:
         raise InputError(
             f"cannot import {where!r}: {error}. Give a module on the path, or path/to/file.py:name."
         ) from error
+
+
+@contextmanager
+def _as_input_error(where: str) -> Iterator[None]:
+    """A user's file that fails is wrong input, not a violated property; the cause stays attached."""
+    try:
+        yield
+    except (SafelocError, ModuleNotFoundError):
+        raise
+    except Exception as error:
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        raise InputError(f"{where} fails: {type(error).__name__}: {error} ({place.filename}:{place.lineno})") from error
 
 
 def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Property, ...]:

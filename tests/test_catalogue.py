@@ -247,3 +247,13 @@ def test_nothing_there(place: Path, spec: str, message: str) -> None:
     """A file or module that does not exist is an input error that says what was looked for."""
     assert place == Path.cwd()
     assert message in refused(spec)
+
+
+@pytest.mark.parametrize("body", ["machine = (", "machine = 1 / 0", "def machine():\n    raise ValueError('no')"])
+def test_a_file_that_fails_is_wrong_input(tmp_path: Path, body: str) -> None:
+    """A syntax error, an exception on import or in the function: an InputError that names file and cause."""
+    path = tmp_path / "json.py"
+    path.write_text(body, encoding="utf-8")
+    with pytest.raises(InputError, match=r"json.py.* fails: \w+Error"):
+        load_target(f"{path}:machine")
+    assert "json.py" not in str(sys.modules["json"].__file__) or str(tmp_path) not in str(sys.modules["json"].__file__)

@@ -24,7 +24,7 @@ from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
-from safeloc.spec import Goal, Property, always, observe
+from safeloc.spec import NO_ASSUMPTION, Goal, Property, always, observe
 from safeloc.system import TransitionSystem
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
@@ -206,7 +206,7 @@ def _finding(goal: Goal, kind: Literal["lemma", "property"], verdict: Verdict, m
         method=method,
         seconds=seconds,
         requirements=prop.trace,
-        assumption=prop.assumption,
+        assumption=NO_ASSUMPTION if prop.unconditional else prop.assumption,
     )
 
 

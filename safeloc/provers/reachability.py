@@ -118,6 +118,11 @@ def reached(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
             yield Obligation(target.name, target.statement, verdict, _how(target.name, kept, defences))
 
 
+def _place(src: str) -> str:
+    """File name and line, without the folder of whoever runs this."""
+    return src.replace("\\", "/").rpartition("/")[2]
+
+
 def _targets(system: TransitionSystem) -> Iterator[_Target]:
     for machine in system.machines:
         mode, fired = _own(system, machine)
@@ -128,7 +133,7 @@ def _targets(system: TransitionSystem) -> Iterator[_Target]:
         for number, transition in enumerate(machine.transitions, 1):
             name = f"transition {machine.name}: {transition.name}"
             goal = observe(system, reachable(name, fired.eq(Lit(number, fired.unit))))
-            yield _Target(name, f"{machine.name}: {transition.name!r} fires ({transition.src})", goal)
+            yield _Target(name, f"{machine.name}: {transition.name!r} fires ({_place(transition.src)})", goal)
 
 
 def _own(system: TransitionSystem, machine: Machine) -> tuple[NumVar, NumVar]:
