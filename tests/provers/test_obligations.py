@@ -63,7 +63,7 @@ def test_a_range_that_is_left_comes_with_a_run() -> None:
 def test_a_ghost_may_leave_its_range_only_where_the_assumption_lets_it() -> None:
     """Ghosts are judged under the assumption, the machine's own variables without it."""
     truth, moved = number("truth", COUNT, 0, 5), number("moved", COUNT, -1, 1)
-    parts = {"name": "walk", "modes": (ONE,), "inputs": [GO], "state": {}, "outputs": {}, "transitions": []}
+    parts = {"name": "walk", "modes": modes("ONLY"), "inputs": [GO], "state": {}, "outputs": {}, "transitions": []}
     world = {"ghosts": {truth: 0}, "ghost_inputs": [moved], "ghost_moves": {truth: truth + moved}}
     kept = Machine(**parts, **world, assumption=(truth + moved >= 0) & (truth + moved <= 5))  # type: ignore[arg-type]
     left = Machine(**parts, **world, assumption=truth + moved >= 0)  # type: ignore[arg-type] # one dict, many kinds
