@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import pytest
 
 from safeloc.errors import ModelError
-from safeloc.expr import boolean, number
+from safeloc.expr import before, boolean, number
 from safeloc.machine import Machine, Transition, modes
 from safeloc.spec import once
 from safeloc.units import MM, MS
@@ -15,7 +15,7 @@ from safeloc.units import MM, MS
 A, B = modes("A", "B")
 STRANGE, _ = modes("A", "B")
 X, N = number("x", MM, 0, 10), number("n", MM, 0, 10)
-T, P = number("t", MS, 0, 10), boolean("p")
+T, P, Q = number("t", MS, 0, 10), boolean("p"), boolean("q")
 GHOST, PUSH = number("g", MM, 0, 10), number("push", MM, 0, 10)
 
 
@@ -74,6 +74,23 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
         {"transitions": [Transition("late", A, B, P, rank=1), Transition("early", A, A, rank=0)]},
         "has rank 0 but follows 'late' of rank 1",
     ),
+    "reserved transition": ({"transitions": [Transition("(stay)", A, B, P)]}, "transition name '(stay)' is reserved."),
+    "name of an observer": ({"inputs": [X, P, boolean("observer.x")]}, "this name is reserved; choose another."),
+    "value before the step": ({"inputs": [X, P, before(N)]}, "is a value before the step; only properties may use it."),
+    "name for no proof text": ({"inputs": [X, P, boolean("a|b")]}, "a name is not empty, printable, and without @"),
+    "empty name": ({"inputs": [X, P, boolean("")]}, "a name is not empty, printable, and without @"),
+    "truth value from a number": (
+        {"state": {N: 0, Q: False}, "transitions": [Transition("go", A, B, P, {Q: 1})]},
+        "1 is not a truth value.",
+    ),
+    "constant equality": ({"transitions": [Transition("go", A, B, X.eq(N + 0) | X.eq(11))]}, "never changes"),
+    "constant order": ({"transitions": [Transition("go", A, B, X < 0)]}, "never changes"),
+    "assumption reads a stranger": (
+        {"assumption": boolean("stranger")},
+        "assumption reads 'stranger'; it may read only declared variables.",
+    ),
+    "initially reads an input": ({"initially": P}, "initially reads 'p'; it may read only state and ghosts."),
+    "ghost move of another unit": ({"inputs": [X, P, T], "ghost_moves": {GHOST: T}}, "unit is ms, expected mm."),
     "lemma reads input": ({"lemmas": {"l": X > 3}}, "lemma 'l' reads 'x'"),
 }
 
