@@ -682,8 +682,8 @@ def _shape(term: Expr) -> tuple[object, ...]:
             return (Lit, value, unit)
         case Truth(value):
             return (Truth, value)
-        case FloorDiv(_, divisor, _):
-            return (FloorDiv, divisor, parts)
+        case FloorDiv(_, divisor, unit):
+            return (FloorDiv, divisor, unit, parts)
         case Compare(op, _, _) | Past(op, _):
             return (type(term), op, parts)
         case Add() | Sub() | Mul() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
