@@ -333,6 +333,8 @@ class Optional:
 def number(name: str, unit: Unit, low: int, high: int) -> NumVar:
     """A whole-number variable in `unit` with inclusive range; ModelError if the range is empty or beyond int64."""
     src = declared_at()
+    if any(isinstance(bound, bool) or not isinstance(bound, int) for bound in (low, high)):
+        raise ModelError(f"{src}: range of {name!r} is {low!r}..{high!r}; its bounds must be whole numbers.")
     if not INT64_MIN <= low <= high <= INT64_MAX:
         raise ModelError(f"{src}: range of {name!r} is {low}..{high}; it must be non-empty and fit 64 bits.")
     return NumVar(name, unit, low, high, None, src)
@@ -354,7 +356,9 @@ def optional(name: str, unit: Unit, low: int, high: int) -> Optional:
 
 
 def members(name: str, *labels: str) -> tuple[Lit, ...]:
-    """A new enumeration's members, in order, as constants."""
+    """A new enumeration's members, in order, as constants; ModelError if two have one label."""
+    if len(set(labels)) != len(labels):
+        raise ModelError(f"{declared_at()}: {name} has labels {list(labels)}; they must be distinct.")
     enumeration = Enumeration(name, labels)
     return tuple(Lit(index, enumeration) for index in range(len(labels)))
 

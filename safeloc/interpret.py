@@ -161,6 +161,8 @@ def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Value
         values[option.present] = raw is not None
         values[option.value] = canonical(option.value) if raw is None else admitted(option.value, raw)
         flag = left.pop(option.present.name, None)
+        if flag is not None and not isinstance(flag, bool):
+            raise InputError(f"{option.present.name}: expected true or false, got {flag!r}.")
         if (
             flag is not None
             and flag != values[option.present]

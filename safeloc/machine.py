@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from safeloc.errors import declared_at
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Value, Var
+from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Value, Var, members
 from safeloc.units import Enumeration
 
 
@@ -142,8 +142,7 @@ class Machine:
 
 def modes(*labels: str) -> tuple[Lit, ...]:
     """The modes of a machine, as constants to write transitions with; the first one is the initial mode."""
-    enumeration = Enumeration("mode", labels)
-    return tuple(Lit(index, enumeration) for index in range(len(labels)))
+    return members("mode", *labels)
 
 
 def current_mode(modes_: Sequence[Lit]) -> NumVar:

@@ -31,7 +31,7 @@ from safeloc.expr import (
     text,
 )
 from safeloc.interpret import evaluate
-from safeloc.units import MM, MM_S, MS, NM, PPM, UM
+from safeloc.units import CM, MM, MM_S, MS, NM, PPM, UM
 
 X, Y = number("x", MM, -1000, 1000), number("y", MM, -1000, 1000)
 SPEED, P = number("v", MM_S, 0, 100_000), boolean("p")
@@ -157,3 +157,63 @@ def test_substitution_keeps_sharing() -> None:
     rewritten = Substitution({X: Y})(deep)
     assert len(in_order([rewritten])) == 61
     assert len(repr(rewritten)) < 5_000
+
+
+@pytest.mark.parametrize(("low", "high"), [(0, 1e6), (0.5, 3), (False, True)])
+def test_a_range_is_whole_numbers(low: int, high: int) -> None:
+    """1e6 is a float and False a truth value; neither bounds a whole number."""
+    with pytest.raises(ModelError, match=r"range of 'n' is .*; its bounds must be whole numbers\.$"):
+        number("n", MM, low, high)
+
+
+def test_labels_are_distinct() -> None:
+    """Two members of one label could not be told apart when they are read."""
+    with pytest.raises(ModelError, match=r"colour has labels \['RED', 'RED'\]; they must be distinct\.$"):
+        members("colour", "RED", "RED")
+
+
+def test_sharing_keeps_units_apart() -> None:
+    """A length in um divided by 1000 is not the same term as that length in mm, though their numbers agree."""
+    length = number("length", UM, 0, 9_999)
+    share = Sharing()
+    assert [MM, UM] == [share.num(floor_to(length, MM)).unit, share.num(floor_div(length, 1000)).unit]
+
+
+@pytest.mark.parametrize(("value", "down", "up"), [(-11, -2, -1), (-10, -1, -1), (-1, -1, 0), (0, 0, 0), (11, 1, 2)])
+def test_rounding_of_constants_and_of_variables_agree(value: int, down: int, up: int) -> None:
+    """Millimetres to centimetres, below zero as well: folded when written and computed when run."""
+    assert [str(down), str(up)] == [text(floor_to(Lit(value, MM), CM)), text(ceil_to(Lit(value, MM), CM))]
+    assert [down, up] == evaluate([floor_to(X, CM), ceil_to(X, CM)], {X: value})
+    assert [value * 10**6] == evaluate([exact_to(X, NM)], {X: value})
+
+
+def test_conversions_carry_the_unit_they_name() -> None:
+    """Whatever form the term has, its unit is the one asked for."""
+    for term in (X, X + Y, floor_div(X, 3), Lit(7, MM)):
+        assert [CM, CM, UM] == [floor_to(term, CM).unit, ceil_to(term, CM).unit, exact_to(term, UM).unit]
+
+
+@pytest.mark.parametrize(
+    ("use", "message"),
+    [
+        (lambda: ite(P, X, SPEED), "cannot choose between mm and mm/s"),
+        (lambda: ite(1, X, Y), "expected a truth value or a Bool term, got int 1"),  # type: ignore[call-overload]
+        (lambda: ite(P, X, 1.5), "expected a whole number or a Num term, got float 1.5"),  # type: ignore[call-overload]
+        (lambda: product(RED, X), "arithmetic on an enumeration"),
+        (lambda: floor_div(RED, 2), "arithmetic on an enumeration"),
+        (lambda: X.eq(RED), "cannot compare mm and colour"),
+    ],
+)
+def test_choices_and_products_fit(use: Callable[[], object], message: str) -> None:
+    """Both sides of a choice have one kind and unit, and members of an enumeration are not reckoned with."""
+    with pytest.raises(UnitError, match=message):
+        use()
+
+
+def test_a_long_chain_is_no_recursion() -> None:
+    """Depth is no limit: a sum of 5000 terms is walked, rewritten and computed; printed, it stays short."""
+    chain = X + 1
+    for _ in range(4_999):
+        chain = chain + 1
+    assert evaluate([chain, Substitution({X: Y})(chain)], {X: 5, Y: 6}) == [5_005, 5_006]
+    assert len(repr(chain)) < 2_000

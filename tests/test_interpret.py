@@ -70,13 +70,35 @@ def test_values_and_outputs() -> None:
         ({"x": 1, "p": 1}, "expected true or false, got 1"),
         ({"x": 1, "p": True, "r": 2}, "r: 2 mm is outside 3..9"),
         ({"x": 1, "p": True, "r.present": True}, "is True but r is None"),
-        ({"x": 1, "p": True, "r": 5, "r.present": False}, "is False but r is 5"),
+        ({"x": 1, "p": True, "r": 5, "r.present": False}, "r.present is False but r is 5"),
+        ({"x": 1, "p": True, "r": 5, "r.present": 1}, "r.present: expected true or false, got 1"),
+        ({"x": 1, "p": True, "r.present": 0}, "r.present: expected true or false, got 0"),
+        ({"x": 1, "p": True, "r": False}, "r: expected a whole number of mm, got False"),
+        ({"x": 1, "p": True, "mode": 0}, r"unknown inputs \['mode'\]"),
+        ({"x": 1, "p": None}, "p: expected true or false, got None"),
     ],
 )
 def test_what_cannot_be_taken_is_refused(record: dict[str, object], message: str) -> None:
     """Missing, unknown, out of range, of another kind: each with its name and what was expected."""
     with pytest.raises(InputError, match=message):
         run(SYSTEM, [record])
+
+
+@pytest.mark.parametrize(
+    ("given", "present", "value"),
+    [
+        ({}, False, 3),
+        ({"r": None}, False, 3),
+        ({"r.present": False}, False, 3),
+        ({"r": 3, "r.present": False}, False, 3),
+        ({"r": 3}, True, 3),
+        ({"r": 9, "r.present": True}, True, 9),
+    ],
+)
+def test_absent_is_not_the_lowest_value(given: dict[str, object], present: bool, value: int) -> None:
+    """Left out, None and a false flag are absence; a value without a flag is there, even the stand-in's."""
+    inputs = run(SYSTEM, [{"x": 1, "p": False, **given}]).steps[0].inputs
+    assert (present, value) == (inputs["r.present"], inputs["r"])
 
 
 def test_open_initial_values_may_be_chosen() -> None:
@@ -86,6 +108,8 @@ def test_open_initial_values_may_be_chosen() -> None:
     for chosen, message in (
         ({"open": 9}, "outside 2..8"),
         ({"open": 7}, "breaks `initially`"),
+        ({"open": True}, "open: expected a whole number of mm, got True"),
+        ({"open": None}, "open: expected a whole number of mm, got None"),
         ({"n": 3}, "starts at 0 by declaration"),
         ({"gone": 3}, "unknown state variables"),
     ):

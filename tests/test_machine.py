@@ -7,7 +7,7 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
-from safeloc.errors import UnitError
+from safeloc.errors import ModelError, UnitError
 from safeloc.expr import boolean, enumeration, number
 from safeloc.interpret import holds
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
@@ -86,3 +86,9 @@ def test_any_stays_one_value() -> None:
     """ANY survives being sent to a worker process, so `is ANY` goes on to work there."""
     assert pickle.loads(pickle.dumps(ANY)) is ANY
     assert repr(ANY) == "ANY"
+
+
+def test_modes_have_distinct_names() -> None:
+    """Two modes of one name could not be told apart in a trace or a file."""
+    with pytest.raises(ModelError, match=r"mode has labels \['A', 'A'\]; they must be distinct\.$"):
+        modes("A", "A")
