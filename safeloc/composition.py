@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, Num, NumVar, Optional, Substitution, Var, all_of, variables
-from safeloc.machine import Machine
+from safeloc.expr import Expr, Lit, Num, NumVar, Optional, Sharing, Substitution, Value, Var, all_of, variables
+from safeloc.machine import Any_, Initial, Machine
 from safeloc.system import TransitionSystem, lower
 
 
@@ -37,26 +37,35 @@ def compose(
     shared  input or ghost variables that several machines declare as the very same object, kept once
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for a wire to an
-    unknown input, a unit that does not fit, or a wire that reads a machine that is not earlier.
+    unknown input, a unit that does not fit, a wire that reads a machine that is not earlier or a variable that several
+    earlier machines have, shared state, and a shared ghost that does not start and move alike everywhere.
     """
-    _check(name, machines, wires)
+    _check(name, machines, wires, shared)
     lowered = [(machine, lower(machine)) for machine in machines]
     rename: dict[Machine, Substitution] = {}
-    renamed: dict[Var, Var] = {var: var for var in shared}
+    kept: dict[Var, Var] = {var: var for var in shared}
+    same = Sharing()
     after: dict[Var, Expr] = {}
     moved: dict[Var, Expr] = {}
     merged = TransitionSystem(
         name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
     )
     for machine, system in lowered:
-        own = {var: renamed.setdefault(var, _renamed(machine, var)) for var in (*system.state, *system.inputs)}
+        own = {var: kept[var] if var in kept else _renamed(machine, var) for var in (*system.state, *system.inputs)}
         now = Substitution({**own, machine.fired_name: _renamed(machine, machine.fired_name)})
         wired = {var: Substitution(after)(wires[var]) for var in system.inputs if var in wires}
         step = Substitution({**own, **wired})
         for var in system.state:
-            if own[var] not in moved:
-                moved[own[var]] = step(system.next[var])
-                after[var] = moved[own[var]]
+            move = same(step(system.next[var]))
+            if moved.setdefault(own[var], move) is not move:
+                raise ModelError(
+                    f"composition {name!r}: the shared ghost {var.name!r} moves otherwise in {machine.name!r}."
+                )
+            if _start(merged.initial.get(own[var], system.initial[var])) != _start(system.initial[var]):
+                raise ModelError(
+                    f"composition {name!r}: the shared ghost {var.name!r} starts otherwise in {machine.name!r}."
+                )
+            after[var] = move
         after |= {var: step(var) for var in system.inputs}
         rename[machine] = now
         merged = replace(
@@ -78,25 +87,37 @@ def compose(
     return Composition(replace(merged, next=moved), rename, after)
 
 
-def _check(name: str, machines: Sequence[Machine], wires: Mapping[Var, Expr]) -> None:
+def _start(value: Initial) -> Value | Any_:
+    return value.value if isinstance(value, Lit) else value
+
+
+def _check(name: str, machines: Sequence[Machine], wires: Mapping[Var, Expr], shared: Sequence[Var]) -> None:
     names = [machine.name for machine in machines]
     if len(set(names)) != len(names):
         raise ModelError(f"composition {name!r}: machines {names} must have distinct names.")
     earlier: set[Var] = set()
+    twice: set[Var] = set()
     inputs: set[Var] = set()
     for machine in machines:
         system = lower(machine)
+        own = {*system.state, *system.inputs}
+        held = [var.name for var in shared if var in set(system.state) - system.ghosts]
+        if held:
+            raise ModelError(
+                f"composition {name!r}: {held} is state of {machine.name!r}; only inputs and ghosts can be shared."
+            )
         for var in system.inputs:
             if var in wires:
-                _check_wire(name, var, wires[var], earlier)
+                _check_wire(name, var, wires[var], earlier, twice)
         inputs |= set(system.inputs)
-        earlier |= {*system.state, *system.inputs}
+        twice |= (earlier & own) - set(shared)
+        earlier |= own
     unknown = [var.name for var in wires if var not in inputs]
     if unknown:
         raise ModelError(f"composition {name!r}: wires lead to {unknown}, which are no inputs of {names}.")
 
 
-def _check_wire(name: str, var: Var, term: Expr, earlier: set[Var]) -> None:
+def _check_wire(name: str, var: Var, term: Expr, earlier: set[Var], twice: set[Var]) -> None:
     if isinstance(var, NumVar) != isinstance(term, Num):
         raise ModelError(f"composition {name!r}: the wire to {var.name!r} mixes a number and a truth value.")
     if isinstance(var, NumVar) and isinstance(term, Num) and not term.unit.same(var.unit):
@@ -106,6 +127,12 @@ def _check_wire(name: str, var: Var, term: Expr, earlier: set[Var]) -> None:
     late = [read.name for read in variables([term]) if read not in earlier]
     if late:
         raise ModelError(f"composition {name!r}: the wire to {var.name!r} reads {late}, which no earlier machine has.")
+    unclear = [read.name for read in variables([term]) if read in twice]
+    if unclear:
+        raise ModelError(
+            f"composition {name!r}: the wire to {var.name!r} reads {unclear}, which several earlier machines have; "
+            "declare one for each machine."
+        )
 
 
 def _renamed(machine: Machine, var: Var) -> Var:

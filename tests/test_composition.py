@@ -8,7 +8,7 @@ import pytest
 
 from safeloc.composition import compose
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, Var, boolean, number, optional
+from safeloc.expr import Expr, NumVar, Var, boolean, number, optional
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.units import MM, MS
@@ -121,3 +121,66 @@ def test_names_must_differ() -> None:
     pair = Pair()
     with pytest.raises(ModelError, match=r"machines \['counter', 'counter'\] must have distinct names"):
         compose("both", (pair.counter, pair.counter), {})
+
+
+def bucket(name: str, held: NumVar, poured: NumVar, start: int = 0) -> Machine:
+    """A machine that holds what was poured last; several may be made of the same variables."""
+    (only,) = table = modes("ONLY")
+    pour = Transition("pour", only, only, set={held: poured})
+    return Machine(name, table, [poured], {held: start}, {"held": held}, [pour])
+
+
+HELD, POURED = number("held", MM, 0, 9), number("poured", MM, 0, 9)
+
+
+def test_machines_of_the_same_variables_stay_apart() -> None:
+    """Two machines built from the very same variables have each their own state, first value and inputs."""
+    whole = compose("both", [bucket("left", HELD, POURED), bucket("right", HELD, POURED, start=3)], {}).system
+    trace = run(whole, [{"left.poured": 1, "right.poured": 5}])
+    assert (0, 3) == (trace.initial["left.held"], trace.initial["right.held"])
+    assert (1, 5) == (trace.steps[0].state["left.held"], trace.steps[0].state["right.held"])
+
+
+def test_a_wire_from_an_unclear_variable_is_refused() -> None:
+    """Where two earlier machines hold one variable, a wire cannot say whose it reads."""
+    pair = Pair()
+    earlier = [bucket("left", HELD, POURED), bucket("right", HELD, POURED)]
+    with pytest.raises(ModelError) as caught:
+        compose("all", [*earlier, pair.alarm], {pair.level: HELD})
+    assert str(caught.value) == (
+        "composition 'all': the wire to 'level' reads ['held'], which several earlier machines have; "
+        "declare one for each machine."
+    )
+    whole = compose("one", [earlier[0], pair.alarm], {pair.level: HELD}).system
+    assert "alarm.level" not in [var.name for var in whole.inputs]
+
+
+def test_state_cannot_be_shared() -> None:
+    """Two machines that both write one variable would lose the update of one of them."""
+    with pytest.raises(ModelError) as caught:
+        compose("both", [bucket("left", HELD, POURED), bucket("right", HELD, POURED)], {}, shared=[HELD])
+    assert str(caught.value) == "composition 'both': ['held'] is state of 'left'; only inputs and ghosts can be shared."
+
+
+TRUTH, PUSH = number("truth", MM, 0, 99), number("push", MM, 0, 9)
+
+
+def walker(name: str, *, start: int = 0, by: int = 0) -> Machine:
+    """A machine in a world with one truth, which is pushed on in each step."""
+    world = {"ghosts": {TRUTH: start}, "ghost_inputs": [PUSH], "ghost_moves": {TRUTH: TRUTH + (PUSH + by)}}
+    return Machine(name, modes("ONLY"), [], {}, {}, [], **world)  # type: ignore[arg-type]
+
+
+def test_a_shared_ghost_is_one_truth() -> None:
+    """Both machines see the same truth, which moves once in a step."""
+    whole = compose("both", [walker("left"), walker("right")], {}, shared=[TRUTH, PUSH]).system
+    assert ["left.mode", "truth", "right.mode"] == [var.name for var in whole.state]
+    assert 7 == run(whole, [{"push": 3}, {"push": 4}]).steps[-1].state["truth"]
+
+
+@pytest.mark.parametrize(("changes", "verb"), [({"by": 1}, "moves"), ({"start": 1}, "starts")])
+def test_a_shared_ghost_is_alike_everywhere(changes: dict[str, int], verb: str) -> None:
+    """One truth cannot start at two places or move in two ways; no machine's word is dropped in silence."""
+    with pytest.raises(ModelError) as caught:
+        compose("both", [walker("left"), walker("right", **changes)], {}, shared=[TRUTH, PUSH])
+    assert str(caught.value) == f"composition 'both': the shared ghost 'truth' {verb} otherwise in 'right'."
