@@ -1,0 +1,106 @@
+"""The names that users write against: a fixed list, each one where it is said to be, and cheap to import."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import safeloc
+from safeloc import composition, errors, expr, interpret, machine, spec, system, verdict
+
+ROOT = Path(__file__).parents[1]
+PUBLIC = {
+    machine: ("ANY", "Machine", "Transition", "modes"),
+    expr: (
+        "abs_", "before", "between", "boolean", "ceil_div", "ceil_to", "choice", "exact_to", "floor_div", "floor_to",
+        "ite", "maximum", "members", "minimum", "number", "optional", "product", "was",
+    ),
+    spec: ("always", "never", "once", "previous", "reachable", "since", "within"),
+    system: ("lower", "without_ghosts"),
+    composition: ("compose",),
+    interpret: ("run",),
+    verdict: ("Held", "Proved", "Unknown", "Violated", "require_proved"),
+    errors: (
+        "EngineError", "InputError", "ModelError", "NotProvedError", "PropertyError", "SafelocError", "StreamError",
+        "TruthValueError", "UnitError",
+    ),
+}  # fmt: skip
+HEAVY = ("cvc5", "hypothesis", "jinja2", "numpy", "pyarrow", "pydantic", "pytest", "rich", "transitions", "typer", "z3")
+
+
+def loaded(code: str) -> set[str]:
+    """The top-level modules that a fresh interpreter has after running `code`."""
+    told = f"{code}\nimport json, sys; print(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))"
+    done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True, cwd=ROOT)
+    return set(json.loads(done.stdout))
+
+
+def test_the_list_is_the_list() -> None:
+    """A public name is neither lost nor added by accident; the list is in order."""
+    assert sorted(name for names in PUBLIC.values() for name in names) == safeloc.__all__
+
+
+def test_a_star_import_gives_the_list() -> None:
+    """`from safeloc import *` gives exactly the public names."""
+    space: dict[str, object] = {}
+    exec("from safeloc import *", space)
+    assert set(safeloc.__all__) == set(space) - {"__builtins__"}
+
+
+def test_nothing_else_stands_there() -> None:
+    """What is in the package and is no module is public, so that a host finds no name that may vanish."""
+    here = {
+        name for name, value in vars(safeloc).items() if not name.startswith("_") and not isinstance(value, type(re))
+    }
+    assert set(safeloc.__all__) == here
+
+
+@pytest.mark.parametrize("module", PUBLIC, ids=lambda module: str(module.__name__))
+def test_a_name_is_the_same_wherever_it_is_taken_from(module: object) -> None:
+    """`safeloc.number` is `safeloc.expr.number`: types and identities agree."""
+    for name in PUBLIC[module]:  # type: ignore[index]
+        assert getattr(module, name) is getattr(safeloc, name)
+
+
+def test_every_error_is_public() -> None:
+    """A host can catch each error by its public name."""
+    classes = {
+        name
+        for name, value in vars(errors).items()
+        if isinstance(value, type) and issubclass(value, errors.SafelocError)
+    }
+    assert classes == set(PUBLIC[errors])
+
+
+def test_public_functions_say_what_they_do() -> None:
+    """Each public class and function has a docstring of its own."""
+    named = [getattr(safeloc, name) for name in safeloc.__all__ if name != "ANY"]
+    assert [] == [
+        value.__name__ for value in named if not value.__doc__ or value.__doc__.startswith(f"{value.__name__}(")
+    ]
+
+
+def test_importing_is_light() -> None:
+    """`import safeloc` loads no solver, no numpy and nothing else that was installed beside it."""
+    assert "safeloc" in loaded("import safeloc")
+    assert set() == loaded("import safeloc") & set(HEAVY)
+    assert {"numpy"} == loaded("import safeloc, numpy") & {"numpy", "z3"}
+
+
+def test_a_machine_is_written_and_run_with_public_names_alone() -> None:
+    """Declared, run, and a property stated, with the public names and units; still nothing heavy is loaded."""
+    code = """
+from safeloc import Machine, Transition, always, boolean, lower, modes, number, run
+from safeloc.units import MM
+A, B = modes("A", "B")
+go, way = boolean("go"), number("way", MM, 0, 9)
+m = Machine("m", (A, B), [go], {way: 0}, {"way": way}, [Transition("go", A, B, go, {way: 5})])
+always("short", way <= 5)
+assert 5 == run(lower(m), [{"go": True}]).steps[0].outputs["way"]
+"""
+    assert set() == loaded(code) & set(HEAVY)
