@@ -1,6 +1,6 @@
 """The border: raw measurements become admitted inputs, or faults with a reason. Nothing is clipped or replaced.
 
-    reading -> Admitted(value)   the value exactly as it came, a whole number in the channel's range, fresh and new
+    reading -> Admitted(value)   the value as it came, a whole number in the channel's range (3.0 is 3), fresh and new
             -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, MISSING
 
 A machine gets admitted values by name; a faulty input is absent, which is what an optional input is for.
@@ -44,7 +44,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Raw:
-    """A measurement as it came: any value, taken at `time_ms`, numbered by its sender."""
+    """A measurement as it came: any value, taken at `time_ms`, numbered by its sender (WRONG_TYPE if not whole)."""
 
     value: object
     time_ms: int
@@ -71,14 +71,16 @@ class Border:
     """Judges measurements channel by channel and remembers the last one of each.
 
     A measurement is remembered when it is newer than the last one, admitted or not: a fault does not make an older
-    measurement new again.
+    measurement new again. One from after now is not remembered: one wrong clock value would silence the channel.
+
+    last   all that is remembered: channel -> time and sequence of its newest measurement
     """
 
     def __init__(self, channels: Sequence[Channel]) -> None:
         self._channels = {channel.name: channel for channel in channels}
         if len(self._channels) != len(channels):
             raise InputError(f"channels have distinct names; got {[channel.name for channel in channels]}.")
-        self._last: dict[str, tuple[int, int]] = {}
+        self.last: dict[str, tuple[int, int]] = {}
 
     def judge(self, name: str, raw: Raw | None, now_ms: int) -> Admitted | Fault:
         """One measurement (None: nothing came). InputError for an unknown channel."""
@@ -87,12 +89,14 @@ class Border:
         channel = self._channels[name]
         if raw is None:
             return Fault(name, Reason.MISSING)
+        if type(raw.time_ms) is not int or type(raw.sequence) is not int:
+            return Fault(name, Reason.WRONG_TYPE, "time or sequence")
+        if raw.time_ms > now_ms:
+            return Fault(name, Reason.FUTURE, f"{raw.time_ms - now_ms} ms ahead")
         order = self._order(name, raw)
         if order is not None:
             return Fault(name, order, f"at {raw.time_ms} ms, number {raw.sequence}")
-        self._last[name] = (raw.time_ms, raw.sequence)
-        if raw.time_ms > now_ms:
-            return Fault(name, Reason.FUTURE, f"{raw.time_ms - now_ms} ms ahead")
+        self.last[name] = (raw.time_ms, raw.sequence)
         if now_ms - raw.time_ms > channel.max_age_ms:
             return Fault(name, Reason.STALE, f"{now_ms - raw.time_ms} ms old, {channel.max_age_ms} ms allowed")
         return _value(channel, raw.value)
@@ -113,20 +117,32 @@ class Border:
         return admitted, faults
 
     def _order(self, name: str, raw: Raw) -> Reason | None:
-        last = self._last.get(name)
+        last = self.last.get(name)
         if last is None or (raw.time_ms > last[0] and raw.sequence > last[1]):
             return None
         return Reason.DUPLICATE if (raw.time_ms, raw.sequence) == last else Reason.OUT_OF_ORDER
 
 
 def _value(channel: Channel, value: object) -> Admitted | Fault:
-    if isinstance(value, float) and not math.isfinite(value):
-        return Fault(channel.name, Reason.NOT_FINITE, repr(value))
-    if isinstance(value, bool) or not isinstance(value, int):
-        return Fault(channel.name, Reason.WRONG_TYPE, f"{type(value).__name__}")
-    if not channel.low <= value <= channel.high:
-        return Fault(channel.name, Reason.OUT_OF_RANGE, f"{value} {channel.unit} outside {channel.low}..{channel.high}")
-    return Admitted(value)
+    """By the object's real type: its own idea of class, order and text is not asked."""
+    whole: int
+    if issubclass(type(value), float):
+        assert isinstance(value, float)
+        if not math.isfinite(value):
+            return Fault(channel.name, Reason.NOT_FINITE, float.__repr__(value))
+        if not float.is_integer(value):
+            return Fault(channel.name, Reason.WRONG_TYPE, float.__repr__(value))
+        whole = float.__int__(value)
+    elif issubclass(type(value), int) and type(value) is not bool:
+        assert isinstance(value, int)
+        whole = int.__add__(value, 0)
+    else:
+        return Fault(channel.name, Reason.WRONG_TYPE, type(value).__name__)
+    if whole < channel.low:
+        return Fault(channel.name, Reason.OUT_OF_RANGE, f"below {channel.low} {channel.unit}")
+    if whole > channel.high:
+        return Fault(channel.name, Reason.OUT_OF_RANGE, f"above {channel.high} {channel.unit}")
+    return Admitted(whole)
 
 
 def channels_of(machine: Machine, max_age_ms: int) -> list[Channel]:
