@@ -128,6 +128,7 @@ def test_one_outcome(value: object, age_ms: int, sequence: int, before: tuple[in
         (np.int64(7), Reason.WRONG_TYPE),
         (np.float64(math.nan), Reason.NOT_FINITE),
     ],
+    ids=lambda item: item.name if isinstance(item, Reason) else type(item).__name__,
 )
 def test_reasons_for_values(value: object, reason: Reason) -> None:
     """Each kind of wrong value has its own reason."""
