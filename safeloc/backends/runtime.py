@@ -108,14 +108,13 @@ def to_async_fsm(machine: Machine, model: object, *, first: Mapping[str, Value] 
 
 
 def _states(labels: tuple[str, ...], model: object) -> list[dict[str, Any]]:
-    """States with the host's lower-case callbacks beside those that `transitions` finds by itself."""
+    """States with the host's callbacks in either spelling. `transitions` by itself finds bound methods only."""
     states = []
     for label in labels:
         state: dict[str, Any] = {"name": label}
         for moment in ("on_enter", "on_exit"):
-            callback = getattr(model, f"{moment}_{label.lower()}", None)
-            if callback is not None and label != label.lower():
-                state[moment] = callback
+            spellings = dict.fromkeys((f"{moment}_{label.lower()}", f"{moment}_{label}"))
+            state[moment] = [name for name in spellings if callable(getattr(model, name, None))]
         states.append(state)
     return states
 
