@@ -18,7 +18,8 @@ RESERVED = ("mode", "fired")
 
 def check(machine: Machine) -> None:
     """Raise ModelError naming every offence, each with file and line."""
-    complaints = [complaint for rule in RULES for complaint in rule(machine)]
+    first, *others = RULES  # the others walk the terms, so there have to be terms
+    complaints = list(first(machine)) or [complaint for rule in others for complaint in rule(machine)]
     if complaints:
         raise ModelError(f"machine {machine.name!r} ({machine.src}):\n" + "\n".join(f"  - {c}" for c in complaints))
 
@@ -29,6 +30,21 @@ def input_variables(machine: Machine) -> list[Var]:
     for item in machine.inputs:
         result += [item.present, item.value] if isinstance(item, Optional) else [item]
     return result
+
+
+def _terms_are_terms(machine: Machine) -> Iterator[str]:
+    guards = {f"guard of {t.name!r} ({t.src})": t.when for t in machine.transitions}
+    truths: dict[str, object] = {**guards, "assumption": machine.assumption, "initially": machine.initially}
+    truths |= {f"lemma {name!r}": lemma for name, lemma in machine.lemmas.items()}
+    for what, term in truths.items():
+        if not isinstance(term, Bool):
+            yield f"{what}: {term!r} is no truth-valued term; a constant is written TRUE or FALSE."
+    for name, output in machine.outputs.items():
+        if not isinstance(output, (Num, Bool)):
+            yield f"output {name!r}: {output!r} is no term; make it of state variables."
+    for var, move in machine.ghost_moves.items():
+        if not isinstance(move, (Num, Bool)):
+            yield f"ghost move of {var.name!r}: {move!r} is no term; a ghost that rests moves to itself."
 
 
 def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
@@ -115,7 +131,9 @@ def _updates_fit(machine: Machine) -> Iterator[str]:
 
 def _initial_values_fit(machine: Machine) -> Iterator[str]:
     for var, value in [*machine.state.items(), *machine.ghosts.items()]:
-        if value is not ANY:
+        if isinstance(value, (Num, Bool)) and not isinstance(value, Lit):
+            yield f"initial value of {var.name!r} ({var.src}): {value!r} is a term; give a value, or ANY and `initially`."
+        elif value is not ANY:
             yield from _fits(f"initial value of {var.name!r} ({var.src})", var, value)
 
 
@@ -193,6 +211,7 @@ def _range(term: Num) -> tuple[int, int] | None:
 
 
 RULES: tuple[Callable[[Machine], Iterator[str]], ...] = (
+    _terms_are_terms,
     _modes_are_one_enumeration,
     _names_are_distinct,
     _names_can_be_written,

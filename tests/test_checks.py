@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import pytest
 
+from safeloc import checks
 from safeloc.errors import ModelError
-from safeloc.expr import before, boolean, number
+from safeloc.expr import TRUE, before, boolean, choice, enumeration, members, number, optional
 from safeloc.machine import Machine, Transition, modes
 from safeloc.spec import once
 from safeloc.units import MM, MS
@@ -16,6 +17,7 @@ A, B = modes("A", "B")
 STRANGE, _ = modes("A", "B")
 X, N = number("x", MM, 0, 10), number("n", MM, 0, 10)
 T, P, Q = number("t", MS, 0, 10), boolean("p"), boolean("q")
+HUE = choice("hue", enumeration(members("colour", "RED", "GREEN")))
 GHOST, PUSH = number("g", MM, 0, 10), number("push", MM, 0, 10)
 
 
@@ -91,6 +93,31 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     ),
     "initially reads an input": ({"initially": P}, "initially reads 'p'; it may read only state and ghosts."),
     "ghost move of another unit": ({"inputs": [X, P, T], "ghost_moves": {GHOST: T}}, "unit is ms, expected mm."),
+    "member of another enumeration": (
+        {"state": {N: 0, HUE: 0}, "transitions": [Transition("go", A, B, P, {HUE: A})]},
+        "sets 'hue': unit is mode, expected colour.",
+    ),
+    "truth value for a number": ({"state": {N: True}}, "True is not a number."),
+    "fraction for a number": ({"state": {N: 0.5}}, "0.5 is not a number."),
+    "initial value from a term": ({"state": {N: N + 1}}, "(+ n 1) is a term; give a value, or ANY and `initially`."),
+    "initial truth from a term": ({"state": {N: 0, Q: TRUE}}, "true is a term; give a value, or ANY and `initially`."),
+    "guard from a value": ({"transitions": [Transition("go", A, B, True)]}, "True is no truth-valued term; a constant"),  # type: ignore[arg-type]
+    "guard from a number": ({"transitions": [Transition("go", A, B, X)]}, "x is no truth-valued term; a constant"),  # type: ignore[arg-type]
+    "assumption from a value": ({"assumption": True}, "assumption: True is no truth-valued term; a constant"),
+    "lemma from a number": ({"lemmas": {"l": N}}, "lemma 'l': n is no truth-valued term; a constant"),
+    "output from a value": ({"outputs": {"o": 3}}, "output 'o': 3 is no term; make it of state variables."),
+    "ghost move from a value": ({"ghost_moves": {GHOST: 3}}, "ghost move of 'g': 3 is no term; a ghost that rests"),
+    "ghost input in an output": ({"outputs": {"o": PUSH}}, "output 'o' reads 'push'; it may read only state"),
+    "ghost in an update": (
+        {"transitions": [Transition("go", A, B, P, {N: GHOST})]},
+        "reads 'g'; it may read only inputs and state.",
+    ),
+    "past in a lemma": ({"lemmas": {"l": once(N > 0)}}, "lemma 'l' uses a past operator; only properties may."),
+    "variable named like a ghost": ({"inputs": [X, P, number("g", MM, 0, 1)]}, "variable 'g' is declared twice"),
+    "presence named twice": (
+        {"inputs": [X, P, optional("r", MM, 0, 9), boolean("r.present")]},
+        "variable 'r.present' is declared twice",
+    ),
     "lemma reads input": ({"lemmas": {"l": X > 3}}, "lemma 'l' reads 'x'"),
 }
 
@@ -104,6 +131,32 @@ def test_a_wrong_declaration_is_refused(name: str) -> None:
     assert message in str(caught.value)
     assert str(caught.value).startswith("machine 'm' (")
     assert "test_checks.py:" in str(caught.value)
+
+
+def test_every_rule_has_its_offence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No rule goes untested: for each there is a declaration above that it complains of, and the sound one passes it."""
+    monkeypatch.setattr(checks, "check", lambda _: None)
+    sound = declare()
+    assert [] == [complaint for rule in checks.RULES for complaint in rule(sound)]
+    first, *others = checks.RULES
+    broken: set[object] = set()
+    for changes, _ in WRONG.values():
+        machine = declare(**changes)
+        broken |= {first} if list(first(machine)) else {rule for rule in others if list(rule(machine))}
+    assert set(checks.RULES) == broken
+
+
+def test_ranks_matter_only_out_of_one_mode() -> None:
+    """Transitions out of different modes may stand in any order of rank, and a later one of equal rank is fine."""
+    table = [Transition("a", A, B, P, rank=2), Transition("b", B, A, P, rank=0), Transition("c", (A,), A, ~P, rank=2)]
+    assert declare(transitions=table).fired_name.high == 3
+
+
+def test_an_output_may_be_a_state_variable_of_its_name() -> None:
+    """The output "n" that is the state variable n is no second declaration; another term of that name is."""
+    assert declare(outputs={"n": N}).output("n") is N
+    with pytest.raises(ModelError, match="variable or output 'n' is declared twice"):
+        declare(outputs={"n": N + 1})
 
 
 def test_all_offences_are_named_at_once() -> None:
