@@ -5,11 +5,14 @@ from __future__ import annotations
 import asyncio
 import subprocess
 import sys
+from collections.abc import Callable, Coroutine
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from safeloc.backends.runtime import to_async_fsm, to_fsm
 from safeloc.errors import InputError
@@ -20,9 +23,10 @@ from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.models.odometry_streams import simulate
 from safeloc.system import lower, without_ghosts
+from safeloc.trace import Trace
 from tests.data.door_controller import machine as door
 from tests.examples import EXAMPLES
-from tests.random_machines import Record, first_states, streams
+from tests.random_machines import Record, first_states, machines, streams
 
 ROOT = Path(__file__).parents[2]
 STAND = {"speed": 0, "released": True, "blocked": False}
@@ -76,6 +80,105 @@ def test_follows_the_interpreter(machine: Machine) -> None:
     agree()
 
 
+class Everything:
+    """A host with a callback for every mode and moment, in either spelling; it notes what it is told."""
+
+    def __init__(self, machine: Machine, *, small: bool) -> None:
+        self.told: list[str] = []
+        for mode in machine.modes:
+            for moment in ("on_exit", "on_enter"):
+                told = f"{moment} {mode.label}"
+                setattr(self, f"{moment}_{mode.label.lower() if small else mode.label}", self._teller(told))
+
+    def _teller(self, told: str) -> Callable[[object], None]:
+        return lambda event: self.told.append(told)
+
+
+def expected_calls(machine: Machine, trace: Trace) -> list[list[str]]:
+    """Per step of a run, what a host is told: leaving and entering where the mode changes, else nothing."""
+    labels = [machine.modes[0].label, *(machine.modes[one.state["mode"]].label for one in trace.steps)]
+    return [[f"on_exit {old}", f"on_enter {new}"] if old != new else [] for old, new in pairwise(labels)]
+
+
+@pytest.mark.parametrize("small", [False, True])
+def test_random_machines_in_a_host(small: bool) -> None:
+    """Any machine on any stream: same modes, values, outputs and rows, and callbacks where the mode changes only."""
+    heard: list[str] = []
+
+    @settings(max_examples=60)
+    @given(data=st.data())
+    def agree(data: st.DataObject) -> None:
+        machine = data.draw(machines())
+        system = without_ghosts(lower(machine))
+        stream, first = data.draw(streams(system)), data.draw(first_states(system))
+        host, trace = Everything(machine, small=small), run(system, stream, first=first)
+        embedded = to_fsm(machine, host, first=first)
+        assert not [name for name in dir(host) if name.startswith(("to_", "may_to_"))]
+        for record, step, told in zip(stream, trace.steps, expected_calls(machine, trace), strict=True):
+            host.told.clear()
+            host.tick(**record)  # type: ignore[attr-defined]
+            assert host.told == told
+            assert host.state == machine.modes[step.state["mode"]].label  # type: ignore[attr-defined]
+            assert (embedded.values, embedded.outputs) == (step.state, step.outputs)
+            assert embedded.fired == step.fired["fired"]
+            heard.extend(told)
+
+    agree()
+    assert len(heard) > 10
+
+
+@pytest.mark.parametrize("small", [False, True])
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.name)
+def test_awaitable_callbacks_of_every_mode(machine: Machine, small: bool) -> None:
+    """The asynchronous variant awaits a callback at every change of mode, and none on internal steps."""
+    system = without_ghosts(lower(machine))
+
+    @settings(max_examples=8)
+    @given(stream=streams(system, 10), first=first_states(system))
+    def agree(stream: list[Record], first: Record) -> None:
+        host, trace = AwaitedEverything(machine, small=small), run(system, stream, first=first)
+        expected = expected_calls(machine, trace)
+
+        async def drive() -> None:
+            embedded = to_async_fsm(machine, host, first=first)
+            for record, step, told in zip(stream, trace.steps, expected, strict=True):
+                host.told.clear()
+                await host.tick(**record)  # type: ignore[attr-defined]
+                assert host.told == told
+                assert (embedded.values, embedded.outputs) == (step.state, step.outputs)
+
+        asyncio.run(drive())
+
+    agree()
+
+
+class AwaitedEverything(Everything):
+    """The same with coroutines, which note what they are told only after a wait."""
+
+    def _teller(self, told: str) -> Callable[[object], Coroutine[None, None, None]]:  # type: ignore[override]
+        async def tell(_event: object) -> None:
+            await asyncio.sleep(0)
+            self.told.append(told)
+
+        return tell
+
+
+def test_refused_input_of_the_awaitable_variant_changes_nothing() -> None:
+    """What the asynchronous variant refuses leaves mode, values and outputs as they were."""
+
+    async def drive() -> None:
+        host = SimpleNamespace()
+        embedded = to_async_fsm(door, host)
+        await host.tick(**STAND)
+        before = (host.state, embedded.values, embedded.outputs, embedded.fired)
+        with pytest.raises(InputError, match="outside"):
+            await host.tick(**{**STAND, "speed": -1})
+        assert (host.state, embedded.values, embedded.outputs, embedded.fired) == before
+        assert host.state == "OPEN"
+
+    asyncio.run(drive())
+
+
 def test_odometry_in_a_host() -> None:
     """Odometry embedded in a host passes through the same modes as the interpreter on a simulated run."""
     config, host = OdometryConfig(), SimpleNamespace()
@@ -104,6 +207,16 @@ def test_callbacks() -> None:
         host.tick(**record)  # type: ignore[attr-defined]
     assert host.told == ["exit locked", "enter OPEN"]
     assert host.is_CLOSING()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ["on_enter_OPEN", "on_enter_open"])
+def test_any_callable_is_a_callback(name: str) -> None:
+    """A function that the host merely holds is called like a method of its own, once, in either spelling."""
+    told: list[object] = []
+    host = SimpleNamespace(**{name: told.append})
+    to_fsm(door, host)
+    host.tick(**STAND)
+    assert (host.state, len(told)) == ("OPEN", 1)
 
 
 def test_callbacks_see_the_step() -> None:
