@@ -97,28 +97,29 @@ def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Viola
     goals = [observe(trace.system, prop) for prop in properties]
     watched = watch(trace.system, goals).system
     moves = list(watched.next)
-    advance = Program([environment(trace.system), *watched.next.values()])
+    advance = Program([environment(trace.system), *(goal.prop.given for goal in goals), *watched.next.values()])
     judge = Program([goal.good for goal in goals])
     state = start(watched, {var.name: trace.initial[var.name] for var in trace.system.state})
     seen: list[list[Value]] = [judge(state)]
-    broken_at = len(trace.steps) + 1
+    broken_at = [len(trace.steps) + 1] * len(goals)
     for number, step in enumerate(trace.steps, 1):
-        allowed, *moved = advance({**state, **read_inputs(watched, step.inputs)})
-        state = dict(zip(moves, moved, strict=True))
-        broken_at = broken_at if allowed else min(broken_at, number)
+        allowed, *values = advance({**state, **read_inputs(watched, step.inputs)})
+        state = dict(zip(moves, values[len(goals) :], strict=True))
+        for n, goal in enumerate(goals):
+            if not (values[n] and (allowed or goal.prop.unconditional)):
+                broken_at[n] = min(broken_at[n], number)
         seen.append(judge(state))
-    return [_verdict(trace, goal, [row[n] for row in seen], broken_at) for n, goal in enumerate(goals)]
+    return [_verdict(trace, goal, [row[n] for row in seen], broken_at[n]) for n, goal in enumerate(goals)]
 
 
 def _verdict(trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int) -> Held | Violated | Unknown:
-    """`broken_at`: the first step that breaks the assumption; what comes later says nothing, unless unconditional."""
-    required = len(goods) if goal.prop.unconditional else broken_at
-    first = next((number for number, good in enumerate(goods[:required]) if not good), None)
+    """`broken_at`: the first step that breaks what the property relies on; what comes later says nothing."""
+    first = next((number for number, good in enumerate(goods[:broken_at]) if not good), None)
     if goal.prop.kind == "reachable":
         return Unknown("not reached in this trace", len(trace.steps)) if first is None else Held("replay", 1, first)
     if first is not None:
         return Violated(Trace(trace.system, trace.initial, trace.steps[:first]), "replay")
-    if required < len(goods):
+    if broken_at < len(goods):
         return Unknown(
             f"the assumption is broken at step {broken_at}; nothing is required from there on", broken_at - 1
         )

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import PropertyError
-from safeloc.expr import Bool, boolean, number
+from safeloc.expr import TRUE, Bool, before, boolean, number, was
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
-from safeloc.monitor import Broken, Holds, Monitor, check, check_all
-from safeloc.spec import Property, always, never, observe, once, previous, since, within
+from safeloc.monitor import Broken, Holds, Monitor, Undecided, check, check_all
+from safeloc.spec import Property, always, never, observe, once, previous, reachable, since, within
 from safeloc.system import lower
 from safeloc.units import COUNT
-from safeloc.verdict import Held, Violated
+from safeloc.verdict import Held, Unknown, Violated
 
 (ON,) = modes("ON")
 P, Q = boolean("p"), boolean("q")
@@ -95,6 +95,77 @@ def test_monitor_and_checks_agree(run_: Runs) -> None:
                 raise AssertionError(other)
 
 
+@st.composite
+def nested(draw: st.DrawFn, depth: int = 3) -> tuple[Bool, Callable[[Runs], list[bool]]]:
+    """A term with past operators inside one another, and its value in each step by definition."""
+    kind = draw(st.sampled_from(["p", "q", "not", "and", "previous", "once", "since"])) if depth else "p"
+    if kind in "pq":
+        at = "pq".index(kind)
+        return (P, Q)[at], lambda run_: [step[at] for step in run_]
+    (left, ls), (right, rs) = draw(nested(depth=depth - 1)), draw(nested(depth=depth - 1))
+    match kind:
+        case "not":
+            return ~left, lambda run_: [not one for one in ls(run_)]
+        case "and":
+            return left & right, lambda run_: [a and b for a, b in zip(ls(run_), rs(run_), strict=True)]
+        case "previous" | "once":
+            term = previous(left) if kind == "previous" else once(left)
+            return term, lambda run_: oracle(kind, [(one, False) for one in ls(run_)])
+        case _:
+            return since(left, right), lambda run_: oracle("since", list(zip(ls(run_), rs(run_), strict=True)))
+
+
+@given(nested(), RUNS)
+def test_past_operators_inside_one_another(term: tuple[Bool, Callable[[Runs], list[bool]]], run_: Runs) -> None:
+    """However deeply they are nested, each operator keeps its definition."""
+    assert first_false(term[1](run_)) == first_break(always("nested", term[0]), run_)
+
+
+@given(RUNS, st.booleans(), st.booleans())
+def test_what_is_given_and_what_is_assumed(run_: Runs, assumed: bool, unconditional: bool) -> None:
+    """A property says nothing from the step on in which what it is given, or the assumption, is broken.
+
+    Unconditional ones leave the assumption aside, but not what they are given. The monitor says the same.
+    """
+    kept = N <= 3
+    world = lower(
+        Machine("world", (ON,), [P, Q], {N: 0}, {}, MACHINE.transitions, assumption=kept if assumed else TRUE)
+    )
+    prop = always("no q", ~Q, given=~P, unconditional=unconditional)
+    trace = run(world, [{"p": p, "q": q} for p, q in run_])
+    lawful = [not p and (unconditional or not assumed or n <= 3) for n, (p, _) in enumerate(run_)]
+    end = (first_false(lawful) or len(run_) + 1) - 1
+    expected = first_false([not q for _, q in run_[:end]])
+    result, monitor = check(trace, prop), Monitor(observe(world, prop))
+    for step in trace.stream():
+        monitor.step(step)
+    if expected is not None:
+        assert isinstance(result, Violated)
+        assert result.trace is not None
+        assert expected == len(result.trace.steps)
+        assert Broken(expected) == monitor.status
+    elif end < len(run_):
+        assert isinstance(result, Unknown)
+        assert end == result.depth
+        assert Undecided(end + 1, "the assumption is broken from here on") == monitor.status
+    else:
+        assert isinstance(result, Held)
+        assert Holds() == monitor.status
+
+
+@given(RUNS)
+def test_reachable_is_held_from_the_first_time_on(run_: Runs) -> None:
+    """Reached once is reached; not reached in this trace is undecided, never violated."""
+    result = check(run(SYSTEM, [{"p": p, "q": q} for p, q in run_]), reachable("both", P & Q))
+    reached = first_false([not (p and q) for p, q in run_])
+    if reached is not None:
+        assert isinstance(result, Held)
+        assert reached == result.steps
+    else:
+        assert isinstance(result, Unknown)
+        assert ("not reached in this trace", len(run_)) == (result.reason, result.depth)
+
+
 def test_a_state_property_is_required_of_the_first_state() -> None:
     """A term over state only is checked before any step."""
     result = check(run(SYSTEM, []), always("counting", N > 0))
@@ -107,6 +178,11 @@ def test_a_state_property_is_required_of_the_first_state() -> None:
     ("prop", "message"),
     [
         (always("strange", boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
+        (within("strange", 3, P, boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
+        (never("strange", once(boolean("elsewhere"))), "reads 'elsewhere', which watched does not have"),
+        (always("strange", was(P)), r"reads 'before\.p': before\(\) is for state variables"),
+        (always("strange", P, given=before(N) > 0), r"`given` reads 'before\.n'; it may read state before the step"),
+        (always("strange", P, given=MACHINE.fired("count")), "`given` reads 'fired'"),
         (always("strange", P, given=boolean("elsewhere")), "`given` reads 'elsewhere'"),
     ],
 )
