@@ -1,9 +1,11 @@
 """The border: raw measurements become admitted inputs, or faults with a reason. Nothing is clipped or replaced.
 
     reading -> Admitted(value)   the value as it came, a whole number in the channel's range (3.0 is 3), fresh and new
-            -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, MISSING
+            -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, SURPLUS,
+                                 MISSING
 
-A machine gets admitted values by name; a faulty input is absent, which is what an optional input is for.
+A machine gets admitted values by name; a faulty input is absent, which is what an optional input is for. What came
+when is judged by `Deliveries`, what it says by `admitted`; a host's `Border` and the cycle builder use both.
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ class Reason(Enum):
     FUTURE = "from after now"
     DUPLICATE = "delivered before"
     OUT_OF_ORDER = "older than one delivered before"
-    MISSING = "nothing was delivered"
+    SURPLUS = "a second one where a step takes one"
+    MISSING = "nothing was delivered, or too little"
 
 
 @dataclass(frozen=True)
@@ -44,11 +47,14 @@ class Channel:
 
 @dataclass(frozen=True)
 class Raw:
-    """A measurement as it came: any value, taken at `time_ms`, numbered by its sender (WRONG_TYPE if not whole)."""
+    """A measurement as it came: any value, taken at `time_ms`, numbered by its sender (WRONG_TYPE if not whole).
+
+    A sender that does not number its measurements leaves `sequence` None: then the time alone tells old from new.
+    """
 
     value: object
     time_ms: int
-    sequence: int
+    sequence: int | None = None
 
 
 @dataclass(frozen=True)
@@ -60,15 +66,16 @@ class Admitted:
 
 @dataclass(frozen=True)
 class Fault:
-    """Not admitted."""
+    """Not admitted. `number` is the record's place in its stream (from 0), where it came from one."""
 
     channel: str
     reason: Reason
     detail: str = ""
+    number: int | None = None
 
 
-class Border:
-    """Judges measurements channel by channel and remembers the last one of each.
+class Deliveries:
+    """Judges when measurements come, channel by channel, and remembers the newest one of each.
 
     A measurement is remembered when it is newer than the last one, admitted or not: a fault does not make an older
     measurement new again. One from after now is not remembered: one wrong clock value would silence the channel.
@@ -76,11 +83,48 @@ class Border:
     last   all that is remembered: channel -> time and sequence of its newest measurement
     """
 
+    def __init__(self) -> None:
+        self.last: dict[str, tuple[int, int | None]] = {}
+
+    def fault(self, name: str, raw: Raw, now_ms: int, max_age_ms: int) -> Fault | None:
+        """Why it must not be used, as far as its time and number tell; None: new and in time."""
+        if type(raw.time_ms) is not int or (raw.sequence is not None and type(raw.sequence) is not int):
+            return Fault(name, Reason.WRONG_TYPE, "time or sequence")
+        if raw.time_ms > now_ms:
+            return Fault(name, Reason.FUTURE, f"{raw.time_ms - now_ms} ms ahead")
+        order = self._order(name, raw)
+        if order is not None:
+            return Fault(name, order, f"at {raw.time_ms} ms" + _numbered(raw))
+        self.last[name] = (raw.time_ms, raw.sequence)
+        if now_ms - raw.time_ms > max_age_ms:
+            return Fault(name, Reason.STALE, f"{now_ms - raw.time_ms} ms old, {max_age_ms} ms allowed")
+        return None
+
+    def _order(self, name: str, raw: Raw) -> Reason | None:
+        if name not in self.last:
+            return None
+        time_ms, sequence = self.last[name]
+        counted = raw.sequence is None or sequence is None or raw.sequence > sequence
+        if raw.time_ms > time_ms and counted:
+            return None
+        return Reason.DUPLICATE if (raw.time_ms, raw.sequence) == (time_ms, sequence) else Reason.OUT_OF_ORDER
+
+
+def _numbered(raw: Raw) -> str:
+    return "" if raw.sequence is None else f", number {raw.sequence}"
+
+
+class Border:
+    """Judges the measurements of a host's channels, each by when it comes and by what it says.
+
+    deliveries   all that is remembered
+    """
+
     def __init__(self, channels: Sequence[Channel]) -> None:
         self._channels = {channel.name: channel for channel in channels}
         if len(self._channels) != len(channels):
             raise InputError(f"channels have distinct names; got {[channel.name for channel in channels]}.")
-        self.last: dict[str, tuple[int, int]] = {}
+        self.deliveries = Deliveries()
 
     def judge(self, name: str, raw: Raw | None, now_ms: int) -> Admitted | Fault:
         """One measurement (None: nothing came). InputError for an unknown channel."""
@@ -89,42 +133,30 @@ class Border:
         channel = self._channels[name]
         if raw is None:
             return Fault(name, Reason.MISSING)
-        if type(raw.time_ms) is not int or type(raw.sequence) is not int:
-            return Fault(name, Reason.WRONG_TYPE, "time or sequence")
-        if raw.time_ms > now_ms:
-            return Fault(name, Reason.FUTURE, f"{raw.time_ms - now_ms} ms ahead")
-        order = self._order(name, raw)
-        if order is not None:
-            return Fault(name, order, f"at {raw.time_ms} ms, number {raw.sequence}")
-        self.last[name] = (raw.time_ms, raw.sequence)
-        if now_ms - raw.time_ms > channel.max_age_ms:
-            return Fault(name, Reason.STALE, f"{now_ms - raw.time_ms} ms old, {channel.max_age_ms} ms allowed")
-        return _value(channel, raw.value)
+        fault = self.deliveries.fault(name, raw, now_ms, channel.max_age_ms)
+        return admitted(channel, raw.value) if fault is None else fault
 
     def inputs(self, readings: Mapping[str, Raw], now_ms: int) -> tuple[dict[str, int], list[Fault]]:
         """A step's inputs by name, faulty ones absent, and every fault (missing channels among them)."""
         unknown = sorted(set(readings) - set(self._channels))
         if unknown:
             raise InputError(f"no channel {unknown[0]!r}; there are {sorted(self._channels)}.")
-        admitted: dict[str, int] = {}
+        values: dict[str, int] = {}
         faults: list[Fault] = []
         for name in self._channels:
             judged = self.judge(name, readings.get(name), now_ms)
             if isinstance(judged, Admitted):
-                admitted[name] = judged.value
+                values[name] = judged.value
             else:
                 faults.append(judged)
-        return admitted, faults
-
-    def _order(self, name: str, raw: Raw) -> Reason | None:
-        last = self.last.get(name)
-        if last is None or (raw.time_ms > last[0] and raw.sequence > last[1]):
-            return None
-        return Reason.DUPLICATE if (raw.time_ms, raw.sequence) == last else Reason.OUT_OF_ORDER
+        return values, faults
 
 
-def _value(channel: Channel, value: object) -> Admitted | Fault:
-    """By the object's real type: its own idea of class, order and text is not asked."""
+def admitted(channel: Channel, value: object) -> Admitted | Fault:
+    """What a measurement says, if it is a whole number in the channel's range.
+
+    It goes by the object's real type: its own idea of class, order and text is not asked.
+    """
     whole: int
     if issubclass(type(value), float):
         assert isinstance(value, float)

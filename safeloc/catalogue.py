@@ -20,10 +20,10 @@ from pydantic import BaseModel, ValidationError
 
 from safeloc.composition import Composition
 from safeloc.errors import InputError, SafelocError
-from safeloc.expr import Value
 from safeloc.machine import Machine
 from safeloc.models import delocalized, odometry, supervised_odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.nodes import Value
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import supervised_odometry as supervised_properties

@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from safeloc.errors import ModelError
-from safeloc.expr import Bool, BoolVar, Compare, Expr, Lit, Num, NumVar, Optional, Past, Var, in_order, variables
+from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.machine import ANY, STAY_NAME, Initial, Machine, Transition
+from safeloc.nodes import Compare, Past
+from safeloc.terms import in_order, variables
 from safeloc.units import Enumeration
 
 RESERVED = ("mode", "fired")

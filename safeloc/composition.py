@@ -9,9 +9,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, Lit, Num, NumVar, Optional, Sharing, Substitution, Value, Var, all_of, variables
+from safeloc.expr import Expr, Lit, Num, NumVar, Optional, Var, all_of
 from safeloc.machine import Any_, Initial, Machine
+from safeloc.nodes import Value
 from safeloc.system import TransitionSystem, lower
+from safeloc.terms import Sharing, Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)

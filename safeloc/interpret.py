@@ -10,33 +10,28 @@ from collections.abc import Iterable, Mapping
 from typing import assert_never
 
 from safeloc.errors import InputError
-from safeloc.expr import (
+from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
+from safeloc.machine import Any_
+from safeloc.nodes import (
     Add,
     And,
-    Bool,
-    BoolVar,
     Choose,
     ChooseBool,
     Compare,
-    Expr,
     FloorDiv,
-    Lit,
     Max,
     Min,
     Mul,
     Node,
     Not,
-    NumVar,
     Or,
     Past,
     Sub,
     Truth,
     Value,
-    Var,
-    in_order,
 )
-from safeloc.machine import Any_
 from safeloc.system import TransitionSystem, canonical
+from safeloc.terms import in_order
 from safeloc.trace import Step, Trace
 from safeloc.units import Enumeration
 

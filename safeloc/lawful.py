@@ -8,10 +8,12 @@ from dataclasses import replace
 
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.errors import InputError
-from safeloc.expr import And, Bool, BoolVar, Compare, Expr, Lit, Not, NumVar, Or, Value, Var, in_order, variables
+from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
 from safeloc.interpret import evaluate
 from safeloc.machine import Any_
+from safeloc.nodes import And, Compare, Not, Or, Value
 from safeloc.system import TransitionSystem, canonical, environment
+from safeloc.terms import in_order, variables
 
 REPAIRS = 12
 Pick = Callable[[NumVar, int, int], int]

@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from safeloc.errors import declared_at
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Value, Var, members
+from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, members
+from safeloc.nodes import Value
 from safeloc.units import Enumeration
 
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import NoReturn, TypeAlias
 
 from safeloc.errors import TruthValueError
-from safeloc.expr import Value, Var
+from safeloc.expr import Var
 from safeloc.interpret import Program, evaluate, holds, read_inputs, start
+from safeloc.nodes import Value
 from safeloc.spec import Goal, Property, observe, watch
 from safeloc.system import environment
 from safeloc.trace import Trace

@@ -9,23 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import assert_never
 
-from safeloc.expr import (
-    INT64_MAX,
-    INT64_MIN,
-    Add,
-    Choose,
-    Expr,
-    FloorDiv,
-    Lit,
-    Max,
-    Min,
-    Mul,
-    Num,
-    NumNode,
-    NumVar,
-    Sub,
-    in_order,
-)
+from safeloc.expr import Expr, Lit, Num, NumVar
+from safeloc.nodes import INT64_MAX, INT64_MIN, Add, Choose, FloorDiv, Max, Min, Mul, NumNode, Sub
+from safeloc.terms import in_order
 
 Bounds = tuple[int, int]
 

@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import assert_never
 
-from safeloc.expr import (
+from safeloc.expr import BoolVar, Expr, Lit, NumVar
+from safeloc.nodes import (
     Add,
     And,
-    BoolVar,
     Choose,
     ChooseBool,
     Compare,
-    Expr,
     FloorDiv,
-    Lit,
     Max,
     Min,
     Mul,
     Node,
     Not,
-    NumVar,
     Or,
     Past,
     Sub,

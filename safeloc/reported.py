@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.expr import Value
+from safeloc.nodes import Value
 
 Standing = Literal["contained", "WRONG", "INVALID"]
 

@@ -17,30 +17,10 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from safeloc.errors import PropertyError, declared_at
-from safeloc.expr import (
-    TRUE,
-    Bool,
-    BoolVar,
-    Expr,
-    Lit,
-    Node,
-    Num,
-    NumVar,
-    Past,
-    Substitution,
-    Value,
-    Var,
-    all_of,
-    as_num,
-    before,
-    children,
-    in_order,
-    ite,
-    rebuilt,
-    variables,
-    was,
-)
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
+from safeloc.nodes import Node, Past, Value
 from safeloc.system import TransitionSystem
+from safeloc.terms import Substitution, children, in_order, rebuilt, variables
 from safeloc.units import COUNT
 
 

@@ -15,25 +15,23 @@ from dataclasses import dataclass, replace
 from safeloc.checks import input_variables
 from safeloc.expr import (
     TRUE,
-    And,
     Bool,
     BoolVar,
-    ChooseBool,
     Expr,
     Lit,
     Num,
     NumVar,
     Optional,
-    Sharing,
     Var,
     all_of,
     as_bool,
     as_num,
     between,
     ite,
-    variables,
 )
 from safeloc.machine import ANY, Initial, Machine, Transition
+from safeloc.nodes import And, ChooseBool
+from safeloc.terms import Sharing, variables
 from safeloc.units import Enumeration
 
 

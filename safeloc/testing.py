@@ -23,8 +23,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 
 from safeloc.backends.compiled import Row, compile_system
-from safeloc.expr import BoolVar, Expr, NumVar, Value, Var
+from safeloc.expr import BoolVar, Expr, NumVar, Var
 from safeloc.lawful import Repair, first_state, slack
+from safeloc.nodes import Value
 from safeloc.provers.evidence import replayed
 from safeloc.results import Finding
 from safeloc.spec import NO_ASSUMPTION, Property, observe, watch

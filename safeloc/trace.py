@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from safeloc.expr import NumVar, Value, Var
+from safeloc.expr import NumVar, Var
+from safeloc.nodes import Value
 from safeloc.system import TransitionSystem
 from safeloc.units import Enumeration
 

@@ -12,7 +12,6 @@ from safeloc.expr import (
     Expr,
     Lit,
     NumVar,
-    Value,
     Var,
     abs_,
     as_num,
@@ -35,6 +34,7 @@ from safeloc.expr import (
     was,
 )
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.nodes import Value
 from safeloc.spec import Property, always, never, once, previous, since, within
 from safeloc.system import TransitionSystem, lower
 from safeloc.units import CM, COUNT, MM, MM_S, MS, NM, PPM, UM

@@ -22,7 +22,6 @@ from safeloc.expr import (
     Num,
     NumVar,
     Optional,
-    Value,
     Var,
     abs_,
     boolean,
@@ -40,6 +39,7 @@ from safeloc.expr import (
 )
 from safeloc.interpret import holds
 from safeloc.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.nodes import Value
 from safeloc.ranges import bounds
 from safeloc.system import TransitionSystem, canonical
 from safeloc.units import ONE, Enumeration

@@ -106,7 +106,7 @@ def test_one_outcome(value: object, age_ms: int, sequence: int, before: tuple[in
         assert result == fresh
     assert isinstance(result, Admitted) or result.reason in expected
     assert isinstance(result, Fault) or age_ms in range(201)
-    assert border.last.get("wheel_mm") == ((time_ms, sequence) if newer and age_ms >= 0 else before)
+    assert border.deliveries.last.get("wheel_mm") == ((time_ms, sequence) if newer and age_ms >= 0 else before)
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_time_and_sequence_are_whole_numbers(time_ms: object, sequence: object) 
     result = border.judge("wheel_mm", Raw(7, time_ms, sequence), 1_000)  # type: ignore[arg-type]
     assert isinstance(result, Fault)
     assert result.reason is Reason.WRONG_TYPE
-    assert border.last == {}
+    assert border.deliveries.last == {}
 
 
 def test_a_wrong_clock_does_not_silence_the_channel() -> None:

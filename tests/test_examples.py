@@ -6,12 +6,13 @@ import typing
 
 import pytest
 
-from safeloc.expr import Node, in_order
 from safeloc.machine import ANY
+from safeloc.nodes import Node
 from safeloc.provers.bmc import bmc
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.spec import observe
+from safeloc.terms import in_order
 from safeloc.verdict import Proved, Violated
 from tests.examples import EXAMPLES, Example
 

@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 from safeloc.errors import ModelError, TruthValueError, UnitError
 from safeloc.expr import (
     Lit,
-    Sharing,
-    Substitution,
     abs_,
     between,
     boolean,
@@ -21,16 +19,15 @@ from safeloc.expr import (
     exact_to,
     floor_div,
     floor_to,
-    in_order,
     ite,
     maximum,
     members,
     minimum,
     number,
     product,
-    text,
 )
 from safeloc.interpret import evaluate
+from safeloc.terms import Sharing, Substitution, in_order, text
 from safeloc.units import CM, MM, MM_S, MS, NM, PPM, UM
 
 X, Y = number("x", MM, -1000, 1000), number("y", MM, -1000, 1000)

@@ -12,7 +12,6 @@ from safeloc.expr import (
     TRUE,
     Bool,
     Expr,
-    Substitution,
     Var,
     before,
     boolean,
@@ -23,12 +22,12 @@ from safeloc.expr import (
     number,
     optional,
     product,
-    variables,
 )
 from safeloc.interpret import evaluate, holds
 from safeloc.machine import Machine, Transition, modes
 from safeloc.spec import always, earlier_bool, earlier_num, observe
 from safeloc.system import lower
+from safeloc.terms import Substitution, variables
 from safeloc.units import MM
 
 X, Y, P, Q = number("x", MM, -9, 9), number("y", MM, -9, 9), boolean("p"), boolean("q")

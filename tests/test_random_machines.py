@@ -7,10 +7,11 @@ import typing
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.expr import Node, Past, in_order
 from safeloc.interpret import run
 from safeloc.machine import Machine
+from safeloc.nodes import Node, Past
 from safeloc.system import lower
+from safeloc.terms import in_order
 from tests.random_machines import machines, streams
 
 

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.expr import INT64_MAX, Num, boolean, floor_div, ite, maximum, members, minimum, number, product
+from safeloc.expr import Num, boolean, floor_div, ite, maximum, members, minimum, number, product
 from safeloc.interpret import evaluate, read_inputs, start, step
+from safeloc.nodes import INT64_MAX
 from safeloc.ranges import beyond_int64, bounds
 from safeloc.system import lower
 from safeloc.units import COUNT

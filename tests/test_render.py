@@ -13,13 +13,11 @@ from safeloc.expr import (
     Lit,
     Num,
     Optional,
-    Sharing,
     Var,
     abs_,
     as_num,
     boolean,
     floor_div,
-    in_order,
     ite,
     maximum,
     members,
@@ -27,12 +25,12 @@ from safeloc.expr import (
     number,
     optional,
     product,
-    variables,
 )
 from safeloc.machine import Machine
 from safeloc.render import infix
 from safeloc.spec import once, previous, since
 from safeloc.system import lower
+from safeloc.terms import Sharing, in_order, variables
 from safeloc.units import MM, MM_S, MS, ONE
 from tests.random_machines import machines
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from safeloc.backends.numpy_code import Array, load, to_function
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Lit, NumVar, Optional, Value, Var
+from safeloc.expr import BoolVar, Lit, NumVar, Optional, Var
 from safeloc.interpret import start
 from safeloc.machine import Any_
+from safeloc.nodes import Value
 from safeloc.system import TransitionSystem, canonical
 
 

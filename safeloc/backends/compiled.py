@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from safeloc.backends.python_code import to_python
-from safeloc.expr import Value
 from safeloc.interpret import fired_names, read_inputs, start
+from safeloc.nodes import Value
 from safeloc.system import TransitionSystem
 
 __all__ = ["Compiled", "Row", "Tick", "compile_system", "to_python"]

@@ -6,9 +6,10 @@ import html
 import math
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Num, Sharing
+from safeloc.expr import Bool, Num
 from safeloc.machine import Machine
 from safeloc.render import infix
+from safeloc.terms import Sharing
 
 
 @dataclass(frozen=True)

@@ -9,30 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.backends.shapes import is_magnitude, merged
-from safeloc.expr import (
+from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
+from safeloc.nodes import (
     Add,
     And,
-    BoolVar,
     Choose,
     ChooseBool,
     Compare,
-    Expr,
     FloorDiv,
-    Lit,
     Max,
     Min,
     Mul,
     Node,
     Not,
-    NumVar,
     Or,
     Past,
     Sub,
     Truth,
-    Var,
-    children,
-    in_order,
 )
+from safeloc.terms import children, in_order
 
 Array = NDArray[Any]
 Function = Callable[..., tuple[list[Array], ...]]

@@ -13,31 +13,26 @@ from typing import assert_never
 
 from safeloc.backends.shapes import is_magnitude
 from safeloc.errors import InputError
-from safeloc.expr import (
+from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
+from safeloc.nodes import (
     Add,
     And,
-    BoolVar,
     Choose,
     ChooseBool,
     Compare,
-    Expr,
     FloorDiv,
-    Lit,
     Max,
     Min,
     Mul,
     Node,
     Not,
-    NumVar,
     Or,
     Past,
     Sub,
     Truth,
-    Var,
-    children,
-    in_order,
 )
 from safeloc.system import TransitionSystem
+from safeloc.terms import children, in_order
 
 Assignment = tuple[str, Expr]
 Group = tuple[Expr | None, list[Assignment]]

@@ -19,8 +19,8 @@ from transitions.extensions.asyncio import AsyncMachine
 
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.errors import InputError
-from safeloc.expr import Value
 from safeloc.machine import Machine
+from safeloc.nodes import Value
 from safeloc.system import lower, without_ghosts
 
 TRIGGER = "tick"

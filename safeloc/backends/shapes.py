@@ -13,21 +13,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from safeloc.expr import (
-    Choose,
-    ChooseBool,
-    Expr,
-    Lit,
-    Max,
-    Node,
-    Sharing,
-    Sub,
-    all_of,
-    any_of,
-    children,
-    in_order,
-    rebuilt,
-)
+from safeloc.expr import Expr, Lit, all_of, any_of
+from safeloc.nodes import Choose, ChooseBool, Max, Node, Sub
+from safeloc.terms import Sharing, children, in_order, rebuilt
 
 
 def is_magnitude(term: Expr) -> bool:

@@ -11,33 +11,27 @@ from typing import Any, assert_never
 
 import z3
 
-from safeloc.expr import (
+from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var, all_of
+from safeloc.nodes import (
     Add,
     And,
-    Bool,
-    BoolVar,
     Choose,
     ChooseBool,
     Compare,
-    Expr,
     FloorDiv,
-    Lit,
     Max,
     Min,
     Mul,
     Node,
     Not,
-    NumVar,
     Or,
     Past,
     Sub,
     Truth,
     Value,
-    Var,
-    all_of,
-    in_order,
 )
 from safeloc.system import TransitionSystem, environment, in_range
+from safeloc.terms import in_order
 
 
 class Terms:

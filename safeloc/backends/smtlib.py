@@ -10,30 +10,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from safeloc.expr import (
+from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar
+from safeloc.nodes import (
     Add,
     And,
-    Bool,
-    BoolVar,
     Choose,
     ChooseBool,
     Compare,
-    Expr,
     FloorDiv,
-    Lit,
     Max,
     Min,
     Mul,
     Node,
     Not,
-    Num,
-    NumVar,
     Or,
     Past,
     Sub,
     Truth,
-    in_order,
 )
+from safeloc.terms import in_order
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,13 +11,15 @@ from typing import Any
 
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
-from safeloc.expr import Num, Value, Var, variables
+from safeloc.expr import Num, Var
 from safeloc.interpret import read_inputs, run
 from safeloc.monitor import check_all
+from safeloc.nodes import Value
 from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.streams.steps import StepStream, read_steps
 from safeloc.system import TransitionSystem, without_ghosts
+from safeloc.terms import variables
 from safeloc.trace import Trace, shown
 from safeloc.units import Enumeration
 from safeloc.verdict import Held, Result, Violated

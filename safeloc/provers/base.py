@@ -16,11 +16,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.backends.smtlib import Query
-from safeloc.expr import Bool, NumVar, Substitution, variables
+from safeloc.expr import Bool, NumVar
 from safeloc.provers.implication import Failure, Undecided, unproved
 from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.recheck import certify
 from safeloc.system import TransitionSystem, environment, in_range
+from safeloc.terms import Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)

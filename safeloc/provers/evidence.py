@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.errors import EngineError, InputError
-from safeloc.expr import Value, Var
+from safeloc.expr import Var
 from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, run, start, step
+from safeloc.nodes import Value
 from safeloc.spec import Goal
 from safeloc.system import TransitionSystem, environment
 from safeloc.trace import Step, Trace

@@ -17,8 +17,9 @@ import z3
 
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.backends.smt import Unrolling
-from safeloc.expr import NumVar, Value, Var
+from safeloc.expr import NumVar, Var
 from safeloc.lawful import Repair, first_state, slack
+from safeloc.nodes import Value
 from safeloc.provers.evidence import replayed
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.spec import Goal

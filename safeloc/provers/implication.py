@@ -9,8 +9,10 @@ import z3
 
 from safeloc.backends.smt import Terms, constant
 from safeloc.backends.smtlib import Query
-from safeloc.expr import And, Bool, Value, Var, variables
+from safeloc.expr import Bool, Var
+from safeloc.nodes import And, Value
 from safeloc.provers.limits import deadline, milliseconds
+from safeloc.terms import variables
 from safeloc.trace import shown
 
 

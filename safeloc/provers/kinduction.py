@@ -9,13 +9,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from safeloc.backends.smtlib import Query
-from safeloc.expr import Bool, BoolVar, Expr, NumVar, Substitution, Var, all_of
+from safeloc.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
 from safeloc.provers.base import Base, base
 from safeloc.provers.implication import Undecided, conjuncts, unproved
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.recheck import ENGINE, certify
 from safeloc.spec import Goal
 from safeloc.system import environment, in_range
+from safeloc.terms import Substitution
 from safeloc.verdict import Proved, Unknown, Verdict
 
 

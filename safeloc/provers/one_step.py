@@ -6,24 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from safeloc.backends.smtlib import Query
-from safeloc.expr import (
-    INT64_MAX,
-    INT64_MIN,
-    Bool,
-    Expr,
-    FloorDiv,
-    Lit,
-    Mul,
-    Num,
-    NumVar,
-    Optional,
-    Substitution,
-    all_of,
-    between,
-    in_order,
-    variables,
-)
+from safeloc.expr import Bool, Expr, Lit, Num, NumVar, Optional, all_of, between
 from safeloc.machine import Machine, Transition
+from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv, Mul
 from safeloc.provers.base import base, range_name
 from safeloc.provers.implication import Failure, Refuted, unproved
 from safeloc.provers.limits import Limits
@@ -33,6 +18,7 @@ from safeloc.provers.recheck import ENGINE
 from safeloc.ranges import beyond_int64
 from safeloc.spec import Goal, observe, reachable
 from safeloc.system import TransitionSystem, environment, in_range, lower
+from safeloc.terms import Substitution, in_order, variables
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 # ------------------------------------------------------------------ ranges

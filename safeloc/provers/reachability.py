@@ -12,7 +12,7 @@ import z3
 
 from safeloc.backends.smt import Unrolling
 from safeloc.backends.smtlib import Query
-from safeloc.expr import TRUE, Bool, Lit, NumVar, Substitution, Var, before, was
+from safeloc.expr import TRUE, Bool, Lit, NumVar, Var, before, was
 from safeloc.machine import Machine
 from safeloc.provers.base import base
 from safeloc.provers.bmc import run_of
@@ -24,6 +24,7 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.spacer import spacer
 from safeloc.spec import Goal, Watch, observe, reachable, watch
 from safeloc.system import TransitionSystem, environment, in_range
+from safeloc.terms import Substitution
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 

@@ -10,23 +10,8 @@ from typing import cast
 
 import z3
 
-from safeloc.expr import (
-    Add,
-    And,
-    Bool,
-    Choose,
-    ChooseBool,
-    Compare,
-    Expr,
-    FloorDiv,
-    Lit,
-    Mul,
-    Num,
-    Or,
-    Sub,
-    Truth,
-    Var,
-)
+from safeloc.expr import Bool, Expr, Lit, Num, Var
+from safeloc.nodes import Add, And, Choose, ChooseBool, Compare, FloorDiv, Mul, Or, Sub, Truth
 from safeloc.units import ONE
 
 

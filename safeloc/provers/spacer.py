@@ -14,7 +14,7 @@ import z3
 from safeloc.backends.smt import Terms, constant
 from safeloc.backends.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.expr import TRUE, Bool, Substitution, all_of
+from safeloc.expr import TRUE, Bool, all_of
 from safeloc.provers.base import Base, base
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import given_facts
@@ -23,6 +23,7 @@ from safeloc.provers.reading import UnreadableError, read_bool
 from safeloc.provers.recheck import ENGINE, certify
 from safeloc.spec import Goal
 from safeloc.system import environment, in_range
+from safeloc.terms import Substitution
 from safeloc.verdict import Proved, Unknown, Verdict
 
 

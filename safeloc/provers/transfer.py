@@ -10,11 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, assert_never
 
-from safeloc.expr import Bool, Expr, Value, Var, in_order
+from safeloc.expr import Bool, Expr, Var
 from safeloc.interpret import run
+from safeloc.nodes import Value
 from safeloc.provers.base import Base
 from safeloc.provers.implication import Failure
 from safeloc.system import TransitionSystem
+from safeloc.terms import in_order
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 

@@ -2,12 +2,15 @@
 
 Records come back in the order of the file. Nothing is sorted, repaired or left out: late, repeated and disordered
 records are for the cycle builder to judge (`cycles`); what is no record at all is a StreamError with file and line.
+`read_records` refuses a measurement that is none (NaN, text, a fraction) in the same way; `read_raw` hands it over as
+`Unusable`, a fault of its channel.
 """
 
 from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -15,8 +18,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from safeloc.border import Reason
 from safeloc.errors import StreamError
-from safeloc.streams.records import RECORD, Record
+from safeloc.streams.records import RECORD, Record, Unusable
 
 WHOLE = re.compile(r"[+-]?\d+")
 FIELDS: tuple[str, ...] = (
@@ -26,22 +30,34 @@ FIELDS: tuple[str, ...] = (
 """Columns of a table of records; each row fills those its kind has."""
 
 TEXT_FIELDS = ("kind", "end", "unit", "name")
+MEASURED = ("step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
+"""Fields that say what was measured; the others say who speaks, and when."""
+
+Row = Mapping[str, Any]
 
 
 def read_records(path: Path) -> tuple[Record, ...]:
-    """All records of a .jsonl, .ndjson, .csv or .parquet file, in its order."""
+    """All records of a .jsonl, .ndjson, .csv or .parquet file, in its order; StreamError for a measurement that is none."""
+    return tuple(_record(path, line, row) for line, row in _rows(path))
+
+
+def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
+    """The same, with `Unusable` where a device spoke but what it said is no measurement."""
+    return tuple(_record_or_fault(path, line, row) for line, row in _rows(path))
+
+
+def _rows(path: Path) -> Iterator[tuple[int, Row]]:
     if not path.is_file():
         raise StreamError(f"{path}: no such file.")
     match path.suffix:
         case ".jsonl" | ".ndjson":
-            rows = _jsonl_rows(path)
+            return _jsonl_rows(path)
         case ".csv":
-            rows = _csv_rows(path)
+            return _csv_rows(path)
         case ".parquet":
-            rows = _parquet_rows(path)
+            return _parquet_rows(path)
         case other:
             raise StreamError(f"{path}: unknown kind of file {other!r}; use .jsonl, .csv or .parquet.")
-    return tuple(_record(path, line, row) for line, row in rows)
 
 
 def write_records(path: Path, records: Sequence[Record]) -> None:
@@ -58,10 +74,15 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
             raise StreamError(f"{path}: unknown kind of file {other!r}; use .jsonl, .csv or .parquet.")
 
 
-def _record(path: Path, line: int, row: Mapping[str, Any]) -> Record:
+def _record(path: Path, line: int, row: Row) -> Record:
     try:
         return RECORD.validate_python(row)
     except ValidationError as error:
+        strange = [f"{name} is {value}" for name, value in row.items() if _not_finite(value)]
+        if strange:
+            raise StreamError(
+                f"{path}:{line}: {strange[0]}, no measurement; leave the record out where there is none."
+            ) from error
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"]) or "kind"
         raise StreamError(
@@ -69,7 +90,38 @@ def _record(path: Path, line: int, row: Mapping[str, Any]) -> Record:
         ) from error
 
 
-def _jsonl_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def _record_or_fault(path: Path, line: int, row: Row) -> Record | Unusable:
+    try:
+        return RECORD.validate_python(row)
+    except ValidationError as error:
+        return _unusable(row, error) or _record(path, line, row)
+
+
+def _unusable(row: Row, error: ValidationError) -> Unusable | None:
+    """The fault, if nothing but what was measured is wrong; zeros stand there only to learn who speaks."""
+    wrong = {str(place) for one in error.errors() for place in one["loc"][1:2]}
+    if not wrong or not wrong <= set(MEASURED) & set(row):
+        return None
+    speaker = RECORD.validate_python({**row, **dict.fromkeys(wrong, 0)})
+    detail = ", ".join(f"{name}: {row[name]!r}" for name in sorted(wrong))
+    return Unusable(speaker.time_ms, speaker.channel, _reason(row, wrong, error), detail)
+
+
+def _reason(row: Row, wrong: set[str], error: ValidationError) -> Reason:
+    if any(_not_finite(row[name]) for name in wrong):
+        return Reason.NOT_FINITE
+    below = all(one["type"] == "greater_than_equal" for one in error.errors())
+    return Reason.OUT_OF_RANGE if below else Reason.WRONG_TYPE
+
+
+def _not_finite(value: object) -> bool:
+    try:
+        return isinstance(value, (float, str)) and not math.isfinite(float(value))
+    except ValueError:
+        return False
+
+
+def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
     for line, text in enumerate(_text(path).split("\n"), 1):
         if text.strip():
             yield line, _parsed(path, line, text)
@@ -82,10 +134,7 @@ def _text(path: Path) -> str:
         raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
 
 
-def _parsed(path: Path, line: int, text: str) -> Mapping[str, Any]:
-    def refuse(constant: str) -> float:
-        raise StreamError(f"{path}:{line}: {constant} is no measurement; leave the record out where there is none.")
-
+def _parsed(path: Path, line: int, text: str) -> Row:
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         names = [name for name, _ in pairs]
         if len(set(names)) < len(names):
@@ -93,7 +142,7 @@ def _parsed(path: Path, line: int, text: str) -> Mapping[str, Any]:
         return dict(pairs)
 
     try:
-        row = json.loads(text, parse_constant=refuse, object_pairs_hook=once)
+        row = json.loads(text, object_pairs_hook=once)
     except json.JSONDecodeError as error:
         raise StreamError(f"{path}:{line}: not JSON ({error.msg} at column {error.colno}).") from error
     if not isinstance(row, dict):
@@ -101,7 +150,7 @@ def _parsed(path: Path, line: int, text: str) -> Mapping[str, Any]:
     return row
 
 
-def _csv_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
     reader = csv.reader(_text(path).splitlines())
     names = next(reader, [])
     if "kind" not in names or len(set(names)) < len(names):
@@ -133,7 +182,7 @@ def _cell(value: object) -> object:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def _parquet_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def _parquet_rows(path: Path) -> Iterator[tuple[int, Row]]:
     pyarrow, parquet = _pyarrow(path)
     try:
         table = parquet.read_table(path)

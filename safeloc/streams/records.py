@@ -8,16 +8,19 @@ Every record names its channel (who speaks) and the machine inputs it stands for
     value     its own name
     truth     the remark truth_mm, which no machine reads
 
-Records are strict: a number in quotes, a fraction, NaN or an unknown field is refused, never converted.
+Records are strict: a number in quotes, a fraction, NaN or an unknown field is refused, never converted. A device that
+spoke, but said no such thing, is `Unusable`: the cycle builder takes it for a fault of its channel.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, TypeAdapter
 
+from safeloc.border import Reason
 from safeloc.config import Config
 
 NM_PER_MM = 1_000_000
@@ -136,3 +139,13 @@ class TruthRecord(Config):
 Record = DistanceRecord | PulseRecord | MarkerRecord | ValueRecord | TruthRecord
 RECORD: TypeAdapter[Record] = TypeAdapter(Annotated[Record, Field(discriminator="kind")])
 """Checks and reads any record."""
+
+
+@dataclass(frozen=True)
+class Unusable:
+    """What a device said at this time is no measurement, and why."""
+
+    time_ms: int
+    channel: str
+    reason: Reason
+    detail: str = ""

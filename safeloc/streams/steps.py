@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from safeloc.errors import StreamError
-from safeloc.expr import Value
+from safeloc.nodes import Value
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str

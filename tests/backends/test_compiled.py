@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.backends.python_code import to_python
 from safeloc.errors import InputError
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Past, Value, Var, abs_, number
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Var, abs_, number
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
+from safeloc.nodes import Past, Value
 from safeloc.system import lower, without_ghosts
 from safeloc.trace import Trace
 from safeloc.units import COUNT

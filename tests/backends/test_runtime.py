@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 
 from safeloc.backends.runtime import to_async_fsm, to_fsm
 from safeloc.errors import InputError
-from safeloc.expr import Value
 from safeloc.interpret import run
 from safeloc.machine import Machine
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.models.odometry_streams import simulate
+from safeloc.nodes import Value
 from safeloc.system import lower, without_ghosts
 from safeloc.trace import Trace
 from tests.data.door_controller import machine as door

@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.backends.smt import Terms, Unrolling, constant
-from safeloc.expr import Past, Value, Var, boolean, ceil_div, floor_div, number
+from safeloc.expr import Var, boolean, ceil_div, floor_div, number
 from safeloc.interpret import evaluate, read_inputs, run, start
+from safeloc.nodes import Past, Value
 from safeloc.system import TransitionSystem, lower
 from safeloc.trace import Step
 from safeloc.units import COUNT, Enumeration

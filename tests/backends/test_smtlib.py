@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from safeloc.backends.smtlib import Query, to_smtlib
 from safeloc.errors import ModelError
-from safeloc.expr import Bool, Expr, Num, Past, Value, Var, boolean, floor_div, number, product
+from safeloc.expr import Bool, Expr, Num, Var, boolean, floor_div, number, product
 from safeloc.interpret import read_inputs, start, step
 from safeloc.machine import Machine, Transition, modes
+from safeloc.nodes import Past, Value
 from safeloc.provers.recheck import decide
 from safeloc.system import TransitionSystem, lower
 from safeloc.units import COUNT

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE, BoolVar, Value
+from safeloc.expr import FALSE, TRUE, BoolVar
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition
 from safeloc.models.delocalized import DelocalizedConfig, machine
 from safeloc.models.odometry_parts.variables import REASON
 from safeloc.monitor import check_all
+from safeloc.nodes import Value
 from safeloc.properties.delocalized import properties
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits

@@ -9,7 +9,6 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.backends.compiled import compile_system
-from safeloc.expr import Value
 from safeloc.interpret import run
 from safeloc.machine import Machine
 from safeloc.models import odometry
@@ -17,6 +16,7 @@ from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
 from safeloc.models.odometry_streams import simulate
 from safeloc.monitor import check_all
+from safeloc.nodes import Value
 from safeloc.properties.odometry import properties
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits

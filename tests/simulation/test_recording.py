@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from safeloc.border import Reason
 from safeloc.errors import InputError
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.models.odometry_streams import simulate
@@ -14,7 +15,7 @@ from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.record_faults import RecordFault, RecordFaultKind, disturb
 from safeloc.simulation.recording import records
 from safeloc.simulation.sensors import Fault, Law, measure, read_markers
-from safeloc.streams.cycles import Rejection, cycles
+from safeloc.streams.cycles import cycles
 from safeloc.streams.record_files import read_records, write_records
 from safeloc.streams.records import MarkerRecord, Record
 
@@ -59,16 +60,16 @@ def test_drop_outs_are_missing_channels() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "reason"),
-    [("duplicate", Rejection.DUPLICATE), ("late", Rejection.STALE), ("swap", Rejection.STALE)],
+    [("duplicate", Reason.DUPLICATE), ("late", Reason.OUT_OF_ORDER), ("swap", Reason.OUT_OF_ORDER)],
 )
-def test_a_record_fault_is_rejected_with_its_reason(kind: RecordFaultKind, reason: Rejection) -> None:
+def test_a_record_fault_is_rejected_with_its_reason(kind: RecordFaultKind, reason: Reason) -> None:
     """The fault of one channel silences that channel, in the cycles it strikes, and no other."""
     broken = disturb(run(), [RecordFault("front_wheel", kind, 5_000, 5_001, reach=9)])
     steps = list(cycles(broken, PERIOD_MS, expected=CHANNELS))
-    rejected = [one for step in steps for one in step.rejected if one.record.channel == "front_wheel"]
+    rejected = [one for step in steps for one in step.rejected if one.channel == "front_wheel"]
     assert [one.reason for one in rejected] == [reason]
     assert 1 <= sum("front_wheel_mm" not in step.inputs for step in steps) <= 2
-    others = [one for step in steps for one in step.rejected if one.record.channel != "front_wheel"]
+    others = [one for step in steps for one in step.rejected if one.channel != "front_wheel"]
     assert kind == "swap" or not others
 
 

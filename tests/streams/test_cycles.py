@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from safeloc.border import Channel, Fault, Reason
 from safeloc.errors import InputError
-from safeloc.streams.cycles import Rejection, cycles
-from safeloc.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, ValueRecord
+from safeloc.streams.cycles import cycles
+from safeloc.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, Unusable, ValueRecord
 
 
 def wheel(time_ms: int, step_mm: int = 10) -> DistanceRecord:
@@ -47,13 +48,13 @@ def test_silent_periods_give_steps_without_inputs() -> None:
 @pytest.mark.parametrize(
     ("records", "reason"),
     [
-        ([wheel(150), wheel(150)], Rejection.DUPLICATE),
-        ([wheel(150), wheel(150, 99)], Rejection.DUPLICATE),
-        ([wheel(180), wheel(150)], Rejection.OUT_OF_ORDER),
-        ([marker(150, 1), marker(180, 2)], Rejection.SURPLUS),
+        ([wheel(150), wheel(150)], Reason.DUPLICATE),
+        ([wheel(150), wheel(150, 99)], Reason.DUPLICATE),
+        ([wheel(180), wheel(150)], Reason.OUT_OF_ORDER),
+        ([marker(150, 1), marker(180, 2)], Reason.SURPLUS),
     ],
 )
-def test_a_channel_with_a_rejected_record_gives_no_input(records: list[Record], reason: Rejection) -> None:
+def test_a_channel_with_a_rejected_record_gives_no_input(records: list[Record], reason: Reason) -> None:
     """Which of two readings is right cannot be known: the input is absent and the reason is listed."""
     step = list(cycles(records, 100))[-1]
     assert step.inputs == {}
@@ -65,7 +66,7 @@ def test_a_late_record_is_stale_in_the_cycle_it_arrives_in() -> None:
     late = [ValueRecord(time_ms=150, name="door", value=1), wheel(50)]
     steps = list(cycles(late, 100))
     assert [step.inputs for step in steps] == [{}, {"door": 1}]
-    assert [one.reason for one in steps[1].rejected] == [Rejection.STALE]
+    assert [one.reason for one in steps[1].rejected] == [Reason.STALE]
 
 
 def test_part_of_a_distance_is_no_distance() -> None:
@@ -73,7 +74,7 @@ def test_part_of_a_distance_is_no_distance() -> None:
     steps = list(cycles([wheel(50), wheel(150), wheel(100), wheel(200)], 100, expected={"front_wheel": 2}))
     assert [step.inputs for step in steps] == [{}, {}]
     assert [step.missing for step in steps] == [("front_wheel",), ()]
-    assert [(one.number, one.reason) for one in steps[1].rejected] == [(2, Rejection.STALE)]
+    assert [(one.number, one.reason) for one in steps[1].rejected] == [(2, Reason.OUT_OF_ORDER)]
 
 
 def test_the_first_cycle_has_its_beginning() -> None:
@@ -103,6 +104,43 @@ def test_a_cycle_takes_time() -> None:
         list(cycles([], 0))
 
 
+RANGES = (
+    Channel("front_wheel_mm", "mm", -15, 15, 100),
+    Channel("front_marker_position_mm", "mm", 0, 499, 100),
+    Channel("door", "1", 0, 1, 100),
+)
+
+
+@pytest.mark.parametrize(
+    ("records", "fault"),
+    [
+        ([wheel(50), wheel(60)], Fault("front_wheel", Reason.OUT_OF_RANGE, "front_wheel_mm: above 15 mm")),
+        (
+            [marker(50)],
+            Fault("front_marker", Reason.OUT_OF_RANGE, "front_marker_position_mm: above 499 mm", 0),
+        ),
+        ([ValueRecord(time_ms=50, name="door", value="OPEN")], Fault("door", Reason.WRONG_TYPE, "door: str", 0)),
+        ([Unusable(50, "front_wheel", Reason.NOT_FINITE, "step_mm: nan"), wheel(60)],
+         Fault("front_wheel", Reason.NOT_FINITE, "step_mm: nan", 0)),
+    ],
+    ids=["a sum", "one of several values", "a type", "no measurement"],
+)  # fmt: skip
+def test_what_is_outside_its_range_is_no_input(records: list[Record], fault: Fault) -> None:
+    """Neither clipped nor left to the machine, and a reading with one wrong value gives none of its values."""
+    (step,) = cycles(records, 100, channels=RANGES)
+    assert step.inputs == {}
+    assert step.faults == (fault,)
+
+
+def test_within_the_ranges_nothing_changes() -> None:
+    """The sum is judged, not its parts; inputs without a range pass."""
+    (step,) = cycles(
+        [wheel(50, 20), wheel(60, -10), ValueRecord(time_ms=60, name="lamp", value="LIT")], 100, channels=RANGES
+    )
+    assert step.inputs == {"front_wheel_mm": 10, "lamp": "LIT"}
+    assert step.faults == ()
+
+
 @given(st.lists(st.tuples(st.integers(0, 1000), st.booleans()), max_size=30), st.integers(1, 300))
 def test_no_record_is_lost(said: list[tuple[int, bool]], period_ms: int) -> None:
     """Distance in the steps and records rejected account for every record, in any order of arrival."""
@@ -112,7 +150,7 @@ def test_no_record_is_lost(said: list[tuple[int, bool]], period_ms: int) -> None
     ]
     steps = list(cycles(records, period_ms))
     rejected = {one.number for step in steps for one in step.rejected}
-    doubtful = {(step.number, one.record.channel) for step in steps for one in step.rejected}
+    doubtful = {(step.number, one.channel) for step in steps for one in step.rejected}
     silenced = _accepted(records, rejected, period_ms, doubtful)
     used = sum(int(value) for step in steps for value in step.inputs.values())
     assert len(records) == used + silenced + len(rejected)

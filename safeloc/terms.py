@@ -1,0 +1,244 @@
+"""Walking terms: in order, what they read, rewriting, sharing, and writing them out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import assert_never
+
+from safeloc.nodes import (
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Num,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Var,
+    all_of,
+    any_of,
+)
+
+
+def children(node: Expr) -> tuple[Expr, ...]:
+    """The terms a node is made of."""
+    assert isinstance(node, Node)
+    match node:
+        case Lit() | NumVar() | Truth() | BoolVar():
+            return ()
+        case Add(a, b) | Sub(a, b) | Mul(a, b) | Min(a, b) | Max(a, b):
+            return (a, b)
+        case FloorDiv(a, _):
+            return (a,)
+        case Choose(c, a, b, _):
+            return (c, a, b)
+        case ChooseBool(c, p, q):
+            return (c, p, q)
+        case Not(inner):
+            return (inner,)
+        case And(parts) | Or(parts) | Past(_, parts):
+            return parts
+        case Compare(_, a, b):
+            return (a, b)
+        case _:
+            assert_never(node)
+
+
+def in_order(roots: Iterable[Expr]) -> list[Node]:
+    """Every node below `roots` once, parts before wholes; without recursion, so depth is no limit."""
+    seen: set[int] = set()
+    order: list[Node] = []
+    stack: list[tuple[Expr, bool]] = [(root, False) for root in reversed(list(roots))]
+    while stack:
+        node, done = stack.pop()
+        if done:
+            assert isinstance(node, Node)
+            order.append(node)
+        elif id(node) not in seen:
+            seen.add(id(node))
+            stack.append((node, True))
+            stack.extend((child, False) for child in reversed(children(node)) if id(child) not in seen)
+    return order
+
+
+def variables(roots: Iterable[Expr]) -> list[Var]:
+    """The distinct variables below `roots`, in first-use order."""
+    return [node for node in in_order(roots) if isinstance(node, Var)]
+
+
+class Substitution:
+    """Replaces variables by terms, keeping shared sub-terms shared across all the terms it is applied to."""
+
+    def __init__(self, replacements: Mapping[Var, Expr]) -> None:
+        self._done: dict[Expr, Expr] = {var: term for var, term in replacements.items()}
+
+    def num(self, term: Num) -> Num:
+        """The numeric term after replacement."""
+        result = self(term)
+        assert isinstance(result, Num)
+        return result
+
+    def bool(self, term: Bool) -> Bool:
+        """The truth-valued term after replacement."""
+        result = self(term)
+        assert isinstance(result, Bool)
+        return result
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term after replacement."""
+        if term not in self._done:
+            for node in in_order([term]):
+                if node not in self._done:
+                    self._done[node] = rebuilt(node, tuple(self._done[child] for child in children(node)))
+        return self._done[term]
+
+
+class Sharing:
+    """Makes equal sub-terms the same node, so that every back end computes each of them once."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[object, ...], Expr] = {}
+        self._done: dict[Expr, Expr] = {}
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term with equal parts shared, also with every term that was handed over before."""
+        for node in in_order([term]):
+            if node not in self._done:
+                parts = tuple(self._done[child] for child in children(node))
+                shared = rebuilt(node, parts)
+                self._done[node] = self._kept.setdefault(_shape(shared), shared)
+        return self._done[term]
+
+    def num(self, term: Num) -> Num:
+        """The same for a numeric term."""
+        return _n(self(term))
+
+    def bool(self, term: Bool) -> Bool:
+        """The same for a truth-valued term."""
+        return _b(self(term))
+
+
+def _shape(term: Expr) -> tuple[object, ...]:
+    """What tells two nodes apart, given that their parts are shared already."""
+    assert isinstance(term, Node)
+    parts = tuple(id(child) for child in children(term))
+    match term:
+        case NumVar() | BoolVar():
+            return (id(term),)
+        case Lit(value, unit):
+            return (Lit, value, unit)
+        case Truth(value):
+            return (Truth, value)
+        case FloorDiv(_, divisor, unit):
+            return (FloorDiv, divisor, unit, parts)
+        case Compare(op, _, _) | Past(op, _):
+            return (type(term), op, parts)
+        case Add() | Sub() | Mul() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
+            return (type(term), parts)
+        case _:
+            assert_never(term)
+
+
+def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
+    """The node with other parts (of the same kinds); the node itself where they are the same."""
+    if all(new is old for new, old in zip(parts, children(node), strict=True)):
+        return node
+    match node:
+        case Add() | Sub() | Mul() | Min() | Max():
+            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
+        case FloorDiv(_, divisor, unit):
+            return FloorDiv(_n(parts[0]), divisor, unit)
+        case Choose():
+            return Choose(_b(parts[0]), _n(parts[1]), _n(parts[2]), node.unit)
+        case Not():
+            return ~_b(parts[0])
+        case And():
+            return all_of(_b(part) for part in parts)
+        case Or():
+            return any_of(_b(part) for part in parts)
+        case ChooseBool():
+            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
+        case Compare(op, _, _):
+            return Compare(op, _n(parts[0]), _n(parts[1]))
+        case Past(op, _):
+            return Past(op, tuple(_b(part) for part in parts))
+        case Lit() | NumVar() | Truth() | BoolVar():
+            return node
+        case _:
+            assert_never(node)
+
+
+def _n(term: Expr) -> Num:
+    assert isinstance(term, Num)
+    return term
+
+
+def _b(term: Expr) -> Bool:
+    assert isinstance(term, Bool)
+    return term
+
+
+def text(term: Expr, most: int = 200) -> str:
+    """An S-expression of the term; after `most` nodes the rest is "...", since shared parts are written out each time."""
+    return _Writer(most).write(term)
+
+
+class _Writer:
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def write(self, term: Expr) -> str:
+        self._left -= 1
+        if self._left < 0:
+            return "..."
+        parts = children(term)
+        return f"({_head(term)} {' '.join(self.write(part) for part in parts)}{_tail(term)})" if parts else _head(term)
+
+
+def _head(term: Expr) -> str:
+    assert isinstance(term, Node)
+    match term:
+        case Lit():
+            return term.label
+        case NumVar(name=name) | BoolVar(name=name):
+            return name
+        case Truth(value):
+            return "true" if value else "false"
+        case Compare(op, _, _) | Past(op, _):
+            return op
+        case Add() | Sub() | Mul() | FloorDiv() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
+            return _WORDS[type(term)]
+        case _:
+            assert_never(term)
+
+
+def _tail(term: Expr) -> str:
+    return f" {term.divisor}" if isinstance(term, FloorDiv) else ""
+
+
+_WORDS: dict[type[Expr], str] = {
+    Add: "+",
+    Sub: "-",
+    Mul: "*",
+    FloorDiv: "floor_div",
+    Min: "min",
+    Max: "max",
+    Choose: "ite",
+    ChooseBool: "ite",
+    Not: "not",
+    And: "and",
+    Or: "or",
+}
