@@ -1,10 +1,11 @@
 """From records to the steps of a machine: one step every `period_ms`, and a reason for every record not used.
 
 A record belongs to the cycle its time falls into: cycle n ends at `start_ms + n period_ms`, that instant included (and
-cycle 1 has its beginning too). Distances of one channel within a cycle are added up. The border judges (safeloc.border):
-a record of a cycle that is over is STALE, one older than what its channel said before OUT_OF_ORDER, and so on. A channel
-of which a record was refused, or of which fewer came than expected, gives NO input in that step: part of its distance,
-or the right one of two readings, is unknown, and an absent input is what machines treat with care. Nothing is sorted.
+cycle 1 has its beginning too). Distances of one channel within a cycle are added up. The border judges
+(safeloc.border): a record of a cycle that is over is STALE, one older than what its channel said before OUT_OF_ORDER,
+and so on. A channel of which a record was refused, or of which fewer came than expected, gives NO input in that step:
+part of its distance, or the right one of two readings, is unknown, and an absent input is what machines treat with
+care. Nothing is sorted.
 """
 
 from __future__ import annotations

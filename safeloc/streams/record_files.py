@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -20,6 +19,7 @@ from pydantic import ValidationError
 
 from safeloc.border import Reason
 from safeloc.errors import StreamError
+from safeloc.streams.files import existing, json_object, not_finite, read_parquet, text_of, unknown_kind, write_parquet
 from safeloc.streams.records import RECORD, Record, Unusable
 
 WHOLE = re.compile(r"[+-]?\d+")
@@ -37,7 +37,7 @@ Row = Mapping[str, Any]
 
 
 def read_records(path: Path) -> tuple[Record, ...]:
-    """All records of a .jsonl, .ndjson, .csv or .parquet file, in its order; StreamError for a measurement that is none."""
+    """All records of a .jsonl, .ndjson, .csv or .parquet file, in order; StreamError for what is no measurement."""
     return tuple(_record(path, line, row) for line, row in _rows(path))
 
 
@@ -47,17 +47,15 @@ def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, Row]]:
-    if not path.is_file():
-        raise StreamError(f"{path}: no such file.")
-    match path.suffix:
+    match existing(path).suffix:
         case ".jsonl" | ".ndjson":
             return _jsonl_rows(path)
         case ".csv":
             return _csv_rows(path)
         case ".parquet":
             return _parquet_rows(path)
-        case other:
-            raise StreamError(f"{path}: unknown kind of file {other!r}; use .jsonl, .csv or .parquet.")
+        case _:
+            raise unknown_kind(path)
 
 
 def write_records(path: Path, records: Sequence[Record]) -> None:
@@ -70,15 +68,15 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
             _write_csv(path, rows)
         case ".parquet":
             _write_parquet(path, rows)
-        case other:
-            raise StreamError(f"{path}: unknown kind of file {other!r}; use .jsonl, .csv or .parquet.")
+        case _:
+            raise unknown_kind(path)
 
 
 def _record(path: Path, line: int, row: Row) -> Record:
     try:
         return RECORD.validate_python(row)
     except ValidationError as error:
-        strange = [f"{name} is {value}" for name, value in row.items() if _not_finite(value)]
+        strange = [f"{name} is {value}" for name, value in row.items() if not_finite(value)]
         if strange:
             raise StreamError(
                 f"{path}:{line}: {strange[0]}, no measurement; leave the record out where there is none."
@@ -108,50 +106,20 @@ def _unusable(row: Row, error: ValidationError) -> Unusable | None:
 
 
 def _reason(row: Row, wrong: set[str], error: ValidationError) -> Reason:
-    if any(_not_finite(row[name]) for name in wrong):
+    if any(not_finite(row[name]) for name in wrong):
         return Reason.NOT_FINITE
     below = all(one["type"] == "greater_than_equal" for one in error.errors())
     return Reason.OUT_OF_RANGE if below else Reason.WRONG_TYPE
 
 
-def _not_finite(value: object) -> bool:
-    try:
-        return isinstance(value, (float, str)) and not math.isfinite(float(value))
-    except ValueError:
-        return False
-
-
 def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
-    for line, text in enumerate(_text(path).split("\n"), 1):
+    for line, text in enumerate(text_of(path).split("\n"), 1):
         if text.strip():
-            yield line, _parsed(path, line, text)
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
-
-
-def _parsed(path: Path, line: int, text: str) -> Row:
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        names = [name for name, _ in pairs]
-        if len(set(names)) < len(names):
-            raise StreamError(f"{path}:{line}: a field is given twice among {names}; keep one.")
-        return dict(pairs)
-
-    try:
-        row = json.loads(text, object_pairs_hook=once)
-    except json.JSONDecodeError as error:
-        raise StreamError(f"{path}:{line}: not JSON ({error.msg} at column {error.colno}).") from error
-    if not isinstance(row, dict):
-        raise StreamError(f"{path}:{line}: expected an object, got {type(row).__name__}.")
-    return row
+            yield line, json_object(path, line, text)
 
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
-    reader = csv.reader(_text(path).splitlines())
+    reader = csv.reader(text_of(path).splitlines())
     names = next(reader, [])
     if "kind" not in names or len(set(names)) < len(names):
         raise StreamError(f"{path}:1: the first line must name every column once, `kind` among them; got {names}.")
@@ -171,7 +139,7 @@ def _value(name: str, text: str) -> int | bool | str:
     return int(text) if WHOLE.fullmatch(text) else text
 
 
-def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+def _write_csv(path: Path, rows: Sequence[Row]) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
@@ -183,28 +151,11 @@ def _cell(value: object) -> object:
 
 
 def _parquet_rows(path: Path) -> Iterator[tuple[int, Row]]:
-    pyarrow, parquet = _pyarrow(path)
-    try:
-        table = parquet.read_table(path)
-    except (pyarrow.ArrowException, OSError) as error:
-        raise StreamError(f"{path}: not a Parquet file ({error}).") from error
-    for line, row in enumerate(table.to_pylist(), 1):
-        filled = {name: cell for name, cell in row.items() if cell is not None}
-        yield line, {name: _value(name, cell) if name == "value" else cell for name, cell in filled.items()}
+    for line, row in enumerate(read_parquet(path)[0], 1):
+        yield line, {name: _value(name, cell) if name == "value" else cell for name, cell in row.items()}
 
 
-def _write_parquet(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    pyarrow, parquet = _pyarrow(path)
+def _write_parquet(path: Path, rows: Sequence[Row]) -> None:
     text = (*TEXT_FIELDS, "value")
-    columns = [(name, pyarrow.string() if name in text else pyarrow.int64()) for name in FIELDS]
     cells = [{**row, "value": str(_cell(row["value"]))} if "value" in row else row for row in rows]
-    parquet.write_table(pyarrow.Table.from_pylist(cells, schema=pyarrow.schema(columns)), path)
-
-
-def _pyarrow(path: Path) -> tuple[Any, Any]:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError as error:
-        raise StreamError(f"{path}: Parquet needs pyarrow; install safeloc[parquet], or use .jsonl or .csv.") from error
-    return pyarrow, parquet
+    write_parquet(path, cells, {name: "string" if name in text else "int64" for name in FIELDS})

@@ -1,7 +1,9 @@
 """Step streams: the inputs of a machine, one mapping a step. What `replay` reads and what traces are saved as.
 
-JSONL   optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}}, then one object a step
-CSV     one column an input; an empty cell is an absent input; `true` and `false` are truth values
+JSONL     optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}}, then one object a step
+CSV       one column an input; an empty cell is an absent input; `true` and `false` are truth values
+Parquet   one column an input, whole numbers, truth values or text; an empty cell is an absent input; the object of
+          JSONL's first line may stand in the file's metadata under `safeloc`
 
 Columns that the machine does not have (such as `truth_mm`) are kept apart as remarks, never passed to it.
 """
@@ -18,15 +20,21 @@ from pathlib import Path
 
 from safeloc.errors import StreamError
 from safeloc.nodes import Value
+from safeloc.streams.files import existing, json_object, not_finite, read_parquet, text_of, unknown_kind, write_parquet
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str
+METADATA = b"safeloc"
+ARROW: Mapping[type, str] = {int: "int64", bool: "bool_", str: "string"}
 WHOLE = re.compile(r"[+-]?[0-9]+")
 
 
 @dataclass(frozen=True)
 class StepStream:
-    """Steps in order, each with its line in the file; `first` chooses values of open initial state variables."""
+    """Steps in order, each with its line in the file (Parquet: its row).
+
+    `first` chooses values of initial state variables that are open.
+    """
 
     steps: tuple[Mapping[str, Cell], ...]
     lines: tuple[int, ...]
@@ -35,31 +43,36 @@ class StepStream:
 
 
 def read_steps(path: Path) -> StepStream:
-    """Read a .jsonl or .csv file; StreamError with file and line for anything that is not a step."""
-    if not path.is_file():
-        raise StreamError(f"{path}: no such file.")
-    if path.suffix == ".csv":
-        return _read_csv(path)
-    if path.suffix in (".jsonl", ".ndjson"):
-        return _read_jsonl(path)
-    raise StreamError(f"{path}: unknown kind of file {path.suffix!r}; use .jsonl or .csv.")
+    """Read a .jsonl, .csv or .parquet file; StreamError with file and line for anything that is not a step."""
+    match existing(path).suffix:
+        case ".jsonl" | ".ndjson":
+            return _read_jsonl(path)
+        case ".csv":
+            return _read_csv(path)
+        case ".parquet":
+            return _read_parquet(path)
+        case _:
+            raise unknown_kind(path)
 
 
 def write_steps(
     path: Path, steps: Sequence[Mapping[str, Cell]], *, machine: str = "", first: Mapping[str, Value] | None = None
 ) -> None:
-    """Write a .jsonl stream with its header, or a .csv one, which has no room for `machine` and `first`."""
+    """Write a .jsonl or .parquet stream with its header, or a .csv one, which has no room for `machine` and `first`."""
     for number, step in enumerate(steps, 1):
         for key, value in step.items():
             _cell(path, number, key, value)
-    if path.suffix == ".csv":
-        _write_csv(path, steps, first or {})
-        return
-    if path.suffix not in (".jsonl", ".ndjson"):
-        raise StreamError(f"{path}: unknown kind of file {path.suffix!r}; use .jsonl or .csv.")
     header = {"schema": SCHEMA, "machine": machine, "first": dict(first or {})}
-    text = "".join(json.dumps(line, separators=(", ", ": ")) + "\n" for line in (header, *map(dict, steps)))
-    path.write_text(text, encoding="utf-8")
+    match path.suffix:
+        case ".jsonl" | ".ndjson":
+            text = "".join(json.dumps(line, separators=(", ", ": ")) + "\n" for line in (header, *map(dict, steps)))
+            path.write_text(text, encoding="utf-8")
+        case ".csv":
+            _write_csv(path, steps, first or {})
+        case ".parquet":
+            _write_parquet(path, steps, header)
+        case _:
+            raise unknown_kind(path)
 
 
 def _write_csv(path: Path, steps: Sequence[Mapping[str, Cell]], first: Mapping[str, Value]) -> None:
@@ -83,10 +96,10 @@ def _read_jsonl(path: Path) -> StepStream:
     lines: list[int] = []
     first: Mapping[str, Value] = {}
     machine = ""
-    for number, text in enumerate(_text(path).split("\n"), 1):
+    for number, text in enumerate(text_of(path).split("\n"), 1):
         if not text.strip():
             continue
-        record = _parsed(path, number, text)
+        record = json_object(path, number, text)
         if not lines and "schema" in record:
             first, machine = _header(path, record)
             continue
@@ -95,37 +108,9 @@ def _read_jsonl(path: Path) -> StepStream:
     return StepStream(tuple(steps), tuple(lines), first, machine)
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
-
-
-def _parsed(path: Path, number: int, text: str) -> dict[str, object]:
-    def refuse(constant: str) -> float:
-        raise StreamError(f"{path}:{number}: {constant} is no measurement; leave the input out where there is none.")
-
-    try:
-        record = json.loads(text, parse_constant=refuse, object_pairs_hook=lambda pairs: _once(path, number, pairs))
-    except json.JSONDecodeError as error:
-        raise StreamError(f"{path}:{number}: not JSON ({error.msg} at column {error.colno}).") from error
-    if not isinstance(record, dict):
-        raise StreamError(f"{path}:{number}: expected an object with one entry an input, got {type(record).__name__}.")
-    return record
-
-
-def _once(path: Path, number: int, pairs: list[tuple[str, object]]) -> dict[str, object]:
-    names = [name for name, _ in pairs]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise StreamError(f"{path}:{number}: {twice} given twice in one step; keep one.")
-    return dict(pairs)
-
-
 def _header(path: Path, record: Mapping[str, object]) -> tuple[Mapping[str, Value], str]:
-    if record["schema"] != SCHEMA:
-        raise StreamError(f"{path}:1: schema is {record['schema']!r}; this version reads {SCHEMA!r}.")
+    if record.get("schema") != SCHEMA:
+        raise StreamError(f"{path}:1: schema is {record.get('schema')!r}; this version reads {SCHEMA!r}.")
     first = record.get("first", {})
     if not isinstance(first, dict):
         raise StreamError(f"{path}:1: `first` must be an object of initial values.")
@@ -135,13 +120,17 @@ def _header(path: Path, record: Mapping[str, object]) -> tuple[Mapping[str, Valu
 def _cell(path: Path, number: int, key: str, value: object) -> Cell:
     if isinstance(value, (bool, int, str)):
         return value
+    if not_finite(value):
+        raise StreamError(
+            f"{path}:{number}: {key} is {value}, no measurement; leave the input out where there is none."
+        )
     raise StreamError(f"{path}:{number}: {key} is {value!r}; steps hold whole numbers, truth values and member names.")
 
 
 def _read_csv(path: Path) -> StepStream:
     steps: list[Mapping[str, Cell]] = []
     lines: list[int] = []
-    reader = csv.reader(io.StringIO(_text(path), newline=""))
+    reader = csv.reader(io.StringIO(text_of(path), newline=""))
     names = next(reader, [])
     if not names or len(set(names)) < len(names) or "" in names:
         raise StreamError(f"{path}:1: the first line must name every column once; got {names}.")
@@ -164,3 +153,24 @@ def _from_text(path: Path, number: int, key: str, text: str) -> Cell:
     except ValueError:
         return text
     raise StreamError(f"{path}:{number}: {key} is {text!r}; steps hold whole numbers. Convert units, rounding outward.")
+
+
+def _read_parquet(path: Path) -> StepStream:
+    rows, metadata = read_parquet(path)
+    header = json_object(path, 1, metadata[METADATA].decode()) if METADATA in metadata else {"schema": SCHEMA}
+    first, machine = _header(path, header)
+    steps = tuple(
+        {key: _cell(path, number, key, value) for key, value in row.items()} for number, row in enumerate(rows, 1)
+    )
+    return StepStream(steps, tuple(range(1, len(rows) + 1)), first, machine)
+
+
+def _write_parquet(path: Path, steps: Sequence[Mapping[str, Cell]], header: Mapping[str, object]) -> None:
+    kinds: dict[str, str] = {}
+    for number, step in enumerate(steps, 1):
+        for name, value in step.items():
+            if kinds.setdefault(name, ARROW[type(value)]) != ARROW[type(value)]:
+                raise StreamError(f"{path}:{number}: {name} is not always of one type, as a column is; write .jsonl.")
+    if steps and not kinds:
+        raise StreamError(f"{path}: steps without any input make no table; write .jsonl.")
+    write_parquet(path, steps, kinds, {METADATA.decode(): json.dumps(header)})

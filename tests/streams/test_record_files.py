@@ -8,9 +8,18 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.border import Reason
 from safeloc.errors import StreamError
-from safeloc.streams.record_files import FIELDS, read_records, write_records
-from safeloc.streams.records import DistanceRecord, MarkerRecord, PulseRecord, Record, TruthRecord, ValueRecord
+from safeloc.streams.record_files import FIELDS, read_raw, read_records, write_records
+from safeloc.streams.records import (
+    DistanceRecord,
+    MarkerRecord,
+    PulseRecord,
+    Record,
+    TruthRecord,
+    Unusable,
+    ValueRecord,
+)
 
 EVERY_KIND: tuple[Record, ...] = (
     DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=-12),
@@ -42,8 +51,11 @@ def test_columns_of_a_table_are_all_fields_of_all_kinds() -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ('{"kind": "truth", "time_ms": 1, "position_nm": NaN}', "run.jsonl:2: NaN is no measurement"),
-        ('{"kind": "truth", "time_ms": 1, "position_nm": -Infinity}', "run.jsonl:2: -Infinity is no measurement"),
+        ('{"kind": "truth", "time_ms": 1, "position_nm": NaN}', "run.jsonl:2: position_nm is nan, no measurement"),
+        (
+            '{"kind": "truth", "time_ms": 1, "position_nm": -Infinity}',
+            "run.jsonl:2: position_nm is -inf, no measurement",
+        ),
         ('{"kind": "truth", "time_ms": 1, "position_nm": 1.5}', "run.jsonl:2: field truth.position_nm: "),
         ('{"kind": "truth", "time_ms": 1, "position_nm": "1"}', "run.jsonl:2: field truth.position_nm: "),
         ('{"kind": "truth", "time_ms": 1, "position_nm": true}', "run.jsonl:2: field truth.position_nm: "),
@@ -52,7 +64,7 @@ def test_columns_of_a_table_are_all_fields_of_all_kinds() -> None:
         ('{"kind": "truth", "time_ms": 1, "position_nm": 1, "x": 1}', "run.jsonl:2: field truth.x: Extra inputs"),
         ('{"kind": "balise", "time_ms": 1}', "run.jsonl:2: field kind: Input tag 'balise'"),
         ('{"time_ms": 1}', "run.jsonl:2: field kind: Unable to extract tag"),
-        ('{"time_ms": 1, "time_ms": 2}', "run.jsonl:2: a field is given twice among ['time_ms', 'time_ms']; keep one."),
+        ('{"time_ms": 1, "time_ms": 2}', "run.jsonl:2: ['time_ms'] given twice in one line; keep one."),
         ("[1]", "run.jsonl:2: expected an object, got list."),
         ("{", "run.jsonl:2: not JSON ("),
     ],
@@ -68,7 +80,7 @@ def test_a_line_that_is_no_record_is_refused(tmp_path: Path, line: str, message:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("kind,time_ms,position_nm\ntruth,1,nan\n", "run.csv:2: field truth.position_nm: "),
+        ("kind,time_ms,position_nm\ntruth,1,nan\n", "run.csv:2: position_nm is nan, no measurement"),
         ("kind,time_ms,position_nm\ntruth,1,1e3\n", "run.csv:2: field truth.position_nm: "),
         ("kind,time_ms,position_nm\ntruth,,3\n", "run.csv:2: field truth.time_ms: Field required"),
         ("kind,time_ms,position_nm\ntruth,1\n", "run.csv:2: 2 cells, expected 3."),
@@ -113,3 +125,54 @@ def test_unknown_files_are_refused(tmp_path: Path, name: str) -> None:
         StreamError, match=r"no such file\.$|unknown kind of file '.txt'; use \.jsonl, \.csv or \.parquet\.$"
     ):
         read_records(tmp_path / name)
+
+
+RAW = {
+    '{"kind": "truth", "time_ms": 1, "position_nm": NaN}': ("truth", Reason.NOT_FINITE, "position_nm: nan"),
+    '{"kind": "distance", "time_ms": 1, "end": "rear", "unit": "radar", "step_mm": -Infinity}': (
+        "rear_radar", Reason.NOT_FINITE, "step_mm: -inf"),
+    '{"kind": "distance", "time_ms": 1, "end": "rear", "unit": "radar", "step_mm": 1.5}': (
+        "rear_radar", Reason.WRONG_TYPE, "step_mm: 1.5"),
+    '{"kind": "pulses", "time_ms": 1, "end": "front", "pulses": "3"}': (
+        "front_wheel", Reason.WRONG_TYPE, "pulses: '3'"),
+    '{"kind": "pulses", "time_ms": 1, "end": "front", "pulses": "nan"}': (
+        "front_wheel", Reason.NOT_FINITE, "pulses: 'nan'"),
+    '{"kind": "marker", "time_ms": 1, "end": "front", "marker": -1, "accuracy_mm": -2}': (
+        "front_marker", Reason.OUT_OF_RANGE, "accuracy_mm: -2, marker: -1"),
+    '{"kind": "value", "time_ms": 1, "name": "door", "value": NaN}': ("door", Reason.NOT_FINITE, "value: nan"),
+    '{"kind": "value", "time_ms": 1, "name": "door", "value": [1]}': ("door", Reason.WRONG_TYPE, "value: [1]"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", RAW)
+def test_a_measurement_that_is_none_is_a_fault_of_its_channel(tmp_path: Path, line: str) -> None:
+    """Read raw, it is no end of the recording: who spoke, when, and why it is not used."""
+    path = tmp_path / "run.jsonl"
+    path.write_text(line + "\n")
+    channel, reason, detail = RAW[line]
+    assert read_raw(path) == (Unusable(1, channel, reason, detail),)
+
+
+def test_raw_and_sound_are_the_same_where_nothing_is_wrong(tmp_path: Path) -> None:
+    """Only what cannot be used differs."""
+    path = tmp_path / "run.csv"
+    write_records(path, EVERY_KIND)
+    assert read_raw(path) == EVERY_KIND
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        '{"kind": "truth", "time_ms": NaN, "position_nm": 1}',
+        '{"kind": "truth", "time_ms": 1}',
+        '{"kind": "balise", "time_ms": 1, "value": NaN}',
+        '{"kind": "pulses", "time_ms": 1, "end": "middle", "pulses": NaN}',
+        '{"kind": "pulses", "time_ms": 1, "end": "front", "pulses": NaN, "x": 1}',
+    ],
+)
+def test_what_tells_not_who_spoke_and_when_is_refused_raw_as_well(tmp_path: Path, line: str) -> None:
+    """It is a fault of no channel."""
+    path = tmp_path / "run.jsonl"
+    path.write_text(line + "\n")
+    with pytest.raises(StreamError, match=r"run\.jsonl:1: "):
+        read_raw(path)
