@@ -1,0 +1,230 @@
+"""Rules of the layout: what the proofs assume of a line, and what the audit checks on the user's map.
+
+Each rule is one function from lengths to a truth-valued term. A machine puts its symbolic map inputs in and assumes
+the term; the audit puts variables in and evaluates the term on the figures of the map. There is no second copy.
+Lengths are mm along the track in direction of travel; comparisons read `actual <= required` or `actual < required`.
+
+    layout = LayoutConfig()
+    assumption = told_apart(same_model, spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
+"""
+
+from __future__ import annotations
+
+from pydantic import Field, model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.expr import (
+    Bool,
+    Lit,
+    Num,
+    abs_,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    floor_div,
+    ite,
+    maximum,
+    with_unit,
+)
+from safeloc.units import MM, NM, PPM
+
+WHOLE_PPM = 1_000_000
+
+
+class LayoutConfig(Config):
+    """The figures of vehicle and sensors that the layout of a line has to suit."""
+
+    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line, 10 m in nodes")
+    odometry_constant_mm: int = quantity(5_000, "mm", 0, 100_000, "[S] SUBSET-041: 5 m")
+    odometry_rate_ppm: int = quantity(50_000, "ppm of measured distance", 0, 900_000, "[S] SUBSET-041: 5 %")
+    balise_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m, for groups without an own figure")
+    detection_accuracy_mm: int = quantity(1_000, "mm", 0, 10_000, "[S] openETCS: D_tol = Q_LOCACC + 1 m")
+    radar_error_mm: int = quantity(200, "mm", 0, 10_000, "[M] FMCW, 1 GHz: 0.15 m, and surveying")
+    map_accuracy_mm: int = quantity(50, "mm", 0, 10_000, "[M] surveying of one place against another")
+    antenna_offset_mm: int = quantity(0, "mm behind the front", 0, 500_000, "[D] none: balise antenna at the front end")
+    sensor_offset_mm: int = quantity(0, "mm behind the front", 0, 500_000, "[D] none: radar at the front end")
+    stop_window_mm: int = quantity(500, "mm", 1, 10_000, "[S] OCORA 7241: stop +- 0.50 m")
+    stop_control_error_mm: int = quantity(150, "mm", 0, 10_000, "[M] what the brake control leaves")
+    reflectors_per_balise: int = quantity(8, "count", 1, 1_000, "[M] source l. 111: 'after several reflectors'")
+    prescribed_distance_mm: int | None = Field(
+        default=None,
+        gt=0,
+        le=10_000_000,
+        json_schema_extra={
+            "unit": "mm",
+            "source": "source l. 205: may be a variable of the system; None: the map says",
+        },
+    )
+
+    @model_validator(mode="after")
+    def _can_locate(self) -> LayoutConfig:
+        if self.odometry_constant_mm >= self.tolerance_mm:
+            raise ValueError(
+                f"tolerance_mm {self.tolerance_mm} is not above odometry_constant_mm {self.odometry_constant_mm}: no "
+                "distance can be run within it; raise the tolerance or use better odometry."
+            )
+        return self
+
+    @property
+    def reflector_fix_mm(self) -> int:
+        """The error of a position taken from a reflector."""
+        return self.radar_error_mm + self.map_accuracy_mm
+
+    def balise_fix_mm(self, location_accuracy_mm: int | None) -> int:
+        """The error of a position taken from a balise group; the national value where linking gives none."""
+        own = self.balise_accuracy_mm if location_accuracy_mm is None else location_accuracy_mm
+        return own + self.detection_accuracy_mm
+
+
+# ------------------------------------------------------------------ odometry zone (RFL-D1)
+
+
+def odometry_error_nm(measured_mm: Num, fix_error_mm: Num, layout: LayoutConfig) -> Num:
+    """The error after a measured distance since a fix: fix + constant + rate x distance, exact. Unit nm."""
+    start = exact_to(fix_error_mm + layout.odometry_constant_mm, NM)
+    return start + measured_mm * Lit(layout.odometry_rate_ppm, PPM)
+
+
+def longest_stretch_mm(fix_error_mm: Num, layout: LayoutConfig) -> Num:
+    """The longest true distance after a fix on which the charged error cannot pass the tolerance.
+
+    The law charges the measured distance, and that may exceed the true one by the law itself:
+    measured <= (true + constant) / (1 - rate). The rate must not be 0, where no distance is too long.
+    """
+    spare = as_num(layout.tolerance_mm - layout.odometry_constant_mm, MM) - fix_error_mm
+    scaled = with_unit(spare * (WHOLE_PPM - layout.odometry_rate_ppm), MM)
+    return floor_div(scaled, layout.odometry_rate_ppm) - layout.odometry_constant_mm
+
+
+def stretch_is_tolerable(distance_mm: Num, fix_error_mm: Num, layout: LayoutConfig) -> Bool:
+    """From a fix to the next reference the odometry error stays within the tolerance (RFL-D1; source l. 217, 235, 300)."""
+    if layout.odometry_rate_ppm == 0:
+        return fix_error_mm <= layout.tolerance_mm - layout.odometry_constant_mm
+    return distance_mm <= longest_stretch_mm(fix_error_mm, layout)
+
+
+# ------------------------------------------------------------------ balise and reflector (RFL-6, RFL-7, RFL-8, RFL-9)
+
+
+def reflector_follows_balise(reflectors_since_balise: Num, layout: LayoutConfig) -> Bool:
+    """A balise comes before a reflector, at most so many reflectors earlier (RFL-7; self-test, source l. 111)."""
+    return reflectors_since_balise <= layout.reflectors_per_balise
+
+
+def reference_distance_agrees(stated_mm: Num, map_distance_mm: Num, layout: LayoutConfig) -> Bool:
+    """Telegram, or the variable of the system, and map give one distance from balise to reflector (RFL-8, RFL-9)."""
+    return abs_(stated_mm - map_distance_mm) <= layout.map_accuracy_mm
+
+
+def reference_measurement_possible(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
+    """Over the balise the sensor has the reflector in view, so that the function test can be made (RFL-6)."""
+    seen = distance_mm - (layout.antenna_offset_mm - layout.sensor_offset_mm)
+    allowance = layout.detection_accuracy_mm + layout.map_accuracy_mm
+    return (seen + allowance <= view_from_mm) & (view_to_mm + allowance <= seen)
+
+
+def search_starts_in_time(search_from_mm: Num, distance_mm: Num, view_from_mm: Num, layout: LayoutConfig) -> Bool:
+    """The telegram lets the search begin by the tolerable error before the view zone, or at the balise (RFL-9)."""
+    return search_from_mm <= maximum(distance_mm - view_from_mm - layout.tolerance_mm, 0)
+
+
+# ------------------------------------------------------------------ neighbours (RFL-8, RFL-10)
+
+
+def zones_overlap(spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num) -> Bool:
+    """The next reflector comes into view before the previous one goes out of it."""
+    return spacing_mm <= next_view_from_mm - previous_view_to_mm
+
+
+def alone_in_search_window(
+    spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num, layout: LayoutConfig
+) -> Bool:
+    """While one of two neighbours is searched, the other is out of view (RFL-8; source l. 151, 235).
+
+    By estimate the search begins the tolerable error before the view zone; by truth, up to that error earlier still.
+    The window of the next reflector, from there to its end, is narrower than the spacing; so is the previous one's.
+    """
+    window = next_view_from_mm - previous_view_to_mm + 2 * layout.tolerance_mm
+    return window < spacing_mm
+
+
+def separable_by_distance(spacing_mm: Num, layout: LayoutConfig) -> Bool:
+    """Two echoes cannot fit one place on the map: their places differ by more than both errors (source l. 217)."""
+    errors = 2 * (layout.tolerance_mm + layout.reflector_fix_mm)
+    return as_num(errors, MM) < spacing_mm
+
+
+def told_apart(
+    same_model: Bool, spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num, layout: LayoutConfig
+) -> Bool:
+    """Of two neighbours none is taken for the other (RFL-8, RFL-10).
+
+    Their models differ; or, with an odometry zone between, the search windows hold one of them; or, where the view
+    zones overlap, their distances tell.
+    """
+    overlap = zones_overlap(spacing_mm, next_view_from_mm, previous_view_to_mm)
+    alone = alone_in_search_window(spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
+    return ~same_model | ite(overlap, separable_by_distance(spacing_mm, layout), alone)
+
+
+# ------------------------------------------------------------------ switches and direction (RFL-11, RFL-12, RFL-D5)
+
+
+def branch_models_differ(same_model: Bool) -> Bool:
+    """The first reflectors on the two branches of a switch are of different models (RFL-11)."""
+    return ~same_model
+
+
+def switch_in_view(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
+    """Over the switch the sensor sees the reflector behind it, so that turning off shows (RFL-12; source l. 296)."""
+    return between(view_to_mm, distance_mm + layout.sensor_offset_mm, view_from_mm)
+
+
+def direction_shows(same_model: Bool) -> Bool:
+    """The models before and after a balise differ, so that their order tells the direction (RFL-D5)."""
+    return ~same_model
+
+
+# ------------------------------------------------------------------ balises (RFL-D4)
+
+
+def expectation_windows_apart(
+    spacing_mm: Num, first_accuracy_mm: Num, second_accuracy_mm: Num, layout: LayoutConfig
+) -> Bool:
+    """The expectation windows of two successive linked groups have no place in common (SUBSET-026 3.4.4.4.5).
+
+    A window reaches the tolerable error, the group's location accuracy and the detection accuracy to either side.
+    """
+    either = 2 * (layout.tolerance_mm + layout.detection_accuracy_mm)
+    return first_accuracy_mm + second_accuracy_mm + either < spacing_mm
+
+
+# ------------------------------------------------------------------ stop points (RFL-D7)
+
+
+def stop_reflector_in_view(
+    standstill_mm: Num,
+    window_before_mm: Num,
+    window_after_mm: Num,
+    view_from_mm: Num,
+    view_to_mm: Num,
+    layout: LayoutConfig,
+) -> Bool:
+    """Stopped anywhere in the stop window, the sensor has the stop point's reflector in view (source l. 263)."""
+    seen = standstill_mm + layout.sensor_offset_mm
+    return all_of([seen + window_before_mm <= view_from_mm, view_to_mm <= seen - window_after_mm])
+
+
+def standstill_distance_agrees(stated_mm: Num, map_distance_mm: Num, layout: LayoutConfig) -> Bool:
+    """The set distance to the reflector is that between stop point and reflector on the map (source l. 263)."""
+    return abs_(stated_mm - map_distance_mm) <= layout.map_accuracy_mm
+
+
+def stop_window_fits(window_before_mm: Num, window_after_mm: Num, layout: LayoutConfig) -> Bool:
+    """The stop window is as narrow as doors need it and as wide as measuring and braking can keep it (RFL-D7)."""
+    least = as_num(layout.reflector_fix_mm + layout.stop_control_error_mm, MM)
+    most = layout.stop_window_mm
+    return all_of(
+        [least <= window_before_mm, least <= window_after_mm, window_before_mm <= most, window_after_mm <= most]
+    )
