@@ -28,12 +28,12 @@ from safeloc.units import ONE, Enumeration
 DEEPEST = 7
 
 
-def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None) -> str:
-    """The term in infix notation; deep parts and what exceeds `most` characters become an ellipsis.
+def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, *, deepest: int = DEEPEST) -> str:
+    """The term in infix notation; parts below `deepest` and what exceeds `most` characters become an ellipsis.
 
     names: terms that are shown by a name of their own.
     """
-    text = _Writer(names or {}).write(term, 0)
+    text = _Writer(names or {}, deepest).write(term, 0)
     if text.startswith("(") and text.endswith(")") and _closes_at_end(text):
         text = text[1:-1]
     return text if len(text) <= most else text[: most - 1] + "…"
@@ -49,14 +49,15 @@ def _closes_at_end(text: str) -> bool:
 
 
 class _Writer:
-    def __init__(self, names: Mapping[Expr, str]) -> None:
+    def __init__(self, names: Mapping[Expr, str], deepest: int) -> None:
         self._names = names
+        self._deepest = deepest
 
     def write(self, term: Expr, depth: int) -> str:
         if term in self._names:
             return self._names[term]
         assert isinstance(term, Node)
-        if depth > DEEPEST and not isinstance(term, (Lit, NumVar, BoolVar, Truth)):
+        if depth > self._deepest and not isinstance(term, (Lit, NumVar, BoolVar, Truth)):
             return "…"
         inner = depth + 1
         match term:

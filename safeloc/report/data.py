@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, assert_never
 
 from safeloc.catalogue import Target
 from safeloc.report.machines import machine_data
-from safeloc.requirements import Requirement, requirements
+from safeloc.requirements import Link, traceability
 from safeloc.results import Finding
 from safeloc.trace import Trace, present_inputs
 from safeloc.verdict import Held, Proved, Unknown, Violated, word, worst
 
 SCHEMA = "safeloc-report/1"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
+PACKAGE = Path(__file__).parents[1]
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 
 
@@ -30,25 +35,38 @@ def schema() -> dict[str, Any]:
 def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[str, Any]:
     """Everything that was found, as JSON-ready data."""
     targets = list(targets)
+    traced = traceability(targets)
     return {
         "schema": SCHEMA,
+        "made": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "verdict": worst(word(finding.result) for finding in findings),
         "versions": versions(),
         "machines": [machine_data(target) for target in targets],
         "results": [result_data(finding) for finding in findings],
-        "requirements": [_requirement(one, targets, findings) for one in requirements()],
+        "requirements": [_requirement(link, findings) for link in traced.links],
+        "items": [{**asdict(item), "requirements": list(item.requirements)} for item in traced.items],
     }
 
 
 def versions() -> dict[str, str]:
-    """Versions of everything a verdict depends on."""
-    found = {"python": platform.python_version()}
+    """Versions of everything a verdict depends on, and a digest of safeloc's own files."""
+    found = {"python": platform.python_version(), "platform": platform.platform(), "source digest": source_digest()}
     for name in VERSIONED:
         try:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             found[name] = "not installed as a package"
     return found
+
+
+@cache
+def source_digest() -> str:
+    """SHA-256 over the package's files: two reports with the same digest were made by the same safeloc."""
+    total = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*")):
+        if path.suffix in (".py", ".toml", ".jinja"):
+            total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return total.hexdigest()
 
 
 def result_data(finding: Finding) -> dict[str, Any]:
@@ -115,17 +133,18 @@ def trace_data(trace: Trace | None) -> dict[str, Any] | None:
     return {"first": dict(trace.initial), "steps": steps}
 
 
-def _requirement(one: Requirement, targets: Sequence[Target], findings: Sequence[Finding]) -> dict[str, Any]:
-    carried = [
-        f"{m.name}: {t.name}" for target in targets for m in target.machines for t in m.transitions if one.id in t.trace
-    ]
-    shown = [finding.id for finding in findings if one.id in finding.requirements]
-    verdicts: Mapping[str, str] = {finding.id: word(finding.result) for finding in findings}
+def _requirement(link: Link, findings: Sequence[Finding]) -> dict[str, Any]:
+    one = link.requirement
+    shown = {finding.id: word(finding.result) for finding in findings if one.id in finding.requirements}
     return {
         "id": one.id,
+        "kind": one.kind,
+        "machine": one.machine,
         "status": one.status,
         "text": one.text,
-        "transitions": list(dict.fromkeys(carried)),
-        "results": shown,
-        "verdict": worst(verdicts[name] for name in shown) if shown else "",
+        "source": one.source,
+        "carried_by": one.carried_by,
+        "transitions": list(link.transitions),
+        "results": list(shown),
+        "verdict": worst(shown.values()) if shown else "",
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, assert_never
 
 from jinja2 import UndefinedError
 
@@ -13,11 +13,11 @@ from safeloc.catalogue import Target
 from safeloc.errors import InputError
 from safeloc.report.data import SCHEMA, report_data
 from safeloc.report.junit import to_junit
-from safeloc.report.page import file_name, to_html
+from safeloc.report.page import file_names, to_html
 from safeloc.results import Finding
 from safeloc.streams.steps import write_steps
 from safeloc.trace import Trace
-from safeloc.verdict import Proved, Violated
+from safeloc.verdict import Held, Proved, Unknown, Violated
 
 DATA = "report.json"
 EVIDENCE = {"certificates": "*.smt2", "traces": "*.jsonl"}
@@ -35,8 +35,7 @@ def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Ta
             (folder / name).mkdir(parents=True, exist_ok=True)
         (folder / DATA).write_text(json.dumps(data, indent=1), encoding="utf-8")
         (folder / "junit.xml").write_text(to_junit(findings), encoding="utf-8")
-        for finding in findings:
-            _evidence(folder, finding)
+        _write_evidence(folder, findings)
         return _write_page(folder, data)
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
@@ -72,20 +71,30 @@ def _clear(folder: Path) -> None:
             path.unlink()
 
 
-def _evidence(folder: Path, finding: Finding) -> None:
-    match finding.result:
-        case Proved(certificates=certificates, witness=witness):
-            for name, text in certificates.items():
+def _write_evidence(folder: Path, findings: Sequence[Finding]) -> None:
+    """Certificates under the names that they refer to each other by; a name given twice is told, never overwritten."""
+    files = file_names([finding.id for finding in findings])
+    written: dict[str, str] = {}
+    for finding in findings:
+        if isinstance(finding.result, Proved):
+            for name, text in finding.result.certificates.items():
+                if written.setdefault(name.casefold(), text) != text:
+                    raise InputError(f"{finding.id}: another certificate is called {name}; rename machine or property.")
                 (folder / "certificates" / name).write_text(text, encoding="utf-8")
-            save_trace(folder, finding.id, witness)
-        case Violated(trace=trace):
-            save_trace(folder, finding.id, trace)
+        _save_trace(folder / "traces" / f"{files[finding.id]}.jsonl", _run_of(finding))
+
+
+def _run_of(finding: Finding) -> Trace | None:
+    match finding.result:
+        case Proved(witness=trace) | Violated(trace=trace):
+            return trace
+        case Held() | Unknown():
+            return None
         case _:
-            pass
+            assert_never(finding.result)
 
 
-def save_trace(folder: Path, name: str, trace: Trace | None) -> None:
+def _save_trace(path: Path, trace: Trace | None) -> None:
     """A trace as a stream that `replay` takes."""
     if trace is not None:
-        path = folder / "traces" / f"{file_name(name)}.jsonl"
         write_steps(path, trace.stream(), machine=trace.system.name, first=trace.initial)

@@ -1,21 +1,26 @@
-"""A machine as the report shows it, as JSON-ready data: modes, transitions, variables, assumption."""
+"""A machine as the report shows it, as JSON-ready data: modes, transitions, variables, assumption, configuration.
+
+Nothing is shortened: terms are written out in full (safeloc.report.exact), so that what was verified can be read.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from safeloc.backends.diagram import to_svg, to_table
+from pydantic import BaseModel
+
+from safeloc.backends.diagram import to_svg
 from safeloc.catalogue import Target
 from safeloc.checks import input_variables
-from safeloc.expr import Expr, Num, NumVar, Var
-from safeloc.machine import Machine
+from safeloc.machine import Any_, Machine, Transition
+from safeloc.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.ranges import bounds
 from safeloc.render import infix
+from safeloc.report.exact import Exact
+from safeloc.terms import Sharing
 from safeloc.units import Enumeration
-
-LONGEST_TERM = 4000
 
 
 def machine_data(target: Target) -> dict[str, Any]:
@@ -29,6 +34,7 @@ def machine_data(target: Target) -> dict[str, Any]:
         "inputs": len(system.inputs),
         "transitions": sum(len(machine.transitions) for machine in target.machines),
         "configuration": None if target.config is None else target.config.model_dump(mode="json"),
+        "figures": [] if target.config is None else list(_figures(target.config, "")),
         "reported": None if target.reported is None else asdict(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
         "parts": [_part(machine) for machine in target.machines],
@@ -44,29 +50,106 @@ def _signal(term: Expr) -> dict[str, Any]:
     return {"unit": term.unit.name, "members": []}
 
 
+def _figures(config: BaseModel, prefix: str) -> Iterator[dict[str, str]]:
+    """Every figure of a configuration with its unit and the source of its default."""
+    for name, field in type(config).model_fields.items():
+        value = getattr(config, name)
+        if isinstance(value, BaseModel):
+            yield from _figures(value, f"{prefix}{name}.")
+            continue
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        source = str(extra.get("source", field.description or ""))
+        if not field.is_required() and value != field.default:
+            source = f"set here; the default is {field.default} {source}"
+        yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
+
+
 def _part(machine: Machine) -> dict[str, Any]:
-    kinds: list[tuple[str, Sequence[Var]]] = [
-        ("input", input_variables(machine)),
-        ("state", list(machine.state)),
-        ("ghost", [*machine.ghosts, *machine.ghost_inputs]),
-    ]
-    variables = [_variable(kind, var.name, var) for kind, listed in kinds for var in listed]
+    assumed = {f"assume {number}": term for number, term in enumerate(_conjuncts(machine.assumption))}
+    guards = {f"when {t.name}": t.when for t in machine.transitions}
+    updates = {f"set {number}": update for number, update in enumerate(_updates(machine))}
+    moves = {f"move {var.name}": term for var, term in machine.ghost_moves.items()}
+    outputs = {f"output {name}": term for name, term in machine.outputs.items()}
+    set_to = {key: update.term for key, update in updates.items()}
+    exact = Exact({**assumed, **guards, **set_to, **moves, **outputs}, machine.definitions)
     return {
         "name": machine.name,
         "svg": to_svg(machine),
-        "table": [
-            asdict(row) | {"sets": list(row.sets), "requirements": list(row.requirements)} for row in to_table(machine)
+        "assumption": [exact.texts[key] for key in assumed],
+        "table": [_row(t, exact.texts[f"when {t.name}"]) for t in machine.transitions],
+        "updates": [
+            {"variable": update.variable, "term": exact.texts[key], "transitions": update.transitions}
+            for key, update in updates.items()
         ],
-        "variables": variables + [_variable("output", name, term) for name, term in machine.outputs.items()],
-        "assumption": infix(machine.assumption, LONGEST_TERM),
+        "variables": _variables(machine, exact.texts),
+        "definitions": [asdict(line) for line in exact.lines],
     }
 
 
-def _variable(kind: str, name: str, term: Expr) -> dict[str, str]:
-    """Name, unit and range; of an output the bounds that its parts allow."""
+def _conjuncts(term: Bool) -> Sequence[Expr]:
+    return term.parts if isinstance(term, And) else (term,)
+
+
+@dataclass(frozen=True)
+class _Update:
+    """A term that a variable is set to, and the numbers of the transitions that set it so."""
+
+    variable: str
+    term: Expr
+    transitions: list[int]
+
+
+def _updates(machine: Machine) -> list[_Update]:
+    share, found = Sharing(), dict[tuple[Var, Expr], _Update]()
+    for var in machine.state:
+        for number, t in enumerate(machine.transitions, 1):
+            if var in t.set:
+                term = share(_term(var, t.set[var]))
+                found.setdefault((var, term), _Update(var.name, term, [])).transitions.append(number)
+    return list(found.values())
+
+
+def _term(var: Var, value: Expr | Value) -> Expr:
+    if isinstance(value, (Num, Bool)):
+        return value
+    return Lit(int(value), var.unit) if isinstance(var, NumVar) else Truth(bool(value))
+
+
+def _row(t: Transition, guard: str) -> dict[str, Any]:
+    file, _, line = t.src.rpartition(":")
+    return {
+        "name": t.name,
+        "source": ", ".join(mode.label for mode in t.sources),
+        "target": t.target.label,
+        "guard": guard,
+        "rank": t.rank,
+        "requirements": list(t.trace),
+        "declared": f"{file.rpartition('/')[2]}:{line}",
+    }
+
+
+def _variables(machine: Machine, texts: Mapping[str, str]) -> list[dict[str, str]]:
+    """Inputs, state with its first value, the environment's ghosts with their moves, and outputs with their terms."""
+    rows = [_variable("input", var.name, var) for var in input_variables(machine)]
+    rows += [_variable("state", var.name, var, first=_first(var, value)) for var, value in machine.state.items()]
+    for var, value in machine.ghosts.items():
+        rows.append(_variable("ghost", var.name, var, texts.get(f"move {var.name}", ""), _first(var, value)))
+    rows += [_variable("ghost input", var.name, var) for var in machine.ghost_inputs]
+    return rows + [_variable("output", name, term, texts[f"output {name}"]) for name, term in machine.outputs.items()]
+
+
+def _first(var: Var, value: object) -> str:
+    if isinstance(value, Any_):
+        return "any"
+    return infix(_term(var, value)) if isinstance(value, (int, bool, Lit)) else str(value)
+
+
+def _variable(kind: str, name: str, term: Expr, text: str = "", first: str = "") -> dict[str, str]:
+    """Name, unit and range (of an output the bounds that its parts allow), its term, and its first value."""
+    row = {"name": name, "kind": kind, "unit": "", "range": "true, false", "first": first, "term": text}
     if not isinstance(term, Num):
-        return {"name": name, "kind": kind, "unit": "", "range": "true, false"}
+        return row
     if isinstance(term.unit, Enumeration):
-        return {"name": name, "kind": kind, "unit": "", "range": ", ".join(term.unit.members)}
+        return row | {"range": ", ".join(term.unit.members)}
     low, high = (term.low, term.high) if isinstance(term, NumVar) else bounds([term])[term]
-    return {"name": name, "kind": kind, "unit": term.unit.name, "range": f"{low} .. {high}"}
+    return row | {"unit": term.unit.name, "range": f"{low} .. {high}"}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
+from pathlib import Path, PurePath
 from typing import Any
 
 from jinja2 import Environment, StrictUndefined
@@ -14,6 +16,13 @@ from safeloc.report.traces import trace_charts, trace_rows
 
 TEMPLATE = Path(__file__).with_name("page.html.jinja")
 VERDICTS = ("proved", "held", "unknown", "violated")
+LONGEST_NAME = 150
+SUMMARY: Mapping[str, tuple[str, ...]] = {
+    "properties": ("property",),
+    "obligations and lemmas": ("obligation", "lemma"),
+    "property tests": ("test",),
+    "replayed recordings": ("replay",),
+}
 Data = Mapping[str, Any]
 
 
@@ -23,33 +32,72 @@ def to_html(data: Data) -> str:
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     results = data["results"]
     machines = {machine["name"]: machine for machine in data["machines"]}
+    files = file_names([row["id"] for row in results])
+    shown = _shown_before(data["machines"])
     return template.render(
         data=data,
-        verdicts={row["id"]: row["verdict"] for row in results},
         counts={verdict: sum(row["verdict"] == verdict for row in results) for verdict in VERDICTS},
-        machines=[_machine(machine, data) for machine in data["machines"]],
+        machines=[_machine(machine, results, shown) for machine in data["machines"]],
         undecided=[row for row in results if row["verdict"] == "unknown"],
-        violated=[_violated(row, machines[row["machine"]]) for row in results if row["verdict"] == "violated"],
+        violated=[_violated(row, machines[row["machine"]], files) for row in results if row["verdict"] == "violated"],
+        requirements=_requirements(data),
     )
 
 
-def file_name(finding_id: str) -> str:
-    """A file name for a finding's trace or certificate."""
-    return "".join(letter if letter.isalnum() else "-" for letter in finding_id)
+def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
+    """A file name for each finding's trace: readable, and never the same for two, also where case does not count."""
+    names: dict[str, str] = {}
+    taken: set[str] = set()
+    for one in dict.fromkeys(finding_ids):
+        plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in one)[:LONGEST_NAME]
+        name = next(name for name in _numbered(plain) if name.casefold() not in taken)
+        taken.add(name.casefold())
+        names[one] = name
+    return names
 
 
-def _machine(machine: Data, data: Data) -> dict[str, Any]:
-    own = [_named(row) for row in data["results"] if row["machine"] == machine["name"]]
-    configuration = machine["configuration"]
+def _numbered(plain: str) -> Iterator[str]:
+    yield plain
+    yield from (f"{plain}-{number}" for number in count(2))
+
+
+def _shown_before(machines: Sequence[Data]) -> dict[tuple[str, int], str]:
+    """(target, number of its part) -> the target under which the very same machine is shown already."""
+    first: dict[str, str] = {}
+    again: dict[tuple[str, int], str] = {}
+    for machine in machines:
+        for number, part in enumerate(machine["parts"]):
+            where = first.setdefault(json.dumps(part, sort_keys=True), machine["name"])
+            if where != machine["name"]:
+                again[machine["name"], number] = where
+    return again
+
+
+def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, int], str]) -> dict[str, Any]:
+    own = [_named(row) for row in results if row["machine"] == machine["name"]]
+    evidence = [row for row in own if row["kind"] in ("test", "replay")]
     return {
         **machine,
         "rows": [row for row in own if row["kind"] == "property"],
-        "replays": [row for row in own if row["kind"] == "replay"],
-        "tests": [row for row in own if row["kind"] == "test"],
+        "evidence": runs_table(evidence),
+        "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
-        "parts": [{**part, "svg": Markup(part["svg"])} for part in machine["parts"]],  # labels are escaped
-        "configuration": None if configuration is None else json.dumps(configuration, indent=2),
+        "counts": [(name, _counted(own, kinds)) for name, kinds in SUMMARY.items()],
+        "parts": [
+            {
+                **part,
+                "svg": Markup(part["svg"]),
+                "shown": shown.get((machine["name"], number), ""),
+            }  # labels are escaped
+            for number, part in enumerate(machine["parts"])
+        ],
     }
+
+
+def _counted(rows: Sequence[Data], kinds: Sequence[str]) -> str:
+    """Such as `21 proved, 1 unknown`."""
+    found = Counter(row["verdict"] for row in rows if row["kind"] in kinds)
+    return ", ".join(f"{found[verdict]} {verdict}" for verdict in VERDICTS if found[verdict]) or "none"
 
 
 def _named(row: Data) -> dict[str, Any]:
@@ -57,12 +105,53 @@ def _named(row: Data) -> dict[str, Any]:
     return {**row, "name": row["id"].split("/", 2)[-1], "notes_text": json.dumps(row["notes"])}
 
 
-def _violated(row: Data, machine: Data) -> dict[str, Any]:
+def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
+    """Tests and replays as one table: a row a statement, a column a campaign or recording, a cell its result."""
+    sources = list(dict.fromkeys(_source(row) for row in rows))
+    statements: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        source = _source(row)
+        name = row["name"].removeprefix(f"{PurePath(source).stem}: ")
+        line = statements.setdefault(name, {"name": name, "statement": row["statement"], "cells": {}})
+        line["cells"][source] = row
+    steps = {source: max(row["depth"] for row in rows if _source(row) == source) for source in sources}
+    return {"sources": [(source, steps[source]) for source in sources], "rows": list(statements.values())}
+
+
+def _source(row: Data) -> str:
+    return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else "property tests"
+
+
+def _requirements(data: Data) -> dict[str, Any]:
+    """Rows of the machines in this report, and of those that something in it names; the others are only counted."""
+    present = {
+        name for machine in data["machines"] for name in (machine["name"], *(p["name"] for p in machine["parts"]))
+    }
+    rows = [row for row in data["requirements"] if row["transitions"] or row["results"] or row["machine"] in present]
+    results = {row["id"]: row for row in data["results"]}
+    return {
+        "rows": [{**row, "shown": _shown_by([results[name] for name in row["results"]])} for row in rows],
+        "known": {row["id"] for row in rows},
+        "others": len(data["requirements"]) - len(rows),
+    }
+
+
+def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
+    """(what, verdict): each property, and whatever did not hold; tests and replays that held as a number."""
+    single = [row for row in rows if row["kind"] == "property" or row["verdict"] in ("unknown", "violated")]
+    listed = [(row["id"].replace("/property/", ": "), row["verdict"]) for row in single]
+    for kind, word in (("test", "property tests"), ("replay", "replays")):
+        number = sum(row["kind"] == kind and row not in single for row in rows)
+        listed += [(f"{number} {word}", "held")] if number else []
+    return listed
+
+
+def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, Any]:
     trace = row["trace"]
     charts = "" if trace is None else trace_charts(trace, machine)
     return {
         "row": row,
         "charts": Markup(charts),  # our own text, every label in it is escaped
         "steps": [] if trace is None else trace_rows(trace, machine["signals"]),
-        "file": f"traces/{file_name(row['id'])}.jsonl",
+        "file": f"traces/{files[row['id']]}.jsonl",
     }

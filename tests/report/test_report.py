@@ -6,18 +6,22 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import jsonschema
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from safeloc.catalogue import load_target
+from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.monitor import check_all
 from safeloc.report.data import report_data, schema
 from safeloc.report.folder import write_folder
 from safeloc.report.junit import to_junit
-from safeloc.report.page import file_name, to_html
+from safeloc.report.page import file_names, to_html
 from safeloc.report.plot import line_chart
 from safeloc.results import Finding
 from safeloc.streams.steps import read_steps
@@ -25,16 +29,17 @@ from safeloc.verdict import Held, Proved, Unknown, Violated, word
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"
+TRACE_FILE = "lamp-property-wears---tears"
 
 
 @pytest.fixture(scope="module")
-def data() -> dict[str, object]:
+def data() -> dict[str, Any]:
     """The report of the lamp."""
     return report_data(findings(), [target()])
 
 
 @pytest.fixture(scope="module")
-def page(data: dict[str, object]) -> str:
+def page(data: dict[str, Any]) -> str:
     """Its page."""
     return to_html(data)
 
@@ -52,14 +57,14 @@ def test_one_finding_of_each_kind() -> None:
     assert [word(one.result) for one in findings()] == ["proved", "violated", "unknown"]
 
 
-def test_data_obey_the_schema(data: dict[str, object]) -> None:
+def test_data_obey_the_schema(data: dict[str, Any]) -> None:
     """The data validate against the published schema, before and after they were text."""
     jsonschema.Draft202012Validator.check_schema(schema())
     jsonschema.validate(data, schema())
     assert json.loads(json.dumps(data)) == data
 
 
-def test_the_schema_refuses_strangers(data: dict[str, object]) -> None:
+def test_the_schema_refuses_strangers(data: dict[str, Any]) -> None:
     """A field that the schema does not know, an unknown verdict, a missing field: each is refused."""
     for wrong in ({**data, "more": 1}, {**data, "verdict": "fine"}, {k: v for k, v in data.items() if k != "results"}):
         with pytest.raises(jsonschema.ValidationError):
@@ -87,7 +92,7 @@ def test_the_headline_is_the_worst() -> None:
     assert report_data([proved], [target()])["verdict"] == "proved"
 
 
-def test_requirement_table_goes_both_ways(data: dict[str, object]) -> None:
+def test_requirement_table_goes_both_ways(data: dict[str, Any]) -> None:
     """A requirement lists exactly the results and transitions that name it; its verdict is its worst result's."""
     rows = {row["id"]: row for row in data["requirements"]}
     for row in rows.values():
@@ -149,13 +154,107 @@ def test_links_of_the_page_lead_somewhere(page: str) -> None:
     """Every link names a heading or a requirement of the page."""
     ids = set(re.findall(r'id="([^"]*)"', page))
     links = re.findall(r'href="#([^"]*)"', page)
-    assert {"lamp", "requirements", "versions", "MRK-1", "MRK-D1"} == set(links)
+    assert {"lamp", "requirements", "items", "versions", "MRK-1", "MRK-D1"} == set(links)
     assert set(links) <= ids
 
 
-def test_page_of_data_read_back(data: dict[str, object], page: str) -> None:
+def test_page_of_data_read_back(data: dict[str, Any], page: str) -> None:
     """report.json alone gives the same page."""
     assert to_html(json.loads(json.dumps(data))) == page
+
+
+def test_a_requirement_of_the_user_is_text(data: dict[str, Any]) -> None:
+    """An id that the catalogue does not have is shown, and leads nowhere."""
+    (new, *others) = data["results"]
+    shown = to_html({**data, "results": [{**new, "requirements": ["LAMP-7"]}, *others]})
+    assert '<span class="id">LAMP-7</span>' in shown
+    assert "#LAMP-7" not in shown
+
+
+def test_requirements_of_other_machines_are_only_counted(page: str) -> None:
+    """A user's report is not about machines that are not in it."""
+    assert 'id="MRK-1"' in page
+    assert 'id="SAT-1"' not in page
+    assert "72 requirements of machines that are not in this report" in page
+
+
+def test_trace_back(page: str) -> None:
+    """From a transition or a property back to what it is there for; one that names nothing says so."""
+    back = page[page.index('<h2 id="items">') :]
+    assert '<td>burnt out</td><td>transition</td><td><a class="id" href="#MRK-1">' in back
+    assert "<td>switch off</td><td>transition</td><td>none</td>" in back
+    assert '<td>new</td><td>property</td><td><a class="id" href="#MRK-1">' in back
+
+
+def test_runs_are_one_table() -> None:
+    """A row a statement, a column a campaign or recording; what was not checked there is said to be not applicable."""
+    base = replace(UNDECIDED, result=Held("tests", 1, 10, {"contained": "9"}))
+    runs = [
+        replace(base, id="lamp/test/new", kind="test", method="Hypothesis"),
+        replace(base, id="lamp/replay/run: new", kind="replay", method="replay of run.csv"),
+        replace(base, id="lamp/replay/run: truth", kind="replay", method="replay of run.csv"),
+    ]
+    shown = to_html(report_data(runs, [target()]))
+    assert "<th>property tests<br>10 steps</th><th>run.csv<br>10 steps</th>" in shown
+    new, truth = re.findall(r"<tr><td><b>(?:new|truth)</b>.*?</tr>", shown)
+    assert new.count(">held</span>") == 2
+    assert (truth.count("not applicable"), truth.count("contained: 9")) == (1, 1)
+
+
+def test_figures_of_the_configuration_have_units_and_sources() -> None:
+    """A default names its source; a value set by the user says so."""
+    figures = {row["name"]: row for row in report_data([], [load_target("odometry")])["machines"][0]["figures"]}
+    assert figures["tolerance_mm"]["unit"] == "mm"
+    assert "OCORA" in figures["tolerance_mm"]["source"]
+    assert figures["second_unit.constant_mm"]["source"].startswith("set here; the default is 5000 [S] SUBSET-041")
+
+
+def test_a_machine_shown_twice_is_written_once() -> None:
+    """The very same machine in a second target is a link to the first."""
+    page = to_html(report_data([], [load_target("odometry"), load_target("supervised_odometry")]))
+    assert page.count('<table class="transitions">') == 2
+    assert 'as shown under <a href="#odometry">odometry</a>' in page
+
+
+# ------------------------------------------------------------------ file names
+
+IDS = st.text(st.sampled_from("aA-/ :é"), max_size=6)
+
+
+@given(st.lists(IDS, unique=True))
+def test_file_names_are_distinct(ids: list[str]) -> None:
+    """Also on a file system to which small and capital letters are the same; the order of the ids alone decides."""
+    names = file_names(ids)
+    assert list(names) == ids
+    assert len({name.casefold() for name in names.values()}) == len(ids)
+    assert file_names(ids) == names
+    assert all(re.fullmatch(r"[A-Za-z0-9-]*", name) for name in names.values())
+
+
+def test_file_names_are_short_enough() -> None:
+    """For every file system, whatever the length of the id."""
+    names = file_names(["a" * 999, "a" * 998])
+    assert sorted(map(len, names.values())) == [150, 152]
+
+
+def test_two_runs_of_like_names_are_two_files(tmp_path: Path) -> None:
+    """Neither of two violated statements loses its run."""
+    wrong = found(WRONG)
+    write_folder(tmp_path, [wrong, replace(wrong, id="lamp/property/wears + tears")], [target()])
+    assert {path.stem for path in (tmp_path / "traces").iterdir()} == {TRACE_FILE, f"{TRACE_FILE}-2"}
+    assert f"traces/{TRACE_FILE}-2.jsonl" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+def test_a_certificate_is_never_overwritten(tmp_path: Path) -> None:
+    """Two different texts under one name are refused; the same text twice is one file."""
+    proof = found("lamp/property/new")
+    assert isinstance(proof.result, Proved)
+    other = replace(proof, id="m/property/x", result=replace(proof.result, certificates={"A.smt2": "(a)"}))
+    same = replace(other, id="m/property/y")
+    write_folder(tmp_path, [other, same], [target()])
+    unlike = replace(other, id="m/property/z", result=replace(proof.result, certificates={"a.smt2": "(b)"}))
+    with pytest.raises(InputError, match=r"^m/property/z: another certificate is called a\.smt2; rename machine or"):
+        write_folder(tmp_path, [other, unlike], [target()])
 
 
 # ------------------------------------------------------------------ JUnit
@@ -192,7 +291,7 @@ def test_folder(folder: Path) -> None:
     proof = found("lamp/property/new").result
     assert isinstance(proof, Proved)
     assert proof.certificates
-    expected = {"index.html", "report.json", "junit.xml", f"traces/{file_name(WRONG)}.jsonl"}
+    expected = {"index.html", "report.json", "junit.xml", f"traces/{TRACE_FILE}.jsonl"}
     expected |= {f"certificates/{name}" for name in proof.certificates}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
@@ -202,7 +301,7 @@ def test_folder(folder: Path) -> None:
 
 def test_the_saved_trace_replays(folder: Path) -> None:
     """Read back and run, the saved stream is the same run and breaks the same statement, and no other."""
-    stream = read_steps(folder / "traces" / f"{file_name(WRONG)}.jsonl")
+    stream = read_steps(folder / "traces" / f"{TRACE_FILE}.jsonl")
     assert stream.machine == "lamp"
     first = {name: value for name, value in stream.first.items() if name not in ("mode", "wear")}
     again = run(target().system, stream.steps, first=first)
