@@ -82,12 +82,13 @@ class Geometry(Element):
 
 
 class TrackEdge(Element):
-    """A piece of track without branches."""
+    """A piece of track without branches. `travel` is the direction it is regularly run in."""
 
     id: Identity
     from_node: Identity
     to_node: Identity
     length_mm: Length
+    travel: Literal["both", "increasing", "decreasing"] = "both"
     track: str = ""
     kilometres: tuple[KilometrePoint, ...] = ()
     geometry: Geometry | None = None

@@ -39,10 +39,10 @@ class Line(Element):
 
     name, version  which map this is; parts of one map agree in both
     part           the part's own name; empty for a whole map
-    checksum       over everything else (`content_checksum`); readers refuse a map whose checksum does not fit
+    checksum       over everything else (`content_checksum`)
 
-    ValidationError names every contradiction: unknown references, positions off their edge, double identities,
-    nodes with three edges and no switch.
+    ValidationError for a checksum that does not fit the content, and for a map that contradicts itself; it names the
+    contradictions: unknown references, positions off their edge, double identities, nodes with three edges and no switch.
     """
 
     name: Identity
@@ -75,6 +75,10 @@ class Line(Element):
             shown = "; ".join(wrong[:10])
             more = f"; and {len(wrong) - 10} more" if len(wrong) > 10 else ""
             raise ValueError(f"{shown}{more}")
+        if self.checksum is not None and self.checksum != content_checksum(self):
+            raise ValueError(
+                f"checksum is {self.checksum}, but the content has {content_checksum(self)}: do not use it"
+            )
         return self
 
 

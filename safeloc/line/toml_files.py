@@ -1,0 +1,87 @@
+"""Lines as TOML, the native format (docs/line.md), and as JSON of the same shape."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import ValidationError
+
+from safeloc.errors import InputError
+from safeloc.line.model import Line
+from safeloc.line.toml_place import line_of
+
+SHIPPED = Path(__file__).resolve().parents[1] / "models" / "lines"
+
+
+def from_toml(text: str, name: str) -> Line:
+    """A line from TOML. `name` is what messages call the text.
+
+    Raises InputError with line and key for anything that does not fit, a wrong checksum included.
+    """
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{name}: not TOML: {error}.") from error
+    return _line(data, name, lambda path: f"{name}:{line_of(text, path)}")
+
+
+def from_json(text: str, name: str) -> Line:
+    """A line from JSON. InputError as in `from_toml`, with keys but no lines."""
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{name}:{error.lineno}: not JSON: {error.msg}.") from error
+    return _line(data, name, lambda _: name)
+
+
+def to_toml(line: Line) -> str:
+    """The line as TOML; what has its default value is left out."""
+    return tomli_w.dumps(line.model_dump(mode="json", exclude_defaults=True))
+
+
+def load_line(path: Path) -> Line:
+    """A line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}.") from error
+    return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
+
+
+def shipped_lines() -> dict[str, Path]:
+    """The worked examples by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def find_line(name: str) -> Line:
+    """A shipped line by name, or a line from the file of that name. InputError where there is neither."""
+    known = shipped_lines()
+    if name in known:
+        return load_line(known[name])
+    if not Path(name).is_file():
+        raise InputError(f"{name}: no such file, and no shipped line; shipped are {', '.join(known)}.")
+    return load_line(Path(name))
+
+
+def _line(data: Any, name: str, where: Any) -> Line:
+    if not isinstance(data, dict):
+        raise InputError(f"{name}: a line is a table of keys, not {type(data).__name__}.")
+    try:
+        return Line.model_validate_json(json.dumps(data, allow_nan=True, default=str))
+    except ValidationError as error:
+        raise InputError(_told(error, where)) from error
+
+
+def _told(error: ValidationError, where: Any) -> str:
+    wrong = error.errors(include_url=False)
+    first = wrong[0]
+    key = ".".join(str(part) for part in first["loc"])
+    message = first["msg"].removeprefix("Value error, ")
+    told = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
+    more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
+    got = f" (got {first['input']!r})" if key and not isinstance(first["input"], (dict, list)) else ""
+    return f"{told.rstrip('.')}{got}.{more}"
