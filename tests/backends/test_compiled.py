@@ -102,16 +102,19 @@ def test_the_text_reads_like_the_table() -> None:
 
 
 STEP_OF_WORKER = """def step(state, inputs):
-    (v_mode, v_sum, ) = state
-    (v_load, ) = inputs
-    if ((v_mode == 1) and (v_load == 0)):
-        return (0, 0, ), (1, )
-    else:
-        t1 = (v_sum + (v_load if v_load >= 0 else -v_load))
-        if (t1 <= 99):
-            return (1, t1, ), (2, )
-        else:
-            return (v_mode, v_sum, ), (0, )"""
+    (v_mode, v_sum) = state
+    (v_load,) = inputs
+    if v_mode == 0:
+        t1 = v_sum + (v_load if v_load >= 0 else -v_load)
+        if t1 <= 99:
+            return (1, t1), (2,)
+        return state, (0,)
+    if v_load == 0:
+        return (0, 0), (1,)
+    t2 = v_sum + (v_load if v_load >= 0 else -v_load)
+    if t2 <= 99:
+        return (1, t2), (2,)
+    return state, (0,)"""
 
 
 def test_raw_inputs_are_refused_as_by_the_interpreter() -> None:

@@ -1,0 +1,159 @@
+"""Terms where something is known: what the facts decide is folded away, shared parts stay shared.
+
+    Known({present: FALSE})(term)    what is left of the term where nothing is present
+
+Units of folded terms are not kept: back ends compute with plain numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from safeloc.nodes import (
+    FALSE,
+    TRUE,
+    Add,
+    And,
+    Bool,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Or,
+    Sub,
+    Truth,
+    all_of,
+    any_of,
+)
+from safeloc.terms import children, in_order, rebuilt
+
+MOST_VALUES = 16
+_FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
+    Add: lambda a, b: a + b,
+    Sub: lambda a, b: a - b,
+    Mul: lambda a, b: a * b,
+    Min: min,
+    Max: max,
+}
+
+
+class Known:
+    """Folds terms under facts: term -> the constant it is."""
+
+    def __init__(self, facts: Mapping[Expr, Expr]) -> None:
+        self._done: dict[Expr, Expr] = dict(facts)
+        self._among: dict[Expr, frozenset[int]] = {}
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term under the facts; of a decided choice only the chosen branch is looked at."""
+        done = self._done
+        stack = [term]
+        while stack:
+            node = stack[-1]
+            waits = () if node in done else [part for part in self._read(node) if part not in done]
+            if waits:
+                stack += waits
+                continue
+            stack.pop()
+            if node not in done:
+                done[node] = self._folded(node)
+        return done[term]
+
+    def _read(self, node: Expr) -> Sequence[Expr]:
+        if not isinstance(node, (Choose, ChooseBool)):
+            return children(node)
+        condition = self._done.get(node.condition)
+        if condition is None:
+            return (node.condition,)
+        if isinstance(condition, Truth):
+            return (node.then if condition.value else node.other,)
+        return (node.then, node.other)
+
+    def _folded(self, node: Expr) -> Expr:
+        assert isinstance(node, Node)
+        match node:
+            case Choose() | ChooseBool():
+                return self._choice(node)
+            case And(parts):
+                return _joined(node, [self._done[part] for part in parts], all_of)
+            case Or(parts):
+                return _joined(node, [self._done[part] for part in parts], any_of)
+            case Compare():
+                return self._comparison(node, self._done[node.left], self._done[node.right])
+            case Add() | Sub() | Mul() | Min() | Max():
+                return _arithmetic(node, self._done[node.left], self._done[node.right])
+            case FloorDiv(left, divisor, unit):
+                inner = self._done[left]
+                return Lit(inner.value // divisor, unit) if isinstance(inner, Lit) else rebuilt(node, (inner,))
+            case _:
+                return rebuilt(node, tuple(self._done[part] for part in children(node)))
+
+    def _choice(self, node: Choose | ChooseBool) -> Expr:
+        condition = self._done[node.condition]
+        if isinstance(condition, Truth):
+            return self._done[node.then if condition.value else node.other]
+        then, other = self._done[node.then], self._done[node.other]
+        if _same(then, other):
+            return then
+        chosen = rebuilt(node, (condition, then, other))
+        values = self._values(then) | self._values(other)
+        if self._values(then) and self._values(other) and len(values) <= MOST_VALUES:
+            self._among[chosen] = values
+        return chosen
+
+    def _values(self, term: Expr) -> frozenset[int]:
+        """The constants a term is one of; empty if that is not known."""
+        return frozenset((term.value,)) if isinstance(term, Lit) else self._among.get(term, frozenset())
+
+    def _comparison(self, node: Compare, left: Expr, right: Expr) -> Expr:
+        if isinstance(left, Lit) and isinstance(right, Lit):
+            return _truth(node.op, left.value, right.value)
+        if left is right:
+            return FALSE if node.op == "<" else TRUE
+        one, two = self._values(left), self._values(right)
+        if node.op == "==" and one and two and one.isdisjoint(two):
+            return FALSE
+        return rebuilt(node, (left, right))
+
+
+def _truth(op: str, left: int, right: int) -> Bool:
+    holds = left < right if op == "<" else left <= right if op == "<=" else left == right
+    return TRUE if holds else FALSE
+
+
+def _same(one: Expr, two: Expr) -> bool:
+    if isinstance(one, (Lit, Truth)) and isinstance(two, (Lit, Truth)):
+        return one.value == two.value
+    return one is two
+
+
+def _joined(node: Expr, parts: list[Expr], join: Callable[[Sequence[Bool]], Bool]) -> Expr:
+    if all(new is old for new, old in zip(parts, children(node), strict=True)):
+        return node
+    return join([part for part in dict.fromkeys(parts) if isinstance(part, Bool)])
+
+
+def _arithmetic(node: Add | Sub | Mul | Min | Max, left: Expr, right: Expr) -> Expr:
+    if isinstance(left, Lit) and isinstance(right, Lit):
+        return Lit(_FOLDS[type(node)](left.value, right.value), node.unit)
+    if isinstance(node, (Add, Sub)) and isinstance(right, Lit) and right.value == 0:
+        return left
+    if isinstance(node, Add) and isinstance(left, Lit) and left.value == 0:
+        return right
+    if isinstance(node, (Min, Max)) and left is right:
+        return left
+    return rebuilt(node, (left, right))
+
+
+def work(terms: Sequence[Expr]) -> int:
+    """How much there is to compute: every operation once, and every condition once however much it chooses."""
+    nodes = in_order(terms)
+    choices = [node for node in nodes if isinstance(node, (Choose, ChooseBool))]
+    operations = [node for node in nodes if not isinstance(node, (Choose, ChooseBool)) and children(node)]
+    return len(operations) + len({node.condition for node in choices})

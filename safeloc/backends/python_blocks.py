@@ -1,0 +1,202 @@
+"""Moves as nested statements: what is chosen by the same condition becomes one row of tests.
+
+A term that several places need is computed once, before the first of them and no earlier: after the tests that can
+do without it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from safeloc.backends.python_terms import Written
+from safeloc.nodes import Choose, ChooseBool, Expr, Lit, Truth, Var
+from safeloc.terms import children
+
+DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
+
+Targets = Sequence[tuple[str, Expr]]
+
+
+@dataclass(frozen=True)
+class Bind:
+    """A name for a value."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True)
+class Test:
+    """A branch to its end; what follows is for when the test fails."""
+
+    test: str
+    block: Block
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The first branch whose test holds, else the last one; then goes on."""
+
+    branches: tuple[tuple[str, Block], ...]
+    otherwise: Block
+
+
+@dataclass(frozen=True)
+class End:
+    """The branch is done: the targets' values."""
+
+    values: tuple[str, ...]
+
+
+Statement = Bind | Test | Choice | End
+Block = list[Statement]
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Targets chosen by one condition, or by none."""
+
+    condition: Expr | None
+    targets: Targets
+
+    def sites(self) -> list[list[Expr]]:
+        """Places of a block: terms that are computed together or not at all."""
+        if self.condition is None:
+            return [[term] for _, term in self.targets]
+        branches = [[term for _, term in _under(self.condition, self.targets, holds)] for holds in (True, False)]
+        return [[self.condition], *branches]
+
+
+class Blocks:
+    """Makes statements; knows which terms have a name at the place it has come to."""
+
+    def __init__(self, names: Mapping[Var, str]) -> None:
+        self._written = Written(names)
+        self._count = 0
+
+    def text(self, term: Expr) -> str:
+        """The term as an expression."""
+        return self._written.text(term)
+
+    def ending(self, targets: Targets, depth: int = 0) -> Block:
+        """Statements that compute every target and end, in every branch, with their values."""
+        outer, block = dict(self._written.named), list[Statement]()
+        while True:
+            groups = self._grouped(targets, depth)
+            condition = self._begin(groups, block)
+            if condition is None:
+                break
+            block += self._prepared(condition)
+            then = self.ending(_under(condition, targets, True), depth + 1)
+            block.append(Test(self.text(condition), then))
+            targets = _under(condition, targets, False)
+        block += [statement for group in groups for statement in self._kept(group, depth)]
+        chosen = {name for group in groups if group.condition is not None for name, _ in group.targets}
+        block.append(End(tuple(name if name in chosen else self.text(term) for name, term in targets)))
+        self._written.named = outer
+        return block
+
+    def _begin(self, groups: Sequence[_Group], block: Block) -> Expr | None:
+        """Binds what several places need; the condition, if all that is left to choose depends on one."""
+        block += self._bound(self._shared(groups))
+        conditions = [group.condition for group in groups if group.condition is not None]
+        if len(conditions) != 1:
+            return None
+        block += self._bound([term for group in groups if group.condition is None for _, term in group.targets])
+        return conditions[0]
+
+    def _kept(self, group: _Group, depth: int) -> Block:
+        """What the group's targets need; where they are chosen, their values under their own names."""
+        if group.condition is None:
+            return [statement for _, term in group.targets for statement in self._prepared(term)]
+        return self._choice(group.condition, group.targets, depth)
+
+    def _keeping(self, targets: Targets, depth: int) -> Block:
+        """Statements that give every target its value as a name."""
+        outer, block = dict(self._written.named), list[Statement]()
+        groups = self._grouped(targets, depth)
+        condition = self._begin(groups, block)
+        if condition is not None:
+            block += self._choice(condition, targets, depth)
+        else:
+            for group in groups:
+                block += self._kept(group, depth)
+                if group.condition is None:
+                    block += [Bind(name, self.text(term)) for name, term in group.targets]
+        self._written.named = outer
+        return block
+
+    def _choice(self, condition: Expr, targets: Targets, depth: int) -> Block:
+        """One ladder, as long as nothing has to be computed before the next rung."""
+        before, branches = self._prepared(condition), list[tuple[str, Block]]()
+        rung: Expr | None = condition
+        while rung is not None:
+            branches.append((self.text(rung), self._keeping(_under(rung, targets, True), depth + 1)))
+            targets = _under(rung, targets, False)
+            rung = self._next_rung(targets, depth)
+        return [*before, Choice(tuple(branches), self._keeping(targets, depth + 1))]
+
+    def _next_rung(self, targets: Targets, depth: int) -> Expr | None:
+        """The condition that decides all of the targets, if it can be tested as it stands."""
+        groups = self._grouped(targets, depth)
+        conditions = [group.condition for group in groups if group.condition is not None]
+        plain = [term for group in groups if group.condition is None for _, term in group.targets]
+        if len(conditions) != 1 or self._written.unnamed(plain):
+            return None
+        return None if self._written.awaited(conditions[0]) or self._shared(groups) else conditions[0]
+
+    def _prepared(self, term: Expr) -> Block:
+        return self._bound(self._written.awaited(term))
+
+    def _bound(self, terms: Iterable[Expr]) -> Block:
+        """Names for terms that have none."""
+        block: Block = []
+        for term in terms:
+            if isinstance(term, (Lit, Truth)) or term in self._written.named:
+                continue
+            block += self._prepared(term)
+            value = self.text(term)
+            self._count += 1
+            self._written.named[term] = f"t{self._count}"
+            block.append(Bind(f"t{self._count}", value))
+        return block
+
+    def _grouped(self, targets: Targets, depth: int) -> list[_Group]:
+        """Targets chosen by the same condition together, all others apart; in the order of first appearance."""
+        if depth >= DEEPEST:
+            return [_Group(None, targets)]
+        groups: dict[Expr | None, list[tuple[str, Expr]]] = {}
+        for name, term in targets:
+            chosen = isinstance(term, (Choose, ChooseBool)) and term not in self._written.named
+            key = term.condition if chosen and isinstance(term, (Choose, ChooseBool)) else None
+            groups.setdefault(key, []).append((name, term))
+        return [_Group(condition, members) for condition, members in groups.items()]
+
+    def _shared(self, groups: Sequence[_Group]) -> list[Expr]:
+        """Terms that more than one place of a block needs, outermost ones only, parts before wholes."""
+        places: dict[int, int] = {}  # one bit a place
+        uses: Counter[int] = Counter()
+        sites = [site for group in groups for site in group.sites()]
+        for number, site in enumerate(sites):
+            for term in site:
+                places[id(term)] = places.get(id(term), 0) | 1 << number
+                uses[id(term)] += 1
+        order = self._written.unnamed([term for site in sites for term in site])
+        for node in reversed(order):
+            for part in dict.fromkeys(children(node)):
+                places[id(part)] = places.get(id(part), 0) | places[id(node)]
+                uses[id(part)] += 1
+        return [node for node in order if uses[id(node)] > 1 and places[id(node)] & (places[id(node)] - 1)]
+
+
+def _under(condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
+    """What is left of the targets where it is known whether the condition holds."""
+    left: list[tuple[str, Expr]] = []
+    for name, term in targets:
+        if isinstance(term, (Choose, ChooseBool)) and term.condition is condition:
+            left.append((name, term.then if holds else term.other))
+        else:
+            left.append((name, term))
+    return left

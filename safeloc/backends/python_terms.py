@@ -1,0 +1,146 @@
+"""Terms as Python expressions, over whatever already has a name."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from typing import assert_never
+
+from safeloc.backends.shapes import is_magnitude
+from safeloc.nodes import (
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Var,
+)
+from safeloc.terms import children
+
+LONGEST_INLINE = 12
+_OPPOSITE = {"<": ">=", "<=": ">", "==": "!=", ">": "<=", ">=": "<"}
+_MIRRORED = {"<": ">", "<=": ">=", "==": "=="}
+
+
+class Written:
+    """Writes terms; knows which ones have a name."""
+
+    def __init__(self, names: Mapping[Var, str]) -> None:
+        self.named: dict[Expr, str] = dict[Expr, str](names.items())
+
+    def text(self, term: Expr) -> str:
+        """The term as an expression that may stand alone, as a value or as a test."""
+        if term in self.named:
+            return self.named[term]
+        assert isinstance(term, Node)
+        match term:
+            case Lit(value, _):
+                return str(value)
+            case Truth(value):
+                return str(value)
+            case Add(a, b):
+                return f"{self._part(a)} + {self._part(b)}"
+            case Sub(Lit(0, _), b):
+                return f"-{self._part(b)}"
+            case Sub(a, b):
+                return f"{self._part(a)} - {self._part(b)}"
+            case Mul(a, b):
+                return f"{self._part(a)} * {self._part(b)}"
+            case FloorDiv(a, divisor, _):
+                return f"{self._part(a)} // {divisor}"
+            case Min(a, b):
+                x, y = self._part(a), self._part(b)
+                return f"{x} if {x} < {y} else {y}"
+            case Max(a, _) if is_magnitude(term):
+                x = self._part(a)
+                return f"{x} if {x} >= 0 else -{x}"
+            case Max(a, b):
+                x, y = self._part(a), self._part(b)
+                return f"{x} if {x} > {y} else {y}"
+            case Choose(c, a, b, _) | ChooseBool(c, a, b):
+                return f"{self._part(a)} if {self._part(c)} else {self._part(b)}"
+            case Not(Compare() as inner) if inner not in self.named:
+                left, op, right = self._sides(inner)
+                return f"{left} {_OPPOSITE[op]} {right}"
+            case Not(inner):
+                return f"not {self._part(inner)}"
+            case And(parts):
+                return self._conjunction(parts)
+            case Or(parts):
+                return " or ".join(map(self._part, parts))
+            case Compare():
+                return " ".join(self._sides(term))
+            case Past() | NumVar() | BoolVar():
+                raise KeyError(f"{term!r} has no value here")
+            case _:
+                assert_never(term)
+
+    def _part(self, term: Expr) -> str:
+        """The term as part of an expression."""
+        bare = term in self.named or isinstance(term, (Lit, Truth))
+        return self.text(term) if bare else f"({self.text(term)})"
+
+    def _sides(self, term: Compare) -> tuple[str, str, str]:
+        """A comparison, the constant last."""
+        if isinstance(term.left, Lit):
+            return self._part(term.right), _MIRRORED[term.op], self._part(term.left)
+        return self._part(term.left), term.op, self._part(term.right)
+
+    def _conjunction(self, parts: Sequence[Bool]) -> str:
+        """All parts; two neighbours that say low <= x and x <= high are written as one."""
+        texts, rest = list[str](), list(parts)
+        while rest:
+            match rest:
+                case [Compare(below, low, x), Compare(above, y, high), *_] if (
+                    x is y and x in self.named and "==" not in (below, above) and self.named.keys().isdisjoint(rest[:2])
+                ):
+                    texts.append(f"({self._part(low)} {below} {self._part(x)} {above} {self._part(high)})")
+                    del rest[:2]
+                case _:
+                    texts.append(self._part(rest.pop(0)))
+        return texts[0][1:-1] if len(texts) == 1 else " and ".join(texts)
+
+    def unnamed(self, roots: Iterable[Expr]) -> list[Expr]:
+        """Nodes below `roots` that are no constants and have no name yet, parts before wholes."""
+        seen: set[int] = set()
+        order: list[Expr] = []
+        stack: list[tuple[Expr, bool]] = [(root, False) for root in roots]
+        while stack:
+            node, done = stack.pop()
+            if done:
+                order.append(node)
+            elif id(node) not in seen and node not in self.named and not isinstance(node, (Lit, Truth)):
+                seen.add(id(node))
+                stack.append((node, True))
+                stack.extend((part, False) for part in children(node))
+        return order
+
+    def awaited(self, term: Expr) -> list[Expr]:
+        """What must get a name before the term is written: what it uses twice, compares twice, or nests too deep."""
+        below = self.unnamed([term])
+        uses = Counter(part for node in below for part in children(node))
+        twice = {node for node, count in uses.items() if count > 1}
+        depth: dict[Expr, int] = {}
+        for node in below:
+            if isinstance(node, (Min, Max)):
+                twice |= {node.left} if is_magnitude(node) else {node.left, node.right}
+            depth[node] = 1 + max((depth.get(part, 0) for part in children(node)), default=0)
+            if depth[node] > LONGEST_INLINE:
+                twice.add(node)
+                depth[node] = 0
+        return [node for node in below if node in twice and node is not term]

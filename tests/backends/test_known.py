@@ -1,0 +1,87 @@
+"""Terms under facts keep their value, and lose what the facts decide."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from safeloc.backends.known import Known, work
+from safeloc.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
+from safeloc.interpret import evaluate, read_inputs, start
+from safeloc.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num
+from safeloc.system import lower
+from safeloc.units import COUNT
+from tests.random_machines import first_states, machines, records
+
+RED, GREEN, BLUE = COLOURS = members("colour", "RED", "GREEN", "BLUE")
+X, Y = number("x", COUNT, -9, 9), number("y", COUNT, -9, 9)
+A, B = boolean("a"), boolean("b")
+COLOUR = ite(A, RED, ite(B, GREEN, RED))
+
+
+@given(st.data())
+def test_terms_under_true_facts_keep_their_value(data: st.DataObject) -> None:
+    """On any machine and any inputs, folding under the values of some variables or conditions changes no value."""
+    system = lower(data.draw(machines()))
+    terms = [*system.next.values(), *system.fired.values(), *system.outputs.values()]
+    known = {**start(system, data.draw(first_states(system))), **read_inputs(system, data.draw(records(system)))}
+    candidates: list[Expr] = [*system.state, *system.inputs, *(term for term in terms if isinstance(term, Bool))]
+    facts: dict[Expr, Expr] = {}
+    for term in data.draw(st.lists(st.sampled_from(candidates), max_size=4)):
+        (value,) = evaluate([term], known)
+        facts[term] = Lit(value, term.unit) if isinstance(term, Num) else TRUE if value else FALSE
+    assert evaluate(terms, known) == evaluate(list(map(Known(facts), terms)), known)
+
+
+@pytest.mark.parametrize(
+    ("left", "term"),
+    [
+        ("y", ite(A, X, Y)),
+        ("y", ite(A & B, X, Y)),
+        ("b", A | B),
+        ("true", ~A),
+        ("x", X + ite(A, X, 0)),
+        ("x", X - ite(A, X, 0)),
+        ("(+ x 7)", X + minimum(ite(A, X, 7), 9)),
+        ("3", maximum(ite(A, X, 3), -3)),
+        ("3", abs_(ite(A, X, -3))),
+        ("-2", floor_div(ite(A, X, -3), 2)),
+        ("6", ite(A, X, 3) * 2),
+        ("x", maximum(ite(A, Y, X), X)),
+        ("true", ite(A, X, 3) <= 3),
+        ("false", ite(A, Y, X) < X),
+        ("true", ite(A, Y, X).eq(X)),
+        ("x", ite(B, X, ite(A, Y, X))),
+        ("7", ite(B, 7, ite(A, Y, 7))),
+        ("b", ChooseBool(A, ~B, B)),
+        ("false", COLOUR.eq(BLUE)),
+        ("(== (ite b GREEN RED) GREEN)", COLOUR.eq(GREEN)),
+    ],
+    ids=repr,
+)
+def test_what_a_fact_decides_is_gone(left: str, term: Expr) -> None:
+    """What is left where `a` is known to be false."""
+    assert left == repr(Known({A: FALSE})(term))
+
+
+def test_terms_that_no_fact_touches_stay_the_same_node() -> None:
+    """Shared parts stay shared, and nothing is rebuilt without need."""
+    term = ite(B, X + Y, X - Y)
+    known = Known({A: TRUE})
+    assert known(term) is term
+    assert known(ite(A, term, 0)) is term
+
+
+def test_a_condition_can_be_known_as_well() -> None:
+    """A fact may be about any term, such as a comparison."""
+    colour = choice("colour", enumeration(COLOURS))
+    red = colour.eq(RED)
+    assert isinstance(red, Compare)
+    assert Known({red: TRUE})(ite(red, X, Y)) is X
+
+
+def test_work_counts_operations_and_conditions_once() -> None:
+    """Two sums, and one condition that chooses twice."""
+    moved = X + Y
+    assert work([ite(A, moved, X), ite(A, moved - 1, Y)]) == 3
