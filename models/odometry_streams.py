@@ -12,8 +12,10 @@ import numpy as np
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
+from safeloc.simulation.reader_faults import ReaderFault, with_faults
 from safeloc.simulation.sensors import Distances, Fault, Law, Reading, check_faults, measure, read_markers
 
+READERS = ("front_marker", "rear_marker")
 Steps = list[dict[str, int | bool]]
 
 
@@ -35,30 +37,34 @@ def simulate(
     missed: float = 0.05,
     foreign: float = 0.002,
     legs: Sequence[Leg] | None = None,
-    faults: Sequence[Fault] = (),
+    faults: Sequence[Fault | ReaderFault] = (),
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
     markers  (identity, place in mm) in order of place; every 250 m by default
-    faults   named faults of `front_wheel`, `front_radar`, ...; while one is active the assumption may be broken
+    faults   named faults of `front_wheel`, `front_radar`, ... (Fault) and of `front_marker`, `rear_marker` (ReaderFault);
+             while one is active the assumption may be broken
     """
     rng = np.random.default_rng(seed)
     vehicle = vehicle_of(config)
     motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
     ends = ("front", "rear")[: config.devices]
     laws = (config.first_unit, config.second_unit)
-    check_faults(faults, [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm))
+    names, cycles = [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm)
+    of_units = [fault for fault in faults if isinstance(fault, Fault)]
+    of_readers = [fault for fault in faults if isinstance(fault, ReaderFault)]
+    check_faults(of_units, names, cycles)
+    check_faults(of_readers, READERS, cycles)
     distances = [
-        measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=faults)
+        measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=of_units)
         for end in ends
         for law in laws
     ]
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
-    readings = [
-        reading
-        for end, offset in ((0, 0), (1, config.vehicle_length_mm))
-        for reading in read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
-    ]
+    readings: list[Reading] = []
+    for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
+        read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
+        readings += with_faults(name, read, known, of_readers)
     return _steps(motion, distances, readings)
 
 
@@ -79,12 +85,13 @@ def _steps(motion: Motion, distances: Sequence[Distances], readings: Sequence[Re
         step["truth_mm"] = int(motion.position_nm[number]) // 1_000_000
         steps.append(step)
     for reading in readings:
-        steps[reading.cycle] |= _reading(reading)
+        if reading.cycle < len(steps):  # a reading may be repeated after the run's end
+            steps[reading.cycle] |= _reading(reading)
     return steps
 
 
 def _reading(reading: Reading) -> Mapping[str, int]:
-    name = f"{('front', 'rear')[reading.end]}_marker"
+    name = READERS[reading.end]
     if reading.place_mm is None:
         return {name: reading.marker}
     return {

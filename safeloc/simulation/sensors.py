@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, assert_never
+from typing import Literal, Protocol, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ from safeloc.errors import InputError
 from safeloc.simulation.motion import Motion
 
 NM_PER_MM = 1_000_000
+FOREIGN = 900_000
+"""Identities from here on are those of other lines."""
 FaultKind = Literal["stuck", "runaway", "jump", "drop-out", "slip", "slide", "freeze"]
 
 
@@ -36,7 +38,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Fault:
-    """A named fault of one sensor from cycle `begin` up to, not including, `end`."""
+    """A named fault of one distance sensor from cycle `begin` up to, not including, `end`."""
 
     sensor: str
     kind: FaultKind
@@ -131,7 +133,26 @@ def _check_wander(name: str, law: Law, wander: NDArray[np.int64]) -> None:
         )
 
 
-def check_faults(faults: Sequence[Fault], sensors: Sequence[str], cycles: int) -> None:
+class Timed(Protocol):
+    """A fault of a sensor, from cycle `begin` up to, not including, `end`."""
+
+    @property
+    def sensor(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def begin(self) -> int:
+        """First cycle."""
+        ...
+
+    @property
+    def end(self) -> int:
+        """First cycle after it."""
+        ...
+
+
+def check_faults(faults: Sequence[Timed], sensors: Sequence[str], cycles: int) -> None:
     """InputError for a fault that no sensor has or that lies outside the run: it would test nothing."""
     for fault in faults:
         if fault.sensor not in sensors:
@@ -194,6 +215,6 @@ def read_markers(
             error = float(rng.uniform(-0.9, 0.9)) * accuracy_mm
             readings.append(Reading(cycle, end, marker, spot, accuracy_mm, round(place / NM_PER_MM - spot + error)))
         elif rng.random() < foreign:
-            readings.append(Reading(cycle, end, 900_000 + cycle % 1000, None, accuracy_mm, 0))
+            readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, accuracy_mm, 0))
         before = int(place)
     return readings

@@ -1,0 +1,175 @@
+"""Radar images from truth: what an FMCW radar measures of reflectors and clutter, from how it works.
+
+Every point sends back a chirp; mixed with the one sent, it becomes a tone whose phase is 4 pi / c times frequency times
+range, in each sample of the chirp and each antenna. Tones add up with the receiver's noise, are cut off where the converter
+ends, and two Fourier transforms with Hann windows make the image: mean noise power is 1 in every cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.config import Config, quantity
+from safeloc.signals.figures import LIGHT_MM_S, MILLION, RadarConfig
+from safeloc.signals.range_law import REFERENCE_MM
+
+Complex = NDArray[np.complex128]
+Numbers = NDArray[np.float64]
+
+
+class Weather(Config):
+    """What lies between the radar and the reflectors."""
+
+    rain_mm_h: int = quantity(0, "mm/h", 0, 200, "[M] 10 heavy, 50 violent")
+    film_cdb: int = quantity(0, "cdB", 0, 6_000, "[M] water, snow or dirt on the antenna's cover, both ways together")
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """What sends power back: slant range in mm, sine of the angle to the left, radar cross-section in m2. Shapes [points].
+
+    NaN ranges (behind the antenna) are left out.
+    """
+
+    range_mm: Numbers
+    sine: Numbers
+    section_m2: Numbers
+
+    def together(self, other: Points) -> Points:
+        """Both."""
+        return Points(
+            np.concatenate([self.range_mm, other.range_mm]),
+            np.concatenate([self.sine, other.sine]),
+            np.concatenate([self.section_m2, other.section_m2]),
+        )
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """A strange transmitter: its chirp crosses ours in `samples` samples, this much above noise in each."""
+
+    samples: int = 40
+    over_noise_db: float = 60.0
+    sine: float = 0.1
+
+
+@dataclass(frozen=True)
+class Bias:
+    """Where in its declared errors this sensor stands, from -1 to 1: sweep and air, cables, mounting."""
+
+    scale: float = 0.0
+    offset: float = 0.0
+    angle: float = 0.0
+
+
+def image(
+    points: Points,
+    config: RadarConfig,
+    rng: np.random.Generator,
+    *,
+    speed_mm_s: float = 0.0,
+    weather: Weather | None = None,
+    bias: Bias | None = None,
+    disturbance: Disturbance | None = None,
+) -> Numbers:
+    """Power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine."""
+    weather = weather or Weather()
+    points = _in_view(points, config)
+    tones = _tones(
+        _biased(points, config, bias or Bias()), _amplitudes(points, config, weather, rng), speed_mm_s, config
+    )
+    signal = tones + _noise(tones.shape, rng)
+    if disturbance is not None:
+        signal += _burst(signal.shape, disturbance, rng)
+    return _transformed(_converted(signal, config), config)
+
+
+def _in_view(points: Points, config: RadarConfig) -> Points:
+    """Ahead, and not filtered out before the converter for being beyond the last range cell."""
+    last = float(config.sensor.cell_mm) * (config.sensor.samples - 1)
+    kept = (points.range_mm > 500) & (points.range_mm < last)
+    return Points(points.range_mm[kept], points.sine[kept], points.section_m2[kept])
+
+
+def _biased(points: Points, config: RadarConfig, bias: Bias) -> Points:
+    sensor = config.sensor
+    range_mm = points.range_mm * (1 + bias.scale * sensor.scale_error_ppm / MILLION)
+    sine = points.sine + bias.angle * sensor.angle_error_urad / MILLION
+    return Points(range_mm + bias.offset * sensor.offset_error_mm, sine, points.section_m2)
+
+
+def _amplitudes(points: Points, config: RadarConfig, weather: Weather, rng: np.random.Generator) -> Complex:
+    """At the top of an echo in the image: the range law, rain on the way, the ground's reflection beside it."""
+    power = 10 ** (config.reference_cdb / 1_000) * points.section_m2 * (REFERENCE_MM / points.range_mm) ** 4
+    lost_cdb = weather.film_cdb + 2 * rain_cdb_per_km(weather.rain_mm_h) * points.range_mm / MILLION
+    phase = np.exp(2j * np.pi * rng.random(len(power)))
+    made: Complex = np.sqrt(power * 10 ** (-lost_cdb / 1_000)) * phase
+    return made
+
+
+def rain_cdb_per_km(rain_mm_h: float) -> float:
+    """Attenuation one way at 77 GHz, hundredths of dB a kilometre: about 1.1 R^0.73 dB [M, fairly sure: ITU-R P.838]."""
+    return float(110 * rain_mm_h**0.73)
+
+
+def _tones(points: Points, amplitude: Complex, speed_mm_s: float, config: RadarConfig) -> Complex:
+    """[sample, antenna]. The frequency runs from half the bandwidth below the carrier to half above."""
+    sensor = config.sensor
+    time = (np.arange(sensor.samples) / sensor.samples - 0.5) * sensor.chirp_us / MILLION
+    hertz = sensor.carrier_mhz * 1e6 + time * sensor.bandwidth_mhz * 1e6 / (sensor.chirp_us / MILLION)
+    light = LIGHT_MM_S / (1 + sensor.air_ppm / MILLION)
+    closing = speed_mm_s * np.sqrt(1 - points.sine**2)
+    turns = 2 / light * hertz[:, None] * (points.range_mm[None, :] - closing[None, :] * time[:, None])
+    along = np.exp(2j * np.pi * (turns % 1.0))
+    across = np.exp(1j * np.pi * np.arange(sensor.antennas)[None, :] * points.sine[:, None])
+    gain = _gain(sensor.samples) * _gain(sensor.antennas)
+    tones: Complex = (along * (amplitude / gain)) @ across
+    return tones
+
+
+def _hann(samples: int) -> Numbers:
+    return np.asarray(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples), dtype=np.float64)
+
+
+def _gain(samples: int) -> float:
+    """How much more a tone grows than noise does."""
+    window = _hann(samples)
+    return float(window.sum() / np.sqrt((window**2).sum()))
+
+
+def _noise(shape: tuple[int, ...], rng: np.random.Generator) -> Complex:
+    noise: Complex = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
+    return noise
+
+
+def _burst(shape: tuple[int, ...], disturbance: Disturbance, rng: np.random.Generator) -> Complex:
+    """A chirp that sweeps through the receiver's band while it crosses ours."""
+    samples, antennas = shape
+    begin = int(rng.integers(0, samples - disturbance.samples))
+    run = np.arange(disturbance.samples) - disturbance.samples / 2
+    sweep = np.exp(1j * np.pi * run**2 / disturbance.samples) * 10 ** (disturbance.over_noise_db / 20)
+    made = np.zeros(shape, dtype=np.complex128)
+    made[begin : begin + disturbance.samples] = sweep[:, None] * np.exp(
+        1j * np.pi * np.arange(antennas) * disturbance.sine
+    )
+    return made
+
+
+def _converted(signal: Complex, config: RadarConfig) -> Complex:
+    """Cut off at the converter's end, in both components."""
+    sensor = config.sensor
+    end = 10 ** (sensor.full_scale_cdb / 2_000) / _gain(sensor.samples) / _gain(sensor.antennas)
+    cut: Complex = np.clip(signal.real, -end, end) + 1j * np.clip(signal.imag, -end, end)
+    return cut
+
+
+def _transformed(signal: Complex, config: RadarConfig) -> Numbers:
+    sensor = config.sensor
+    rows, columns = _hann(sensor.samples), _hann(sensor.antennas)
+    spectrum = np.fft.fft2(signal * rows[:, None] * columns[None, :])
+    scaled = spectrum / np.sqrt((rows**2).sum() * (columns**2).sum())
+    side = sensor.side_cells
+    return np.ascontiguousarray(np.abs(np.roll(scaled, side, axis=1)[:, : 2 * side + 1]) ** 2)

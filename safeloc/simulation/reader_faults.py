@@ -1,0 +1,96 @@
+"""Named faults of a marker reader, put into its readings on purpose.
+
+missed      the reader passes the marker without a word
+repeated    it delivers every reading once more, unchanged, in the next cycle that has none
+misplaced   it reads the identity, and by the map the place, of a marker of this line that stands elsewhere: a marker
+            mounted at the wrong place, or read across from the neighbouring track
+foreign     it reads an identity that the map does not have
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, assert_never
+
+from safeloc.errors import InputError
+from safeloc.simulation.sensors import FOREIGN, Reading
+
+ReaderFaultKind = Literal["missed", "repeated", "misplaced", "foreign"]
+
+
+@dataclass(frozen=True)
+class ReaderFault:
+    """A named fault of one reader from cycle `begin` up to, not including, `end`.
+
+    reach   misplaced: how many markers further along the line (negative: before) the one is that seems to be read
+    """
+
+    sensor: str
+    kind: ReaderFaultKind
+    begin: int
+    end: int
+    reach: int = 2
+
+
+def with_faults(
+    name: str, readings: Sequence[Reading], markers: Sequence[tuple[int, int]], faults: Sequence[ReaderFault]
+) -> list[Reading]:
+    """The readings of the reader of this name with its faults, put in one after the other.
+
+    Raises InputError for a fault that hits no reading: it would test nothing.
+    """
+    found = list(readings)
+    for fault in faults:
+        if fault.sensor != name:
+            continue
+        if not any(_hits(fault, reading) for reading in found):
+            raise InputError(f"{fault} hits no reading; readings are in cycles {[one.cycle for one in found][:20]}.")
+        found = _struck(found, markers, fault)
+    return found
+
+
+def _hits(fault: ReaderFault, reading: Reading) -> bool:
+    return fault.begin <= reading.cycle < fault.end
+
+
+def _struck(readings: list[Reading], markers: Sequence[tuple[int, int]], fault: ReaderFault) -> list[Reading]:
+    match fault.kind:
+        case "missed":
+            return [one for one in readings if not _hits(fault, one)]
+        case "repeated":
+            return _repeated(readings, fault)
+        case "misplaced":
+            return [_misplaced(one, markers, fault) if _hits(fault, one) else one for one in readings]
+        case "foreign":
+            return [_foreign(one) if _hits(fault, one) else one for one in readings]
+        case _:
+            assert_never(fault.kind)
+
+
+def _repeated(readings: list[Reading], fault: ReaderFault) -> list[Reading]:
+    taken = {one.cycle for one in readings}
+    more: list[Reading] = []
+    for reading in readings:
+        if _hits(fault, reading):
+            cycle = reading.cycle + 1
+            while cycle in taken:
+                cycle += 1
+            taken.add(cycle)
+            more.append(replace(reading, cycle=cycle))
+    return sorted([*readings, *more], key=lambda one: one.cycle)
+
+
+def _misplaced(reading: Reading, markers: Sequence[tuple[int, int]], fault: ReaderFault) -> Reading:
+    identities = [identity for identity, _ in markers]
+    if reading.marker not in identities:
+        return reading
+    number = identities.index(reading.marker) + fault.reach
+    if fault.reach == 0 or not 0 <= number < len(markers):
+        raise InputError(f"{fault}: marker {reading.marker} has no other one {fault.reach} further on this line.")
+    marker, place_mm = markers[number]
+    return replace(reading, marker=marker, place_mm=place_mm)
+
+
+def _foreign(reading: Reading) -> Reading:
+    return replace(reading, marker=FOREIGN + reading.cycle % 1000, place_mm=None)
