@@ -81,5 +81,5 @@ def _answers(parser: cvc5.InputParser, solver: cvc5.Solver, symbols: cvc5.Symbol
             continue
         answer = str(command.invoke(solver, symbols)).strip()
         if answer and answer != "success":
-            answers.append(answer)
+            answers.append("unknown" if answer.startswith("unknown (") else answer)  # as in `unknown (TIMEOUT)`
     return answers

@@ -90,6 +90,19 @@ def test_out_of_time_is_undecided_not_confirmed() -> None:
     assert certify(SOUND, seconds=0.0).undecided == ("above 2", "above 0")
 
 
+HARD = """(set-logic QF_NIA)
+(declare-const a Int)
+(declare-const b Int)
+(assert (and (> a 1) (> b 1) (= (* a b) 1000000016000000063)))
+(check-sat)
+"""
+
+
+def test_a_question_broken_off_is_unknown() -> None:
+    """When the time is up within a question cvc5 says `unknown (TIMEOUT)`: undecided, and no contradiction."""
+    assert recheck("hard", HARD, 1, seconds=0.05) == ["unknown"]
+
+
 def test_file_names_are_plain() -> None:
     """Whatever a property is called, its certificate has a portable file name."""
     assert file_name("odometry: M1/M2 after 5 %") == "odometry--M1-M2-after-5--.smt2"
