@@ -1,0 +1,1 @@
+"""What the reflector machine is made of: map data, echoes, dead reckoning, balise readings, one cycle."""
