@@ -1,4 +1,4 @@
-"""Terms where something is known: what the facts decide is folded away, shared parts stay shared.
+"""Terms where something is known: what the facts decide is folded away, and what becomes equal becomes one node.
 
     Known({present: FALSE})(term)    what is left of the term where nothing is present
 
@@ -26,6 +26,7 @@ from safeloc.nodes import (
     Mul,
     Node,
     Or,
+    Past,
     Sub,
     Truth,
     all_of,
@@ -48,6 +49,7 @@ class Known:
 
     def __init__(self, facts: Mapping[Expr, Expr]) -> None:
         self._done: dict[Expr, Expr] = dict(facts)
+        self._kept: dict[tuple[object, ...], Expr] = {}
         self._among: dict[Expr, frozenset[int]] = {}
 
     def __call__(self, term: Expr) -> Expr:
@@ -62,7 +64,8 @@ class Known:
                 continue
             stack.pop()
             if node not in done:
-                done[node] = self._folded(node)
+                folded = self._folded(node)
+                done[node] = self._kept.setdefault(_shape(folded), folded)
         return done[term]
 
     def _read(self, node: Expr) -> Sequence[Expr]:
@@ -120,6 +123,20 @@ class Known:
         if node.op == "==" and one and two and one.isdisjoint(two):
             return FALSE
         return rebuilt(node, (left, right))
+
+
+def _shape(term: Expr) -> tuple[object, ...]:
+    """What tells two nodes apart, given that their parts are one node where equal."""
+    parts = tuple(id(part) for part in children(term))
+    match term:
+        case Lit(value, _) | Truth(value):
+            return (type(term), value)
+        case FloorDiv(_, divisor, _):
+            return (FloorDiv, divisor, *parts)
+        case Compare(op, _, _) | Past(op, _):
+            return (type(term), op, *parts)
+        case _:
+            return (type(term), *parts) if parts else (id(term),)
 
 
 def _truth(op: str, left: int, right: int) -> Bool:

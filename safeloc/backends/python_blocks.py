@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.backends.python_terms import Written
-from safeloc.nodes import Choose, ChooseBool, Expr, Lit, Truth, Var
+from safeloc.nodes import Choose, ChooseBool, Expr, Lit, Not, Truth, Var
 from safeloc.terms import children
 
 DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
@@ -83,48 +83,41 @@ class Blocks:
     def ending(self, targets: Targets, depth: int = 0) -> Block:
         """Statements that compute every target and end, in every branch, with their values."""
         outer, block = dict(self._written.named), list[Statement]()
-        while True:
-            groups = self._grouped(targets, depth)
-            condition = self._begin(groups, block)
-            if condition is None:
-                break
-            block += self._prepared(condition)
+        while (condition := self._begin(targets, block, depth)) is not None:
             then = self.ending(_under(condition, targets, True), depth + 1)
             block.append(Test(self.text(condition), then))
             targets = _under(condition, targets, False)
-        block += [statement for group in groups for statement in self._kept(group, depth)]
-        chosen = {name for group in groups if group.condition is not None for name, _ in group.targets}
-        block.append(End(tuple(name if name in chosen else self.text(term) for name, term in targets)))
+        block.append(End(tuple(self.text(term) for _, term in targets)))
         self._written.named = outer
         return block
 
-    def _begin(self, groups: Sequence[_Group], block: Block) -> Expr | None:
-        """Binds what several places need; the condition, if all that is left to choose depends on one."""
+    def _begin(self, targets: Targets, block: Block, depth: int) -> Expr | None:
+        """Settles all targets but those that one condition chooses; that condition, ready to be tested, if any."""
+        groups = self._grouped(targets, depth)
         block += self._bound(self._shared(groups))
-        conditions = [group.condition for group in groups if group.condition is not None]
-        if len(conditions) != 1:
+        chosen = [group for group in groups if group.condition is not None]
+        last = max(chosen, key=lambda group: len(group.targets), default=None)
+        for group in groups:
+            if group.condition is None:
+                block += [statement for _, term in group.targets for statement in self._prepared(term)]
+                if last is not None:
+                    block += self._bound(term for _, term in group.targets)
+            elif group is not last:
+                block += self._choice(group.condition, group.targets, depth)
+                self._written.named |= {term: name for name, term in group.targets}
+        if last is None or last.condition is None:
             return None
-        block += self._bound([term for group in groups if group.condition is None for _, term in group.targets])
-        return conditions[0]
-
-    def _kept(self, group: _Group, depth: int) -> Block:
-        """What the group's targets need; where they are chosen, their values under their own names."""
-        if group.condition is None:
-            return [statement for _, term in group.targets for statement in self._prepared(term)]
-        return self._choice(group.condition, group.targets, depth)
+        block += self._prepared(last.condition)
+        return last.condition
 
     def _keeping(self, targets: Targets, depth: int) -> Block:
         """Statements that give every target its value as a name."""
         outer, block = dict(self._written.named), list[Statement]()
-        groups = self._grouped(targets, depth)
-        condition = self._begin(groups, block)
-        if condition is not None:
-            block += self._choice(condition, targets, depth)
+        condition = self._begin(targets, block, depth)
+        if condition is None:
+            block += [Bind(name, self.text(term)) for name, term in targets]
         else:
-            for group in groups:
-                block += self._kept(group, depth)
-                if group.condition is None:
-                    block += [Bind(name, self.text(term)) for name, term in group.targets]
+            block += self._choice(condition, targets, depth)
         self._written.named = outer
         return block
 
@@ -145,7 +138,8 @@ class Blocks:
         plain = [term for group in groups if group.condition is None for _, term in group.targets]
         if len(conditions) != 1 or self._written.unnamed(plain):
             return None
-        return None if self._written.awaited(conditions[0]) or self._shared(groups) else conditions[0]
+        waits = [*self._written.awaited(conditions[0]), *self._shared(groups)]
+        return None if any(map(self._needs_name, waits)) else conditions[0]
 
     def _prepared(self, term: Expr) -> Block:
         return self._bound(self._written.awaited(term))
@@ -154,7 +148,7 @@ class Blocks:
         """Names for terms that have none."""
         block: Block = []
         for term in terms:
-            if isinstance(term, (Lit, Truth)) or term in self._written.named:
+            if not self._needs_name(term):
                 continue
             block += self._prepared(term)
             value = self.text(term)
@@ -162,6 +156,11 @@ class Blocks:
             self._written.named[term] = f"t{self._count}"
             block.append(Bind(f"t{self._count}", value))
         return block
+
+    def _needs_name(self, term: Expr) -> bool:
+        """Neither a constant, nor named, nor the mere opposite of something named."""
+        inner = term.inner if isinstance(term, Not) else term
+        return not isinstance(inner, (Lit, Truth)) and inner not in self._written.named
 
     def _grouped(self, targets: Targets, depth: int) -> list[_Group]:
         """Targets chosen by the same condition together, all others apart; in the order of first appearance."""
