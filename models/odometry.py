@@ -76,7 +76,7 @@ class Odometry:
         return lead(self.own, self.machine.mode)
 
 
-def build(own: Parts) -> Odometry:
+def build(own: Parts, name: str = "odometry") -> Odometry:
     """The machine over the given variables."""
     mode = modes("DELOCALIZED", "CANDIDATE", "FRONT", *(["REAR"] if len(own.devices) == 2 else []))
     current = current_mode(mode)
@@ -84,9 +84,9 @@ def build(own: Parts) -> Odometry:
     judged = judge(own, situation)
     ghosts, moves, ghost_inputs = _ghosts(own, judged)
     made = Machine(
-        name="odometry",
+        name=name,
         modes=mode,
-        inputs=[*(unit.step for unit in own.units), *own.readers[0].inputs, *own.readers[1].inputs],
+        inputs=[*(unit.step for unit in own.units), *own.readers[0].inputs, *own.readers[1].inputs, *own.train_data],
         state=_state(own),
         outputs=_outputs(own, current, mode),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],

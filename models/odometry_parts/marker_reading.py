@@ -71,7 +71,7 @@ READING = members(
 class Reader:
     """A marker reader: the inputs of one reading and the verdict on it.
 
-    offset_mm, offset_tolerance_mm: where end A is when this reader stands over a place (the vehicle length at end B).
+    offset, offset_tolerance_mm: where end A is when this reader stands over a place (the vehicle length at end B), mm.
     """
 
     name: str
@@ -80,7 +80,7 @@ class Reader:
     accuracy: Optional
     since: Optional
     verdict: NumVar
-    offset_mm: int
+    offset: Num
     offset_tolerance_mm: int
     accuracy_mm: int
     latency_ppm: int
@@ -106,7 +106,7 @@ class Reader:
         return (~self.marker.present & data, self.marker.present & ~self.place.present)
 
 
-def reader(name: str, *, offset_mm: int, offset_tolerance_mm: int, accuracy_mm: int, latency_ppm: int, since_ppm: int,
+def reader(name: str, *, offset: Num, offset_tolerance_mm: int, accuracy_mm: int, latency_ppm: int, since_ppm: int,
            position_limit_mm: int, max_step_mm: int, last_identity: int) -> Reader:  # fmt: skip
     """A reader with fresh variables named `name_marker...`."""
     verdicts = READING[0].unit
@@ -118,7 +118,7 @@ def reader(name: str, *, offset_mm: int, offset_tolerance_mm: int, accuracy_mm: 
         optional(f"{name}_marker_accuracy_mm", MM, 0, 1_000_000),
         optional(f"{name}_marker_since_mm", MM, -max_step_mm, max_step_mm),
         choice(f"{name}_reading", verdicts),
-        offset_mm,
+        offset,
         offset_tolerance_mm,
         accuracy_mm,
         latency_ppm,
@@ -160,7 +160,7 @@ def fix(reader: Reader, moved: Cycle) -> Fix:
     late_under = ite(reader.since.present, moved.backward * share, moved.backward * Lit(whole_cycle, PPM))
     accuracy = exact_to(reader.accuracy.value_or(as_num(reader.accuracy_mm, MM)), NM)
     own = accuracy + abs_(since) * Lit(reader.since_ppm, PPM) + reader.offset_tolerance_mm * NM_PER_MM
-    return Fix(reader.place.value + since + reader.offset_mm, own + late_over, own + late_under)
+    return Fix(reader.place.value + since + reader.offset, own + late_over, own + late_under)
 
 
 def first_of(*cases: tuple[Bool, Num], default: Num) -> Num:

@@ -8,7 +8,7 @@ from typing import Literal
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import Bool, BoolVar, NumVar, boolean, choice, enumeration, members, number
+from safeloc.expr import Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
 from safeloc.models.odometry_parts.distance_device import Device, Limits, Unit, device
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, RADAR, WHEEL, ErrorLaw
 from safeloc.models.odometry_parts.marker_reading import Pending, Reader, reader
@@ -90,11 +90,17 @@ class Parts:
     truth: NumVar
     true_step: NumVar
     wanders: tuple[tuple[NumVar, NumVar], ...]
+    length: NumVar | None = None
 
     @property
     def units(self) -> tuple[Unit, ...]:
         """All measuring units."""
         return tuple(unit for device in self.devices for unit in device.units)
+
+    @property
+    def train_data(self) -> tuple[NumVar, ...]:
+        """Inputs that describe the vehicle: its length, where it is not configured."""
+        return () if self.length is None else (self.length,)
 
     def set_by(self, end: int) -> Device:
         """The device that the reader at end 0 (A, front) or 1 (B, rear) sets."""
@@ -105,20 +111,24 @@ class Parts:
         return self.backwards if end else ~self.backwards
 
 
-def parts(config: OdometryConfig) -> Parts:
-    """Fresh variables for one machine."""
+def parts(config: OdometryConfig, *, length: NumVar | None = None) -> Parts:
+    """Fresh variables for one machine. `length`: the vehicle length as an input in mm instead of the configured one."""
     limits = config.limits
     laws = (config.first_unit, config.second_unit)
     names = ("front", "rear")[: config.devices]
-    length = config.vehicle_length_mm, config.vehicle_length_tolerance_mm
-    reach_nm = (config.position_limit_mm + 2 * config.tolerance_mm + length[0]) * NM_PER_MM
+    offset = Lit(config.vehicle_length_mm, MM) if length is None else length
+    longest = config.vehicle_length_mm if length is None else length.high
+    reach_nm = (config.position_limit_mm + 2 * config.tolerance_mm + longest) * NM_PER_MM
     identities = config.last_marker_identity
     place = config.position_limit_mm
     devices = tuple(device(name, laws, limits) for name in names)
     return Parts(
         config,
         devices,
-        (_reader(config, "front", (0, 0)), _reader(config, "rear", length)),
+        (
+            _reader(config, "front", Lit(0, MM), 0),
+            _reader(config, "rear", offset, config.vehicle_length_tolerance_mm),
+        ),
         Pending(tuple(number(f"pending_{n}", COUNT, 0, identities) for n in range(1, config.pending_markers + 1))),
         boolean("backwards"),
         number("rolled_mm", MM, 0, config.reversal_mm),
@@ -128,6 +138,7 @@ def parts(config: OdometryConfig) -> Parts:
         number("truth_nm", NM, -reach_nm, reach_nm),
         number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
         tuple(_wander(unit) for device in devices for unit in device.units),
+        length,
     )
 
 
@@ -137,11 +148,11 @@ def _wander(unit: Unit) -> tuple[NumVar, NumVar]:
     return number(f"{unit.name}_wander_nm", NM, -most, most), number(f"{unit.name}_next_wander_nm", NM, -most, most)
 
 
-def _reader(config: OdometryConfig, name: str, offset: tuple[int, int]) -> Reader:
+def _reader(config: OdometryConfig, name: str, offset: Num, tolerance_mm: int) -> Reader:
     return reader(
         name,
-        offset_mm=offset[0],
-        offset_tolerance_mm=offset[1],
+        offset=offset,
+        offset_tolerance_mm=tolerance_mm,
         accuracy_mm=config.marker_accuracy_mm,
         latency_ppm=-(-config.reader_latency_ms * 1_000_000 // config.period_ms),
         since_ppm=max(config.first_unit.rate_ppm, config.second_unit.rate_ppm),
