@@ -22,15 +22,21 @@ ROOMS = {
     "numpy": (
         "safeloc/backends/batch",
         "safeloc/backends/numpy_code.py",
+        "safeloc/signals/",
         "safeloc/simulation/",
         "models/odometry_streams.py",
     ),
+    "scipy": ("safeloc/signals/",),
     "hypothesis": ("safeloc/testing.py",),
     "transitions": ("safeloc/backends/runtime.py",),
     "typer": ("safeloc/cli/",),
     "rich": ("safeloc/cli/",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/streams/",),
+    "lxml": ("safeloc/line/imports/railml_xml.py",),
+    "openpyxl": ("safeloc/line/imports/balise_table.py",),
+    "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py"),
+    "shapely": ("safeloc/line/projection.py",),
 }
 OUTSIDE_THE_KERNEL = {
     "catalogue.py": "finds machines of models and of users",

@@ -7,7 +7,8 @@ ends, and two Fourier transforms with Hann windows make the image: mean noise po
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,20 +32,31 @@ class Weather(Config):
 class Points:
     """What sends power back: slant range in mm, sine of the angle to the left, radar cross-section in m2. Shapes [points].
 
-    NaN ranges (behind the antenna) are left out.
+    on_ground  whether a point is also seen by way of the ground; NaN ranges (behind the antenna) are left out
     """
 
     range_mm: Numbers
     sine: Numbers
     section_m2: Numbers
+    on_ground: NDArray[np.bool_]
 
     def together(self, other: Points) -> Points:
         """Both."""
-        return Points(
-            np.concatenate([self.range_mm, other.range_mm]),
-            np.concatenate([self.sine, other.sine]),
-            np.concatenate([self.section_m2, other.section_m2]),
-        )
+        return Points(*(np.concatenate(both) for both in zip(self.columns, other.columns, strict=True)))
+
+    def only(self, kept: NDArray[np.bool_]) -> Points:
+        """Those points alone."""
+        return Points(*(column[kept] for column in self.columns))
+
+    @property
+    def columns(self) -> tuple[Any, ...]:
+        """The arrays in order."""
+        return self.range_mm, self.sine, self.section_m2, self.on_ground
+
+
+def points(range_mm: Numbers, sine: Numbers, section_m2: Numbers | float, *, on_ground: bool = False) -> Points:
+    """Points of one kind."""
+    return Points(range_mm, sine, np.broadcast_to(section_m2, range_mm.shape), np.full(range_mm.shape, on_ground))
 
 
 @dataclass(frozen=True)
@@ -66,7 +78,7 @@ class Bias:
 
 
 def image(
-    points: Points,
+    seen: Points,
     config: RadarConfig,
     rng: np.random.Generator,
     *,
@@ -77,34 +89,32 @@ def image(
 ) -> Numbers:
     """Power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine."""
     weather = weather or Weather()
-    points = _in_view(points, config)
-    tones = _tones(
-        _biased(points, config, bias or Bias()), _amplitudes(points, config, weather, rng), speed_mm_s, config
-    )
-    signal = tones + _noise(tones.shape, rng)
+    seen = _in_view(seen, config)
+    ways = _by_the_ground(_biased(seen, config, bias or Bias()), _amplitudes(seen, config, weather, rng), config, rng)
+    signal = _tones(*ways, speed_mm_s, config)
+    signal += _noise(signal.shape, rng)
     if disturbance is not None:
         signal += _burst(signal.shape, disturbance, rng)
     return _transformed(_converted(signal, config), config)
 
 
-def _in_view(points: Points, config: RadarConfig) -> Points:
+def _in_view(seen: Points, config: RadarConfig) -> Points:
     """Ahead, and not filtered out before the converter for being beyond the last range cell."""
     last = float(config.sensor.cell_mm) * (config.sensor.samples - 1)
-    kept = (points.range_mm > 500) & (points.range_mm < last)
-    return Points(points.range_mm[kept], points.sine[kept], points.section_m2[kept])
+    return seen.only((seen.range_mm > 500) & (seen.range_mm < last))
 
 
-def _biased(points: Points, config: RadarConfig, bias: Bias) -> Points:
+def _biased(seen: Points, config: RadarConfig, bias: Bias) -> Points:
     sensor = config.sensor
-    range_mm = points.range_mm * (1 + bias.scale * sensor.scale_error_ppm / MILLION)
-    sine = points.sine + bias.angle * sensor.angle_error_urad / MILLION
-    return Points(range_mm + bias.offset * sensor.offset_error_mm, sine, points.section_m2)
+    range_mm = seen.range_mm * (1 + bias.scale * sensor.scale_error_ppm / MILLION)
+    sine = np.clip(seen.sine + bias.angle * sensor.angle_error_urad / MILLION, -1.0, 1.0)
+    return replace(seen, range_mm=range_mm + bias.offset * sensor.offset_error_mm, sine=sine)
 
 
-def _amplitudes(points: Points, config: RadarConfig, weather: Weather, rng: np.random.Generator) -> Complex:
-    """At the top of an echo in the image: the range law, rain on the way, the ground's reflection beside it."""
-    power = 10 ** (config.reference_cdb / 1_000) * points.section_m2 * (REFERENCE_MM / points.range_mm) ** 4
-    lost_cdb = weather.film_cdb + 2 * rain_cdb_per_km(weather.rain_mm_h) * points.range_mm / MILLION
+def _amplitudes(seen: Points, config: RadarConfig, weather: Weather, rng: np.random.Generator) -> Complex:
+    """At the top of an echo in the image: the range law, and rain on the way."""
+    power = 10 ** (config.reference_cdb / 1_000) * seen.section_m2 * (REFERENCE_MM / seen.range_mm) ** 4
+    lost_cdb = weather.film_cdb + 2 * rain_cdb_per_km(weather.rain_mm_h) * seen.range_mm / MILLION
     phase = np.exp(2j * np.pi * rng.random(len(power)))
     made: Complex = np.sqrt(power * 10 ** (-lost_cdb / 1_000)) * phase
     return made
@@ -115,16 +125,28 @@ def rain_cdb_per_km(rain_mm_h: float) -> float:
     return float(110 * rain_mm_h**0.73)
 
 
-def _tones(points: Points, amplitude: Complex, speed_mm_s: float, config: RadarConfig) -> Complex:
+def _by_the_ground(
+    seen: Points, amplitude: Complex, config: RadarConfig, rng: np.random.Generator
+) -> tuple[Points, Complex]:
+    """Each way out and back may be by the ground: once (two ways of half the detour) or twice, at any phase."""
+    low = seen.only(seen.on_ground)
+    part = config.sensor.ground_reflection_percent / 100 * np.exp(2j * np.pi * rng.random(len(low.sine)))
+    detour = 2 * config.sensor.ground_height_mm2 / low.range_mm
+    once, twice = replace(low, range_mm=low.range_mm + detour / 2), replace(low, range_mm=low.range_mm + detour)
+    straight = amplitude[seen.on_ground]
+    return seen.together(once).together(twice), np.concatenate([amplitude, 2 * part * straight, part**2 * straight])
+
+
+def _tones(seen: Points, amplitude: Complex, speed_mm_s: float, config: RadarConfig) -> Complex:
     """[sample, antenna]. The frequency runs from half the bandwidth below the carrier to half above."""
     sensor = config.sensor
     time = (np.arange(sensor.samples) / sensor.samples - 0.5) * sensor.chirp_us / MILLION
     hertz = sensor.carrier_mhz * 1e6 + time * sensor.bandwidth_mhz * 1e6 / (sensor.chirp_us / MILLION)
     light = LIGHT_MM_S / (1 + sensor.air_ppm / MILLION)
-    closing = speed_mm_s * np.sqrt(1 - points.sine**2)
-    turns = 2 / light * hertz[:, None] * (points.range_mm[None, :] - closing[None, :] * time[:, None])
+    closing = speed_mm_s * np.sqrt(1 - seen.sine**2)
+    turns = 2 / light * hertz[:, None] * (seen.range_mm[None, :] - closing[None, :] * time[:, None])
     along = np.exp(2j * np.pi * (turns % 1.0))
-    across = np.exp(1j * np.pi * np.arange(sensor.antennas)[None, :] * points.sine[:, None])
+    across = np.exp(1j * np.pi * np.arange(sensor.antennas)[None, :] * seen.sine[:, None])
     gain = _gain(sensor.samples) * _gain(sensor.antennas)
     tones: Complex = (along * (amplitude / gain)) @ across
     return tones

@@ -18,7 +18,7 @@ from safeloc.errors import InputError
 from safeloc.signals.figures import RadarConfig
 from safeloc.signals.images import RadarImage
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.radar import Bias, Disturbance, Points, Weather, image
+from safeloc.simulation.radar import Bias, Disturbance, Points, Weather, image, points
 from safeloc.simulation.radar_track import Arc, Pose, Reflector, corners, pose, seen_from
 
 FaultKind = Literal[
@@ -107,7 +107,7 @@ def seen(scene: World, along_mm: float) -> Points:
     """Everything that sends power back to an antenna there, without rain."""
     antenna = pose(scene.track, along_mm)
     corner = _reflectors(scene, antenna)
-    found = corner.together(Points(*seen_from(antenna, scene.places), scene.sections))
+    found = corner.together(points(*seen_from(antenna, scene.places), scene.sections))
     if scene.double_bounce:
         found = found.together(_bounced(corner))
     return found
@@ -125,7 +125,7 @@ def _reflectors(scene: World, antenna: Pose) -> Points:
 
 def _corners(antenna: Pose, places: list[NDArray[np.float64]], section: float) -> Points:
     every = np.concatenate([np.zeros((0, 3)), *places])
-    return Points(*seen_from(antenna, every), np.full(len(every), section))
+    return points(*seen_from(antenna, every), section, on_ground=True)
 
 
 def _bounced(corner: Points) -> Points:
@@ -136,14 +136,14 @@ def _bounced(corner: Points) -> Points:
     pairs = section[:, None] * section[None, :] * FRONT_SECTION_M2
     power = pairs * range_m**4 / (4 * np.pi * metres[:, None] ** 2 * metres[None, :] ** 2) ** 2
     sines = np.broadcast_to(sine[None, :], range_m.shape)
-    return Points(range_m.ravel() * 1_000, sines.ravel(), power.ravel())
+    return points(range_m.ravel() * 1_000, sines.ravel(), power.ravel())
 
 
 def rain(mm_h: float, rng: np.random.Generator, reach_mm: float) -> Points:
     """Drops as points between 1 m and the reach; eta = 1e-5 m2/m3 x mm/h [M, unsure], a beam of 0.2 sr."""
     range_mm = rng.uniform(1_000, reach_mm, DROPS)
     shell_m3 = (range_mm / 1_000) ** 2 * BEAM_STERADIAN * reach_mm / 1_000 / DROPS
-    return Points(range_mm, rng.uniform(-0.5, 0.5, DROPS), 1e-5 * mm_h * shell_m3 * rng.exponential(1.0, DROPS))
+    return points(range_mm, rng.uniform(-0.5, 0.5, DROPS), 1e-5 * mm_h * shell_m3 * rng.exponential(1.0, DROPS))
 
 
 def slant_mm(scene: World, reflector: Reflector, along_mm: float) -> float:
@@ -165,7 +165,7 @@ def shots(
     _check(faults, len(motion.position_nm))
     last: RadarImage | None = None
     for number, (position_nm, speed) in enumerate(zip(motion.position_nm, motion.speed_mm_s, strict=True)):
-        kinds = {fault.kind for fault in faults if fault.begin <= number < fault.end}
+        kinds: set[FaultKind] = {fault.kind for fault in faults if fault.begin <= number < fault.end}
         along, time_ms = int(position_nm) / NM_PER_MM, (number + 1) * motion.period_ms
         power = _power(scene, along, float(speed), kinds, weather or Weather(), bias, rng)
         taken = RadarImage(_spoilt(power, kinds), time_ms, number)
@@ -190,17 +190,17 @@ def _power(
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
     """The image, with the faults of the world around the sensor."""
-    points = seen(scene, along)
+    found = seen(scene, along)
     if "cloudburst" in kinds:
         weather = weather.model_copy(update={"rain_mm_h": 100})
     if "film" in kinds:
         weather = weather.model_copy(update={"film_cdb": 4_000})
     if weather.rain_mm_h:
-        points = points.together(rain(weather.rain_mm_h, rng, float(scene.config.sensor.cell_mm) * 1_000))
+        found = found.together(rain(weather.rain_mm_h, rng, float(scene.config.sensor.cell_mm) * 1_000))
     if "overload" in kinds:
-        points = points.together(Points(np.array([4_000.0]), np.array([0.0]), np.array([PLATE_SECTION_M2])))
+        found = found.together(points(np.array([4_000.0]), np.array([0.0]), PLATE_SECTION_M2))
     strange = Disturbance(sine=float(rng.uniform(-0.5, 0.5))) if "interference" in kinds else None
-    return image(points, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, disturbance=strange)
+    return image(found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, disturbance=strange)
 
 
 def _spoilt(power: NDArray[np.float64], kinds: set[FaultKind]) -> NDArray[np.float64]:
