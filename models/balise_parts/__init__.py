@@ -1,0 +1,1 @@
+"""What the balise machine is made of."""
