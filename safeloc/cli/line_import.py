@@ -1,0 +1,61 @@
+"""`safeloc import`: a map in another format becomes a line of our own, and the notes say what did not come along."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from safeloc.cli.show import err, out, print_json
+from safeloc.errors import InputError
+from safeloc.line.imports.formats import FORMATS, importer
+from safeloc.line.imports.notes import Imported, similar
+from safeloc.line.model import sealed
+from safeloc.line.toml_files import to_toml
+
+
+def import_line(
+    file: Annotated[
+        Path, typer.Argument(help="railML 3, GeoJSON network, table of balises (XLSX) or TTOBench track (JSON)")
+    ],
+    where: Annotated[Path, typer.Option("--out", help="line to write, as TOML")],
+    form: Annotated[
+        str | None, typer.Option("--format", help=f"{', '.join(FORMATS)}; by default from the suffix")
+    ] = None,
+    name: Annotated[str | None, typer.Option("--name", help="name of the line; by default from the file")] = None,
+    version: Annotated[str | None, typer.Option("--version", help='version of the map; by default "1"')] = None,
+    every_note: Annotated[
+        bool, typer.Option("--all-notes", help="every note by itself, not like ones together")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="print the notes as JSON only")] = False,
+) -> None:
+    """Import a map; what was not understood, not carried over or assumed is told."""
+    imported = importer(file, form)(file, name=name, version=version)
+    _write(where, to_toml(sealed(imported.line)))
+    if as_json:
+        print_json([{"kind": note.kind, "place": note.place, "text": note.text} for note in imported.notes])
+        return
+    for told in imported.notes if every_note else similar(imported.notes):
+        out.print(str(told), markup=False)
+    err.print(f"{_summary(imported)}: {where}", markup=False)
+
+
+def _write(where: Path, text: str) -> None:
+    try:
+        where.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{where}: cannot be written: {error}") from error
+
+
+def _summary(imported: Imported) -> str:
+    line = imported.line
+    counts = {
+        "edges": line.edges,
+        "switches": line.switches,
+        "balise groups": line.balise_groups,
+        "signals": line.signals,
+        "axle counters": line.axle_counters,
+    }
+    listed = ", ".join(f"{len(elements)} {kind}" for kind, elements in counts.items() if elements)
+    return f"{line.name}: {listed}; {len(imported.notes)} notes"

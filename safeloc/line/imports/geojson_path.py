@@ -1,0 +1,95 @@
+"""Recorded paths as GeoJSON: which elements a vehicle ran over, in order, as a route on the network (RFL-D6).
+
+Each feature names an element and how much of it was run over, as shares of its length. The direction is not told; it
+follows from the order of the elements. `gnss_start_index` and `gnss_end_index` say which rows of the log lie on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from decimal import Decimal
+from pathlib import Path
+from typing import NamedTuple
+
+from safeloc.errors import InputError
+from safeloc.line.elements import Direction
+from safeloc.line.imports.building import within
+from safeloc.line.imports.geojson import Feature, read_features
+from safeloc.line.imports.json_text import others, required, text
+from safeloc.line.imports.lengths import decimal
+from safeloc.line.imports.notes import Note
+from safeloc.line.routes import Route
+from safeloc.line.topology import Run, Topology
+
+KNOWN = ("netelement_id", "start_intrinsic", "end_intrinsic", "gnss_start_index", "gnss_end_index", "probability")
+BOTH: tuple[Direction, Direction] = ("increasing", "decreasing")
+
+
+class ImportedPath(NamedTuple):
+    """A route over whole elements, and the notes on its import."""
+
+    route: Route
+    notes: tuple[Note, ...]
+
+
+def read_path(path: Path, topology: Topology, *, first: Direction | None = None) -> ImportedPath:
+    """The route in a path file, over the whole of its first and last element.
+
+    first  direction along the first element, where the order of the elements does not tell
+    Raises InputError for unknown elements, elements that no vehicle can go to in this order, and an untold direction.
+    """
+    notes: list[Note] = []
+    with within(path):
+        edges = [_edge(feature, topology, notes) for feature in read_features(path, notes)]
+        if not edges:
+            raise InputError("names no element.")
+        return ImportedPath(route_over(edges, topology, first=first), tuple(notes))
+
+
+def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | None = None) -> Route:
+    """The route that runs over these edges in this order; InputError where there is none, or more than one."""
+    for edge in edges:
+        if edge not in topology.edges:
+            raise InputError(f"the network has no element {edge!r}.")
+    starts: Sequence[Direction] = BOTH if first is None else (first,)
+    found = [runs for start in starts for runs in _runs(Run(edges[0], start), edges[1:], topology)]
+    if not found:
+        raise InputError(f"no vehicle can run over {_break(edges, topology)} in this order.")
+    if len(found) > 1:
+        raise InputError(f"the direction along {edges[0]!r} is not told; say whether it was increasing or decreasing.")
+    return Route(topology, found[0], 0, topology.length_mm(found[0][-1]))
+
+
+def _runs(run: Run, rest: Sequence[str], topology: Topology) -> Iterator[tuple[Run, ...]]:
+    if run not in topology.graph:
+        return
+    if not rest:
+        yield (run,)
+        return
+    for after in topology.after(run):
+        if after.edge == rest[0]:
+            for tail in _runs(after, rest[1:], topology):
+                yield (run, *tail)
+
+
+def _break(edges: Sequence[str], topology: Topology) -> str:
+    """The first elements of the path that no vehicle can run over."""
+    for count in range(2, len(edges) + 1):
+        if not any(list(_runs(Run(edges[0], start), edges[1:count], topology)) for start in BOTH):
+            return ", ".join(repr(edge) for edge in edges[max(0, count - 3) : count])
+    return repr(edges[0])
+
+
+def _edge(feature: Feature, topology: Topology, notes: list[Note]) -> str:
+    for name in others(feature.properties, KNOWN):
+        notes.append(Note("not understood", feature.place, f"property {name!r}"))
+    name = required(feature.properties, "netelement_id", feature.place)
+    edge = text(name, f"{feature.place}: netelement_id")
+    if edge not in topology.edges:
+        raise InputError(f"{feature.place}: the network has no element {edge!r}.")
+    probability = feature.properties.get("probability")
+    if probability is not None and decimal(probability, f"{feature.place}: probability") < Decimal(1):
+        notes.append(
+            Note("not carried over", feature.place, f"probability {probability}; the element counts as run over")
+        )
+    return edge

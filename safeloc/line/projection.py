@@ -1,0 +1,144 @@
+"""Geographic positions on the track: the nearest edge, the place on it, and how far off it lies.
+
+Needs the extra `geo` (shapely, pyproj). Computed in a plane that touches the Earth at the middle of the line; the place
+is then counted along the edge's own length, so that it fits the map to the mm however the plane is distorted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+from typing import Any
+
+from safeloc.errors import InputError
+from safeloc.line.elements import Geometry, TrackEdge
+from safeloc.line.imports.building import missing
+from safeloc.line.model import Line
+from safeloc.line.places import Place
+
+WGS84 = "EPSG:4326"
+LAMBERT72 = "EPSG:31370"
+PURPOSE = "projecting positions to the track"
+
+
+@dataclass(frozen=True)
+class Projected:
+    """Where a position lies.
+
+    place      the nearest place of the track, to the nearest mm
+    offset_mm  how far the position lies off it, to the nearest mm: positive to the right of the edge's increasing
+               direction, negative to the left; beyond the end of a track it is the distance to that end
+    """
+
+    place: Place
+    offset_mm: int
+
+
+@dataclass(frozen=True)
+class _Course:
+    """An edge in the plane, with the length of the map spread over its segments."""
+
+    edge: str
+    line: Any
+    points: tuple[tuple[float, float], ...]
+    reached: tuple[float, ...]
+    length_mm: int
+
+    def place_mm(self, distance: float) -> int:
+        """The position along the edge, for a distance along the plane course."""
+        return min(max(round(distance / self.reached[-1] * self.length_mm), 0), self.length_mm)
+
+    def side(self, distance: float, x: float, y: float) -> int:
+        """1 to the right of the course at this distance along it, -1 to the left."""
+        index = next((i for i, end in enumerate(self.reached[1:]) if end >= distance), len(self.reached) - 2)
+        (ax, ay), (bx, by) = self.points[index], self.points[index + 1]
+        return -1 if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0 else 1
+
+
+class Projector:
+    """Projects positions to the edges of a line. InputError for a line no edge of which has a geometry."""
+
+    def __init__(self, line: Line, *, edges: Sequence[str] | None = None) -> None:
+        """`edges` restricts the projection to some edges, for instance those of a route."""
+        self._shapely, self._pyproj = _shapely(), _pyproj()
+        chosen = [edge for edge in line.edges if edge.geometry is not None and (edges is None or edge.id in edges)]
+        if not chosen:
+            raise InputError(f"{line.name}: none of these edges has a geometry; positions cannot be projected to them.")
+        degrees = [self._degrees(edge) for edge in chosen]
+        self._plane = _plane_at(degrees)
+        self._transformers: dict[str, Any] = {}
+        self._courses = [self._course(edge, points) for edge, points in zip(chosen, degrees, strict=True)]
+        self._tree = self._shapely.STRtree([course.line for course in self._courses])
+
+    def project(self, x: float, y: float, *, crs: str = WGS84) -> Projected:
+        """The place nearest to a position.
+
+        x, y  longitude and latitude in degrees for EPSG:4326; easting and northing otherwise, in the system's unit
+        Raises InputError for coordinates that are not finite, or outside where `crs` is defined.
+        """
+        east, north = self._to_plane(x, y, crs)
+        point = self._shapely.Point(east, north)
+        course = self._courses[int(self._tree.nearest(point))]
+        along = float(course.line.project(point))
+        off = round(float(course.line.distance(point)) * 1000)
+        return Projected(Place(course.edge, course.place_mm(along)), off * course.side(along, east, north))
+
+    def distance_mm(self, one: tuple[float, float], other: tuple[float, float], *, crs: str = WGS84) -> int:
+        """The straight distance over ground between two positions, to the nearest mm."""
+        (ax, ay), (bx, by) = self._to_plane(*one, crs), self._to_plane(*other, crs)
+        return round(math.hypot(bx - ax, by - ay) * 1000)
+
+    def _to_plane(self, x: float, y: float, crs: str) -> tuple[float, float]:
+        if crs not in self._transformers:
+            self._transformers[crs] = self._transformer(crs, self._plane)
+        east, north = self._transformers[crs].transform(x, y)
+        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(east) and math.isfinite(north)):
+            raise InputError(f"({x}, {y}) is no position in {crs}.")
+        return east, north
+
+    def _transformer(self, crs: str, to: str) -> Any:
+        try:
+            return self._pyproj.Transformer.from_crs(crs, to, always_xy=True)
+        except self._pyproj.exceptions.CRSError as error:
+            raise InputError(f"{crs!r} is no coordinate system: {error}.") from error
+
+    def _degrees(self, edge: TrackEdge) -> tuple[tuple[float, float], ...]:
+        assert isinstance(edge.geometry, Geometry)
+        if edge.geometry.crs == WGS84:
+            return edge.geometry.points
+        transformer = self._transformer(edge.geometry.crs, WGS84)
+        return tuple(transformer.transform(*point) for point in edge.geometry.points)
+
+    def _course(self, edge: TrackEdge, degrees: tuple[tuple[float, float], ...]) -> _Course:
+        points = tuple(self._to_plane(*point, WGS84) for point in degrees)
+        steps = (math.dist(one, other) for one, other in pairwise(points))
+        reached = tuple(accumulate(steps, initial=0.0))
+        if not reached[-1] > 0:
+            raise InputError(f"edge {edge.id!r}: its geometry has no length.")
+        return _Course(edge.id, self._shapely.LineString(points), points, reached, edge.length_mm)
+
+
+def _shapely() -> Any:
+    try:
+        import shapely
+    except ImportError as error:
+        raise missing("shapely", PURPOSE) from error
+    return shapely
+
+
+def _pyproj() -> Any:
+    try:
+        import pyproj
+    except ImportError as error:
+        raise missing("pyproj", PURPOSE) from error
+    return pyproj
+
+
+def _plane_at(courses: Sequence[Sequence[tuple[float, float]]]) -> str:
+    """A transverse Mercator plane at the middle of all points: within 1e-5 of the true lengths 28 km around."""
+    longitudes = [point[0] for course in courses for point in course]
+    latitudes = [point[1] for course in courses for point in course]
+    middle = (min(longitudes) + max(longitudes)) / 2, (min(latitudes) + max(latitudes)) / 2
+    return f"+proj=tmerc +lon_0={middle[0]} +lat_0={middle[1]} +datum=WGS84 +units=m +no_defs"
