@@ -27,7 +27,7 @@ from safeloc.expr import (
     maximum,
     with_unit,
 )
-from safeloc.units import MM, NM, PPM
+from safeloc.units import COUNT, MM, NM, PPM
 
 WHOLE_PPM = 1_000_000
 
@@ -47,6 +47,7 @@ class LayoutConfig(Config):
     stop_window_mm: int = quantity(500, "mm", 1, 10_000, "[S] OCORA 7241: stop +- 0.50 m")
     stop_control_error_mm: int = quantity(150, "mm", 0, 10_000, "[M] what the brake control leaves")
     reflectors_per_balise: int = quantity(8, "count", 1, 1_000, "[M] source l. 111: 'after several reflectors'")
+    route_faults_withstood: int = quantity(0, "count", 0, 100, "[D] 0: any two routes differ in what is seen on them")
     prescribed_distance_mm: int | None = Field(
         default=None,
         gt=0,
@@ -184,6 +185,11 @@ def switch_in_view(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout:
 def direction_shows(same_model: Bool) -> Bool:
     """The models before and after a balise differ, so that their order tells the direction (RFL-D5)."""
     return ~same_model
+
+
+def routes_told_apart(faults_to_confuse: Num, layout: LayoutConfig) -> Bool:
+    """It takes more missed or misread reflectors than are to be withstood to make one route look like another (RFL-D6)."""
+    return as_num(layout.route_faults_withstood, COUNT) < faults_to_confuse
 
 
 # ------------------------------------------------------------------ balises (RFL-D4)

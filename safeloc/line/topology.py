@@ -109,6 +109,10 @@ class Topology:
         """Whether the run ends where another part of the map, or an unmapped track, goes on."""
         return self._kinds[self.end(run)] in ("seam", "border")
 
+    def comes_over_seam(self, run: Run) -> bool:
+        """Whether the run begins where another part of the map ends."""
+        return self._kinds[self.start(run)] == "seam"
+
     def length_mm(self, run: Run) -> int:
         """Length of the run's edge."""
         return self.edges[run.edge].length_mm

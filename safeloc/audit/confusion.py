@@ -1,0 +1,84 @@
+"""By how many missed or misread reflectors one route comes to look like another (RFL-D6)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+NEVER = 10**9
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What a vehicle sees on a route: a reflector's model or, `certain`, a balise's identity; and where."""
+
+    what: str
+    position_mm: int
+    identity: str
+    certain: bool = False
+
+
+def faults_towards(
+    truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: int | None, same_start: bool
+) -> int | None:
+    """The fewest missed or misread sightings that make the true route look like the believed one; None: never.
+
+    gate_mm     two places farther apart are never taken for each other; None: places are not looked at
+    same_start  positions count from a common place; else any sighting may be the first one of the other route
+    """
+    least = _faults(truth, believed, gate_mm, same_start)
+    return None if least >= NEVER else least
+
+
+def _faults(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: int | None, same_start: bool) -> int:
+    if gate_mm is None or same_start:
+        return _aligned(*_without_common_ends(truth, believed), gate_mm, 0)
+    if not believed:
+        return len(truth)
+    shifts = {one.position_mm - believed[0].position_mm for one in truth}
+    return min((_aligned(truth, believed, gate_mm, shift) for shift in shifts), default=NEVER)
+
+
+def _without_common_ends(
+    truth: Sequence[Sighting], believed: Sequence[Sighting]
+) -> tuple[Sequence[Sighting], Sequence[Sighting]]:
+    """What lies on both routes at the same place costs nothing and need not be looked at."""
+    start = 0
+    while start < min(len(truth), len(believed)) and truth[start] == believed[start]:
+        start += 1
+    end = 0
+    while end < min(len(truth), len(believed)) - start and truth[-1 - end] == believed[-1 - end]:
+        end += 1
+    return truth[start : len(truth) - end], believed[start : len(believed) - end]
+
+
+def _aligned(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: int | None, shift_mm: int) -> int:
+    """Each sighting of the believed route is one of the true route's, in order; the rest of those were missed.
+
+    An expected reflector that is not found ends the procedure (RFL-D3), so none of the believed route may be absent.
+    """
+    costs = [0] + [NEVER] * len(believed)
+    for seen in truth:
+        extended = [costs[0] + 1]
+        for index, expected in enumerate(believed):
+            taken = costs[index] + _reading(seen, expected, gate_mm, shift_mm)
+            extended.append(min(taken, costs[index + 1] + 1, NEVER))
+        costs = extended
+    return costs[-1]
+
+
+def _reading(seen: Sighting, expected: Sighting, gate_mm: int | None, shift_mm: int) -> int:
+    """0 where what is seen fits what is expected, 1 where its model must be misread, NEVER where it cannot be taken so."""
+    if gate_mm is not None and abs(seen.position_mm - shift_mm - expected.position_mm) > gate_mm:
+        return NEVER
+    if seen.what == expected.what:
+        return 0
+    return NEVER if seen.certain or expected.certain else 1
+
+
+def common_suffix(first: Sequence[Sighting], second: Sequence[Sighting]) -> int:
+    """How many sightings at the end look alike."""
+    count = 0
+    while count < min(len(first), len(second)) and first[-1 - count].what == second[-1 - count].what:
+        count += 1
+    return count

@@ -1,0 +1,58 @@
+"""Stop points: the reflector is ahead, at the set distance, in view, and the stop window can be kept (RFL-D7)."""
+
+from __future__ import annotations
+
+from safeloc.audit.findings import Ledger
+from safeloc.audit.rules import Rules
+from safeloc.audit.walk import Walk
+from safeloc.line.elements import Reflector, StopPoint
+from safeloc.line.places import Place, along
+from safeloc.line.topology import Run
+
+
+def check_stops(walk: Walk, rules: Rules, ledger: Ledger) -> None:
+    """Every stop point."""
+    for stop in walk.line.stop_points:
+        _check(walk, rules, ledger, stop)
+
+
+def _check(walk: Walk, rules: Rules, ledger: Ledger, stop: StopPoint) -> None:
+    place, subject = Place(stop.edge, stop.position_mm), f"stop point {stop.id}"
+    run = Run(stop.edge, stop.direction)
+    if run not in walk.references:
+        ledger.add(rules.standstill, place, f"{subject}: its direction is against regular travel")
+        return
+    ledger.check(
+        rules.stop_window,
+        place,
+        subject,
+        window_before_mm=stop.window_before_mm,
+        window_after_mm=stop.window_after_mm,
+    )
+    found = _reflector(walk, run, stop)
+    if found is None:
+        ledger.add(rules.standstill, place, f"{subject}: reflector {stop.reflector} is not ahead of it")
+        return
+    distance, reflector = found
+    stated = stop.standstill_distance_mm
+    ledger.check(rules.standstill, place, subject, stated_mm=stated, distance_mm=distance)
+    ledger.check(
+        rules.stop_view,
+        place,
+        f"{subject} with reflector {reflector.id}",
+        standstill_mm=distance,
+        window_before_mm=stop.window_before_mm,
+        window_after_mm=stop.window_after_mm,
+        view_from_mm=reflector.view_from_mm,
+        view_to_mm=reflector.view_to_mm,
+    )
+
+
+def _reflector(walk: Walk, run: Run, stop: StopPoint) -> tuple[int, Reflector] | None:
+    known = next(one for one in walk.line.reflectors if one.id == stop.reflector)
+    reach = max(2 * stop.standstill_distance_mm, known.view_from_mm) + 1_000_000
+    start = along(run.direction, walk.topology.length_mm(run), stop.position_mm)
+    for seen in walk.ahead(run, start, reach):
+        if seen.element == known:
+            return seen.distance_mm, known
+    return None

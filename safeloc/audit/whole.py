@@ -1,0 +1,41 @@
+"""All checks of a line, in one report."""
+
+from __future__ import annotations
+
+from safeloc.audit.findings import AuditReport, Ledger
+from safeloc.audit.neighbours import check_balises, check_reflectors
+from safeloc.audit.references import References
+from safeloc.audit.routes import check_routes
+from safeloc.audit.rules import Rules
+from safeloc.audit.stops import check_stops
+from safeloc.audit.stretches import Stretches
+from safeloc.audit.switches import check_switches
+from safeloc.audit.walk import Walk
+from safeloc.line.integrity import kinds
+from safeloc.line.model import Line, content_checksum
+from safeloc.models.layout_rules import LayoutConfig
+
+
+def audit(line: Line, layout: LayoutConfig | None = None) -> AuditReport:
+    """Every rule of the layout on every place it concerns. `layout`: the vehicle's figures; the defaults without it."""
+    layout = layout or LayoutConfig()
+    walk, rules, ledger = Walk(line), Rules(layout), Ledger({edge.id: edge for edge in line.edges})
+    Stretches(walk, rules, ledger).check()
+    References(walk, rules, ledger).check()
+    check_reflectors(walk, rules, ledger)
+    check_balises(walk, rules, ledger)
+    check_switches(walk, rules, ledger)
+    check_stops(walk, rules, ledger)
+    routes, pairs = check_routes(walk, rules, ledger)
+    findings = sorted(ledger.findings, key=lambda one: (one.severity == "advice", one.rule, one.place, one.subject))
+    return AuditReport(
+        line=line.name,
+        version=line.version,
+        checksum=content_checksum(line),
+        layout=layout,
+        elements={kind: len(elements) for kind, elements in kinds(line).items() if elements},
+        findings=tuple(findings),
+        cases=dict(ledger.cases),
+        routes=routes,
+        route_pairs=pairs,
+    )
