@@ -19,6 +19,7 @@ class Finding:
     seconds       time it took
     requirements  requirement ids it answers for
     assumption    the assumption it was shown under, in words ("" for none)
+    truth_mm      of a recording that holds it: the truth after each step of the violated run, None where it is not known
     """
 
     id: str
@@ -30,3 +31,4 @@ class Finding:
     seconds: float
     requirements: tuple[str, ...] = ()
     assumption: str = ""
+    truth_mm: tuple[int | None, ...] = ()

@@ -7,7 +7,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
@@ -70,9 +69,7 @@ def replay_stream(target: Target, path: Path) -> tuple[list[Row], list[Finding]]
     """
     started = time.monotonic()
     stream = read_steps(path)
-    ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}
-    whole = bool(stream.steps) and ghosts <= set(stream.steps[0])
-    system = target.system if whole else without_ghosts(target.system)
+    system = target.system if _is_whole(target, stream) else without_ghosts(target.system)
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = _run(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
@@ -80,8 +77,19 @@ def replay_stream(target: Target, path: Path) -> tuple[list[Row], list[Finding]]
     verdicts = check_all(trace, properties)
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if target.reported is not None and any(value is not None for value in truth):
-        findings.append(_containment(target, path, rows, trace, started))
+        findings.append(_containment(target, path, rows, trace, truth, started))
     return rows, findings
+
+
+def whole_run(target: Target, path: Path) -> Trace | None:
+    """A stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
+    stream = read_steps(path)
+    return _run(target.system, path, stream) if _is_whole(target, stream) else None
+
+
+def _is_whole(target: Target, stream: StepStream) -> bool:
+    ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}
+    return bool(stream.steps) and ghosts <= set(stream.steps[0])
 
 
 def _run(system: TransitionSystem, path: Path, stream: StepStream) -> Trace:
@@ -169,17 +177,26 @@ def _finding(target: Target, path: Path, prop: Property, verdict: Result, starte
     return Finding(name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.trace)
 
 
-def _containment(target: Target, path: Path, rows: Sequence[Row], trace: Trace, started: float) -> Finding:
+def _containment(
+    target: Target, path: Path, rows: Sequence[Row], trace: Trace, truth: Sequence[int | None], started: float
+) -> Finding:
     wrong = [row.number for row in rows if row.truth == "WRONG"]
     invalid = sum(row.truth == "INVALID" for row in rows)
     notes = {"contained": str(sum(row.truth == "contained" for row in rows)), "not reported": str(invalid)}
+    outcome: Result = Held("replay", 1, len(rows), notes)
+    seen: tuple[int | None, ...] = ()
     if wrong:
         part = Trace(trace.system, trace.initial, trace.steps[: wrong[0]])
-        outcome: Any = Violated(part, "replay", f"the reported interval misses truth_mm at steps {wrong[:10]}")
-    else:
-        outcome = Held("replay", 1, len(rows), notes)
-    name = f"{target.name}/replay/{path.stem}: truth"
-    statement = "the reported interval holds the truth of the recording"
+        steps = ", ".join(map(str, wrong[:10])) + (f" and {len(wrong) - 10} more" if len(wrong) > 10 else "")
+        outcome = Violated(part, "replay", f"the reported interval misses truth_mm at steps {steps}")
+        seen = tuple(truth[: wrong[0]])
     return Finding(
-        name, target.name, "replay", statement, outcome, f"replay of {path.name}", time.monotonic() - started
+        f"{target.name}/replay/{path.stem}: truth",
+        target.name,
+        "replay",
+        "the reported interval holds the truth of the recording",
+        outcome,
+        f"replay of {path.name}",
+        time.monotonic() - started,
+        truth_mm=seen,
     )

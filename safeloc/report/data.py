@@ -85,7 +85,7 @@ def result_data(finding: Finding) -> dict[str, Any]:
         "assumption": finding.assumption,
         "reason": _reason(finding),
         "notes": dict(finding.result.notes) if isinstance(finding.result, Held) else {},
-        "trace": trace_data(_trace(finding)),
+        "trace": trace_data(_trace(finding), finding.truth_mm),
     }
 
 
@@ -117,7 +117,7 @@ def _trace(finding: Finding) -> Trace | None:
             assert_never(finding.result)
 
 
-def trace_data(trace: Trace | None) -> dict[str, Any] | None:
+def trace_data(trace: Trace | None, truth_mm: Sequence[int | None] = ()) -> dict[str, Any] | None:
     """First state, and per step the inputs that were present, what fired, the state and the outputs."""
     if trace is None:
         return None
@@ -130,7 +130,7 @@ def trace_data(trace: Trace | None) -> dict[str, Any] | None:
         }
         for step in trace.steps
     ]
-    return {"first": dict(trace.initial), "steps": steps}
+    return {"first": dict(trace.initial), "steps": steps, "truth_mm": list(truth_mm)}
 
 
 def _requirement(link: Link, findings: Sequence[Finding]) -> dict[str, Any]:

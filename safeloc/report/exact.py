@@ -14,6 +14,7 @@ from safeloc.render import infix
 from safeloc.terms import Sharing, children, in_order
 
 UNBOUNDED = 10**9
+HALF_A_PAGE = 2_000
 SHORT = 24
 """A part of no more characters is written where it stands."""
 
@@ -35,6 +36,8 @@ class Exact:
         roots = [share(term) for term in terms.values()]
         order = in_order([*given, *roots])
         uses = Counter(id(child) for child in (*roots, *(child for node in order for child in children(node))))
+        self._given = given
+        self._share = share
         self._names: dict[Expr, str] = {}
         lines: list[Line] = []
         for node in order:
@@ -49,3 +52,9 @@ class Exact:
             name: infix(root, UNBOUNDED, self._names, deepest=UNBOUNDED)
             for name, root in zip(terms, roots, strict=True)
         }
+
+    def spelled(self, term: Expr) -> str:
+        """The term with nothing but the model's own definitions by name, unless that fills more than half a page."""
+        whole = self._share(term)
+        text = infix(whole, HALF_A_PAGE, self._given, deepest=UNBOUNDED)
+        return infix(whole, UNBOUNDED, self._names, deepest=UNBOUNDED) if text.endswith("…") else text

@@ -81,7 +81,7 @@ def _write_evidence(folder: Path, findings: Sequence[Finding]) -> None:
                 if written.setdefault(name.casefold(), text) != text:
                     raise InputError(f"{finding.id}: another certificate is called {name}; rename machine or property.")
                 (folder / "certificates" / name).write_text(text, encoding="utf-8")
-        _save_trace(folder / "traces" / f"{files[finding.id]}.jsonl", _run_of(finding))
+        _save_trace(folder / "traces" / f"{files[finding.id]}.jsonl", _run_of(finding), finding.truth_mm)
 
 
 def _run_of(finding: Finding) -> Trace | None:
@@ -94,7 +94,12 @@ def _run_of(finding: Finding) -> Trace | None:
             assert_never(finding.result)
 
 
-def _save_trace(path: Path, trace: Trace | None) -> None:
-    """A trace as a stream that `replay` takes."""
-    if trace is not None:
-        write_steps(path, trace.stream(), machine=trace.system.name, first=trace.initial)
+def _save_trace(path: Path, trace: Trace | None, truth_mm: Sequence[int | None]) -> None:
+    """A trace as a stream that `replay` takes, with the recorded truth where there is one."""
+    if trace is None:
+        return
+    steps = [dict(step) for step in trace.stream()]
+    for step, truth in zip(steps, truth_mm, strict=False):
+        if truth is not None:
+            step["truth_mm"] = truth
+    write_steps(path, steps, machine=trace.system.name, first=trace.initial)

@@ -75,7 +75,7 @@ def _part(machine: Machine) -> dict[str, Any]:
     return {
         "name": machine.name,
         "svg": to_svg(machine),
-        "assumption": [exact.texts[key] for key in assumed],
+        "assumption": [exact.spelled(term) for term in assumed.values()],
         "table": [_row(t, exact.texts[f"when {t.name}"]) for t in machine.transitions],
         "updates": [
             {"variable": update.variable, "term": exact.texts[key], "transitions": update.transitions}

@@ -17,6 +17,8 @@ from safeloc.report.traces import trace_charts, trace_rows
 TEMPLATE = Path(__file__).with_name("page.html.jinja")
 VERDICTS = ("proved", "held", "unknown", "violated")
 LONGEST_NAME = 150
+LONGEST_RUN, LAST_STEPS = 40, 20
+"""A longer run is folded but for its last steps."""
 SUMMARY: Mapping[str, tuple[str, ...]] = {
     "properties": ("property",),
     "obligations and lemmas": ("obligation", "lemma"),
@@ -149,9 +151,11 @@ def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
 def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, Any]:
     trace = row["trace"]
     charts = "" if trace is None else trace_charts(trace, machine)
+    steps = [] if trace is None else trace_rows(trace, machine["signals"])
     return {
         "row": row,
         "charts": Markup(charts),  # our own text, every label in it is escaped
-        "steps": [] if trace is None else trace_rows(trace, machine["signals"]),
+        "steps": steps,
+        "groups": [steps] if len(steps) <= LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
         "file": f"traces/{files[row['id']]}.jsonl",
     }

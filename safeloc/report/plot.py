@@ -22,6 +22,7 @@ def line_chart(title: str, unit: str, lines: Mapping[str, Series], band: tuple[S
     for index, (name, series) in enumerate(lines.items()):
         colour = COLOURS[index % len(COLOURS)]
         body.append(f'<path d="{_path(scale, series)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
+        body += [_dot(scale, step, value, colour) for step, value in _lone(series)]
         body.append(_text(LEFT + 10 + 150 * index, TOP - 4, name, colour))
     frame = f'<rect x="{LEFT}" y="{TOP + 4}" width="{WIDTH - LEFT - 10}" height="{HEIGHT - BOTTOM - TOP - 4}" class="frame"/>'
     marks = [_mark(scale, value, unit) for value in (scale.low, (scale.low + scale.high) / 2, scale.high)]
@@ -60,6 +61,20 @@ def _path(scale: _Scale, series: Series) -> str:
     return text
 
 
+def _dot(scale: _Scale, step: int, value: float, colour: str) -> str:
+    return f'<circle cx="{scale.x(step):.1f}" cy="{scale.y(value):.1f}" r="3" fill="{colour}"/>'
+
+
+def _lone(series: Series) -> list[tuple[int, float]]:
+    """Values between two gaps: a line would not show them."""
+    around = [None, *series, None]
+    return [
+        (step, value)
+        for step, value in enumerate(series)
+        if value is not None and around[step] is None and around[step + 2] is None
+    ]
+
+
 def _band(scale: _Scale, lower: Series, upper: Series) -> str:
     """The shaded band, interrupted where it is None."""
     text, run = "", list[tuple[int, float, float]]()
@@ -67,11 +82,20 @@ def _band(scale: _Scale, lower: Series, upper: Series) -> str:
         if low is not None and high is not None:
             run.append((step, low, high))
         elif run:
-            there = " ".join(f"{scale.x(s):.1f},{scale.y(h):.1f}" for s, _, h in run)
-            back = " ".join(f"{scale.x(s):.1f},{scale.y(lo):.1f}" for s, lo, _ in reversed(run))
+            there = " ".join(f"{x:.1f},{scale.y(high):.1f}" for x, _, high in _widened(scale, run))
+            back = " ".join(f"{x:.1f},{scale.y(low):.1f}" for x, low, _ in reversed(_widened(scale, run)))
             text += f'<polygon points="{there} {back}" class="band"/>'
             run = []
     return text
+
+
+def _widened(scale: _Scale, run: Sequence[tuple[int, float, float]]) -> list[tuple[float, float, float]]:
+    """Steps as places on the page; a run of one step is four wide, or nobody would see it."""
+    places = [(scale.x(step), low, high) for step, low, high in run]
+    if len(run) > 1:
+        return places
+    ((x, low, high),) = places
+    return [(x - 2, low, high), (x + 2, low, high)]
 
 
 def _mark(scale: _Scale, value: float, unit: str) -> str:

@@ -88,9 +88,10 @@ def _margin_chart(truth: Series, position: Series, low: Series, high: Series) ->
 
 
 def _truth_mm(trace: Data, reported: Reported) -> Series:
-    """The ghost in mm; gaps for a recorded run, which has no ghost."""
+    """The ghost in mm; of a recorded run, which has no ghost, the recorded truth, with gaps where there is none."""
     if reported.truth not in trace["first"]:
-        return [None] * (len(trace["steps"]) + 1)
+        recorded = trace["truth_mm"] or [None] * len(trace["steps"])
+        return [None, *(None if value is None else float(value) for value in recorded)]
     return [None if value is None else value / NM_PER_MM for value in _series(trace, reported.truth)]
 
 

@@ -32,6 +32,18 @@ def test_a_definition_is_named_by_the_model() -> None:
     assert exact.texts == {"pick": "a_mm if near else b_mm"}
 
 
+def test_an_assumption_is_spelled_out() -> None:
+    """With nothing but the model's own names in it, unless that would fill pages."""
+    gap = minimum(A + B, 50) - minimum(A, B)
+    exact = Exact({"one": between(0, gap, 9)}, {})
+    written = "min((a_mm + b_mm), 50 mm) − min(a_mm, b_mm)"
+    assert exact.spelled(between(0, gap, 9)) == f"(0 mm ≤ ({written})) and (({written}) ≤ 9 mm)"
+    deep: Num = A
+    for _ in range(12):
+        deep = minimum(deep + B, deep - B)
+    assert "#" in Exact({"deep": deep < 3}, {}).spelled(deep < 3)
+
+
 def test_equal_terms_built_twice_are_one() -> None:
     """It does not matter how a model was written."""
     first, second = (minimum(A + B, 50) + 1000 for _ in range(2))

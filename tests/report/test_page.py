@@ -83,12 +83,14 @@ def test_chart_of_a_reported_interval() -> None:
     outputs = {"restrictive": False, "position_mm": 100, "under_mm": 5, "over_mm": 7, "reason": 0}
     step = {"inputs": {}, "fired": {}, "state": {"truth_nm": 110_000_000}, "outputs": outputs}
     lost = {**step, "outputs": {**outputs, "restrictive": True}}
-    trace = {"first": {"truth_nm": 100_000_000}, "steps": [step, step, lost, step]}
+    trace = {"first": {"truth_nm": 100_000_000}, "steps": [step, step, lost, step], "truth_mm": []}
     chart = trace_charts(trace, machine)
     assert "truth - position" in chart
     assert chart.count("<polygon") == 4
-    recorded = {"first": {}, "steps": [step, step]}
-    assert "reported position" in trace_charts(recorded, machine)
+    recorded = {"first": {}, "steps": [step, step], "truth_mm": [101, None]}
+    drawn = trace_charts(recorded, machine)
+    assert "reported position" in drawn
+    assert drawn.count("<circle") == 2  # the one truth, and how far it is from the position
 
 
 def test_values_are_shown_as_labels() -> None:

@@ -196,7 +196,7 @@ def test_runs_are_one_table() -> None:
     ]
     shown = to_html(report_data(runs, [target()]))
     assert "<th>property tests<br>10 steps</th><th>run.csv<br>10 steps</th>" in shown
-    new, truth = re.findall(r"<tr><td><b>(?:new|truth)</b>.*?</tr>", shown)
+    new, truth = re.findall(r'<tr><td class="says"><b>(?:new|truth)</b>.*?</tr>', shown)
     assert new.count(">held</span>") == 2
     assert (truth.count("not applicable"), truth.count("contained: 9")) == (1, 1)
 
@@ -243,6 +243,25 @@ def test_two_runs_of_like_names_are_two_files(tmp_path: Path) -> None:
     write_folder(tmp_path, [wrong, replace(wrong, id="lamp/property/wears + tears")], [target()])
     assert {path.stem for path in (tmp_path / "traces").iterdir()} == {TRACE_FILE, f"{TRACE_FILE}-2"}
     assert f"traces/{TRACE_FILE}-2.jsonl" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+def test_the_run_of_a_recording_keeps_its_truth(tmp_path: Path) -> None:
+    """The saved stream, replayed, can show the same violation."""
+    wrong = replace(found(WRONG), truth_mm=(5, None, 7))
+    write_folder(tmp_path, [wrong], [target()])
+    steps = read_steps(tmp_path / "traces" / f"{TRACE_FILE}.jsonl").steps
+    assert [step.get("truth_mm") for step in steps] == [5, None, 7]
+
+
+def test_a_long_run_is_folded_but_for_its_end() -> None:
+    """What happened last is seen at once, the rest on demand; nothing is lost."""
+    data = report_data([found(WRONG)], [target()])
+    trace = data["results"][0]["trace"]
+    trace["steps"] = trace["steps"] * 20
+    page = to_html(data)
+    assert "<summary>the 41 rows before</summary>" in page
+    shown = page[page.index("<h2>Violated</h2>") : page.index('<h2 id="lamp">')]
+    assert shown.count('<tr><td class="n">') == 61
 
 
 def test_a_certificate_is_never_overwritten(tmp_path: Path) -> None:
@@ -339,6 +358,16 @@ def test_a_gap_interrupts_the_line() -> None:
     assert re.sub(r"[^ML]", "", line) == "MLML"
     assert chart.count("<polygon") == 2
     ElementTree.fromstring(chart)
+
+
+def test_a_value_between_gaps_is_a_dot() -> None:
+    """A line of one point would not be seen, nor a band of one step."""
+    series = [None, 2.0, None, 4.0, 5.0]
+    drawing = ElementTree.fromstring(line_chart("dot", "mm", {"position": series}, (series, series)))
+    assert len(drawing.findall("{*}circle")) == 1
+    first, _ = drawing.findall("{*}polygon")
+    places = {point.split(",")[0] for point in str(first.get("points")).split()}
+    assert len(places) == 2
 
 
 def test_a_constant_series_is_a_level_line() -> None:
