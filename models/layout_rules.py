@@ -23,7 +23,6 @@ from safeloc.expr import (
     between,
     exact_to,
     floor_div,
-    ite,
     maximum,
     with_unit,
 )
@@ -159,14 +158,19 @@ def separable_by_distance(spacing_mm: Num, layout: LayoutConfig) -> Bool:
 def told_apart(
     same_model: Bool, spacing_mm: Num, next_view_from_mm: Num, previous_view_to_mm: Num, layout: LayoutConfig
 ) -> Bool:
-    """Of two neighbours none is taken for the other (RFL-8, RFL-10).
+    """Of two neighbours on one route none is taken for the other (RFL-8, RFL-10).
 
-    Their models differ; or, with an odometry zone between, the search windows hold one of them; or, where the view
-    zones overlap, their distances tell.
+    Their models differ; or their distances tell and, with an odometry zone between their view zones, the search
+    window holds one of them.
     """
     overlap = zones_overlap(spacing_mm, next_view_from_mm, previous_view_to_mm)
     alone = alone_in_search_window(spacing_mm, next_view_from_mm, previous_view_to_mm, layout)
-    return ~same_model | ite(overlap, separable_by_distance(spacing_mm, layout), alone)
+    return told_apart_across_tracks(same_model, spacing_mm, layout) & (~same_model | overlap | alone)
+
+
+def told_apart_across_tracks(same_model: Bool, spacing_mm: Num, layout: LayoutConfig) -> Bool:
+    """Of two reflectors beside different tracks none is taken for the other: models differ, or distances tell (RFL-10)."""
+    return ~same_model | separable_by_distance(spacing_mm, layout)
 
 
 # ------------------------------------------------------------------ switches and direction (RFL-11, RFL-12, RFL-D5)

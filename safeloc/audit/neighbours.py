@@ -5,37 +5,38 @@ from __future__ import annotations
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import Rules
 from safeloc.audit.stretches import name
-from safeloc.audit.walk import Seen, Walk
-from safeloc.line.elements import BaliseGroup, Reflector
+from safeloc.line.clearance import Pair, pairs
+from safeloc.line.elements import BaliseGroup
+from safeloc.line.places import Place
+from safeloc.line.walk import Seen, Walk
 
 
 def check_reflectors(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Every two reflectors near enough on some route to be taken for each other."""
+    """Every two reflectors near enough, on one route or across tracks, to be taken for each other."""
     widest = max((reflector.view_from_mm for reflector in walk.line.reflectors), default=0)
     layout = rules.layout
     reach = max(widest + 2 * layout.tolerance_mm, 2 * (layout.tolerance_mm + layout.reflector_fix_mm)) + 1
-    for seen in walk.everywhere():
-        if isinstance(seen.element, Reflector):
-            for other in walk.ahead(seen.run, seen.offset_mm, reach):
-                if isinstance(other.element, Reflector) and _beyond(seen, other):
-                    _pair(ledger, rules, walk, seen.element, other, other.element)
+    for pair in pairs(walk, reach):
+        _pair(pair, rules, ledger)
 
 
-def _beyond(seen: Seen, other: Seen) -> bool:
-    """Whether the other lies ahead; of two at one place, one order counts."""
-    return other.distance_mm > 0 or seen.element.id < other.element.id
-
-
-def _pair(ledger: Ledger, rules: Rules, walk: Walk, before: Reflector, seen: Seen, after: Reflector) -> None:
-    ledger.check(
-        rules.neighbours,
-        walk.place(seen.run, seen.offset_mm),
-        f"{name(before)} and then {name(after)}",
-        same_model=before.model == after.model,
-        spacing_mm=seen.distance_mm,
-        next_view_from_mm=after.view_from_mm,
-        previous_view_to_mm=before.view_to_mm,
-    )
+def _pair(pair: Pair, rules: Rules, ledger: Ledger) -> None:
+    before, after = pair.first, pair.second
+    place = Place(after.edge, after.position_mm)
+    same = before.model == after.model
+    if pair.one_route:
+        ledger.check(
+            rules.neighbours,
+            place,
+            f"{name(before)} and then {name(after)}",
+            same_model=same,
+            spacing_mm=pair.spacing_mm,
+            next_view_from_mm=after.view_from_mm,
+            previous_view_to_mm=before.view_to_mm,
+        )
+    else:
+        subject = f"{name(before)} and {name(after)} beside another track"
+        ledger.check(rules.across_tracks, place, subject, same_model=same, spacing_mm=pair.spacing_mm)
 
 
 def check_balises(walk: Walk, rules: Rules, ledger: Ledger) -> None:

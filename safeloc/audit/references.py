@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import UNBOUNDED, Figures, Rules
 from safeloc.audit.stretches import longest, name
-from safeloc.audit.walk import Reference, Seen, Walk, carried
 from safeloc.line.elements import BaliseGroup, Reflector
 from safeloc.line.topology import Run
+from safeloc.line.walk import Reference, Seen, Walk, carried
 
 SLACK_MM = 1_000_000
 """How much farther than stated a reflector is looked for, so that its true distance can be told."""

@@ -16,11 +16,11 @@ from safeloc.audit.confusion import NEVER, Sighting, common_suffix, faults_towar
 from safeloc.audit.findings import Ledger, Likeness, RoutePair
 from safeloc.audit.rules import Rules
 from safeloc.audit.stretches import longest
-from safeloc.audit.walk import Reference, Walk
 from safeloc.line.elements import Reflector
 from safeloc.line.places import Place
 from safeloc.line.routes import Route, through_routes
 from safeloc.line.topology import Run, Topology
+from safeloc.line.walk import Reference, Walk
 
 MOST_ROUTES = 24
 WAYS_ON = 16

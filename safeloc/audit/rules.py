@@ -125,6 +125,12 @@ class Rules:
         return Rule("neighbours told apart", ("RFL-8", "RFL-10"), term)
 
     @cached_property
+    def across_tracks(self) -> Rule:
+        """No reflector is taken for one beside another track."""
+        term = terms.told_apart_across_tracks(boolean("same_model"), _mm("spacing_mm"), self.layout)
+        return Rule("reflectors across tracks", ("RFL-10",), term)
+
+    @cached_property
     def branches(self) -> Rule:
         """Models on branches differ."""
         return Rule("models on branches", ("RFL-11",), terms.branch_models_differ(boolean("same_model")))

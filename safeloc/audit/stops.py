@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import Rules
-from safeloc.audit.walk import Walk
 from safeloc.line.elements import Reflector, StopPoint
 from safeloc.line.places import Place, along
 from safeloc.line.topology import Run
+from safeloc.line.walk import Walk
 
 
 def check_stops(walk: Walk, rules: Rules, ledger: Ledger) -> None:

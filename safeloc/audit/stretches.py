@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import UNBOUNDED, Rules
-from safeloc.audit.walk import Reference, Walk, carried
 from safeloc.expr import as_num
 from safeloc.interpret import evaluate
 from safeloc.line.elements import BaliseGroup
 from safeloc.line.topology import Run
+from safeloc.line.walk import Reference, Walk, carried
 from safeloc.models.layout_rules import LayoutConfig, longest_stretch_mm
 from safeloc.units import MM
 

@@ -7,9 +7,9 @@ from itertools import combinations
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import Rules
 from safeloc.audit.stretches import longest, name
-from safeloc.audit.walk import Seen, Walk
 from safeloc.line.elements import Reflector
 from safeloc.line.topology import Run
+from safeloc.line.walk import Seen, Walk
 
 
 def check_switches(walk: Walk, rules: Rules, ledger: Ledger) -> None:

@@ -10,9 +10,9 @@ from safeloc.audit.rules import Rules
 from safeloc.audit.stops import check_stops
 from safeloc.audit.stretches import Stretches
 from safeloc.audit.switches import check_switches
-from safeloc.audit.walk import Walk
 from safeloc.line.integrity import kinds
 from safeloc.line.model import Line, content_checksum
+from safeloc.line.walk import Walk
 from safeloc.models.layout_rules import LayoutConfig
 
 

@@ -13,6 +13,7 @@ from safeloc.backends.compiled import to_python
 from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import ENTRIES, Target, load_target
+from safeloc.cli.audit import audit_line
 from safeloc.cli.line_import import import_line
 from safeloc.cli.replay import replay_stream
 from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
@@ -33,6 +34,7 @@ from safeloc.verdict import Proved, word, worst
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("import")(import_line)
+app.command("audit")(audit_line)
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")

@@ -84,8 +84,22 @@ class Walk:
             for after in self.topology.after(here):
                 heapq.heappush(queue, (start + self.topology.length_mm(here), after))
 
+    def behind(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[Seen]:
+        """References at or behind a place, for vehicles on their way to it; each with its shortest distance."""
+        queue, done = [(offset_mm, run)], set[Run]()
+        while queue:
+            end, here = heapq.heappop(queue)
+            if here in done or end - self.topology.length_mm(here) > reach_mm:
+                continue
+            done.add(here)
+            for offset, element in reversed(self.references[here]):
+                if 0 <= end - offset <= reach_mm:
+                    yield Seen(element, here, offset, end - offset)
+            for before in self.topology.before(here):
+                heapq.heappush(queue, (end + self.topology.length_mm(before), before))
+
     def first_ahead(self, run: Run, offset_mm: int, reach_mm: int, wanted: Callable[[Reference], bool]) -> list[Seen]:
-        """On every route the first wanted reference beyond a place, within reach; each with its shortest distance."""
+        """On every route the first wanted reference at or beyond a place, within reach; each with its shortest distance."""
         found: list[Seen] = []
         queue, done = [(-offset_mm, run)], set[Run]()
         while queue:
@@ -93,7 +107,7 @@ class Walk:
             if here in done or start > reach_mm:
                 continue
             done.add(here)
-            first = next((one for one in self.references[here] if start + one[0] > 0 and wanted(one[1])), None)
+            first = next((one for one in self.references[here] if start + one[0] >= 0 and wanted(one[1])), None)
             if first is None:
                 ends = start + self.topology.length_mm(here)
                 for after in self.topology.after(here):

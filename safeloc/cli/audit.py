@@ -1,0 +1,55 @@
+"""`safeloc audit`: whether a line's layout meets what the proofs assume."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from safeloc.audit import audit
+from safeloc.audit.findings import AuditReport
+from safeloc.audit.vehicle import find_layout
+from safeloc.cli.show import out
+from safeloc.line.toml_files import find_line
+
+VIOLATED = 1
+
+
+def audit_line(
+    line: Annotated[
+        str, typer.Argument(help="file (TOML or JSON, see docs/line.md), or a shipped line: fig1, fig2, fig3")
+    ],
+    vehicle: Annotated[
+        str | None, typer.Option("--vehicle", help="file with [localization], or a shipped vehicle; else the defaults")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-audit/1)")] = False,
+) -> None:
+    """Check that the layout of a line meets what the proofs assume. Exit code 1 where a rule is violated."""
+    report = audit(find_line(line), None if vehicle is None else find_layout(vehicle))
+    if as_json:
+        print(json.dumps(report.as_data(), indent=2))
+    else:
+        for told in _lines(report):
+            out.print(told, markup=False)
+    raise typer.Exit(VIOLATED if report.violated else 0)
+
+
+def _lines(report: AuditReport) -> list[str]:
+    elements = ", ".join(f"{kind.replace('_', ' ')} {count}" for kind, count in report.elements.items())
+    routes = "too many routes to compare one by one" if report.routes is None else f"{report.routes} routes"
+    advice = len(report.findings) - len(report.violated)
+    return [
+        f"{report.line} version {report.version}, {report.checksum}",
+        f"{elements}; {routes}",
+        *(finding.as_text() for finding in report.findings),
+        *(
+            ["", "routes, and missed or misread reflectors that make one look like another:"]
+            if report.route_pairs
+            else []
+        ),
+        *(f"  {pair.as_text()}" for pair in report.route_pairs),
+        "",
+        *(f"{count:7} x {rule}" for rule, count in report.cases.items()),
+        f"{sum(report.cases.values())} cases, {len(report.violated)} violated, {advice} advice",
+    ]
