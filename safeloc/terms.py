@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import assert_never
 
 from safeloc.nodes import (
@@ -57,17 +57,20 @@ def children(node: Expr) -> tuple[Expr, ...]:
             assert_never(node)
 
 
-def in_order(roots: Iterable[Expr]) -> list[Node]:
-    """Every node below `roots` once, parts before wholes; without recursion, so depth is no limit."""
+def in_order(roots: Iterable[Expr], done: Container[Expr] = frozenset()) -> list[Node]:
+    """Every node below `roots` once, parts before wholes; without recursion, so depth is no limit.
+
+    done  nodes to leave out, with all that is below them
+    """
     seen: set[int] = set()
     order: list[Node] = []
     stack: list[tuple[Expr, bool]] = [(root, False) for root in reversed(list(roots))]
     while stack:
-        node, done = stack.pop()
-        if done:
+        node, complete = stack.pop()
+        if complete:
             assert isinstance(node, Node)
             order.append(node)
-        elif id(node) not in seen:
+        elif id(node) not in seen and node not in done:
             seen.add(id(node))
             stack.append((node, True))
             stack.extend((child, False) for child in reversed(children(node)) if id(child) not in seen)
@@ -99,10 +102,8 @@ class Substitution:
 
     def __call__(self, term: Expr) -> Expr:
         """The term after replacement."""
-        if term not in self._done:
-            for node in in_order([term]):
-                if node not in self._done:
-                    self._done[node] = rebuilt(node, tuple(self._done[child] for child in children(node)))
+        for node in in_order([term], self._done):
+            self._done[node] = rebuilt(node, tuple(self._done[child] for child in children(node)))
         return self._done[term]
 
 
@@ -115,11 +116,10 @@ class Sharing:
 
     def __call__(self, term: Expr) -> Expr:
         """The term with equal parts shared, also with every term that was handed over before."""
-        for node in in_order([term]):
-            if node not in self._done:
-                parts = tuple(self._done[child] for child in children(node))
-                shared = rebuilt(node, parts)
-                self._done[node] = self._kept.setdefault(_shape(shared), shared)
+        for node in in_order([term], self._done):
+            shared = rebuilt(node, tuple(self._done[child] for child in children(node)))
+            kept = self._kept.setdefault(_shape(shared), shared)
+            self._done[node] = self._done[kept] = kept
         return self._done[term]
 
     def num(self, term: Num) -> Num:

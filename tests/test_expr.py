@@ -146,6 +146,18 @@ def test_equal_terms_become_one() -> None:
     assert share(X - Y) is not share(Y - X)
 
 
+def test_walking_can_leave_out_what_is_done() -> None:
+    """Nodes below a done one are left out with it, so that work added bit by bit looks at every node once."""
+    inner = X - Y
+    outer = abs_(inner + 1)
+    assert [X, Y, inner] == in_order([inner])
+    assert [node for node in in_order([outer]) if node not in set(in_order([inner]))] == in_order([outer], {inner})
+    share, term = Sharing(), X + 1
+    for _ in range(2_000):
+        term = share.num(term + 1)
+    assert term is share.num(term)
+
+
 def test_substitution_keeps_sharing() -> None:
     """A deep graph of shared terms is rewritten in one pass and written out bounded."""
     deep = X
