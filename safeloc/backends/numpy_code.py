@@ -8,6 +8,7 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.backends.known import Known
 from safeloc.backends.shapes import is_magnitude, merged
 from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
 from safeloc.nodes import (
@@ -44,7 +45,7 @@ def to_function(name: str, arguments: Mapping[str, Sequence[Var]], results: Sequ
         for number, var in enumerate(variables):
             names[var] = f"{argument[0]}{number}"
             lines.append(f"{names[var]} = {argument}[{number}]")
-    lean = iter(merged([term for group in results for term in group]))
+    lean = iter(merged(list(map(Known({}), (term for group in results for term in group)))))
     results = [[next(lean) for _ in group] for group in results]
     lines += _statements(names, [term for group in results for term in group])
     length = f"len({next(iter(arguments))}[0])"

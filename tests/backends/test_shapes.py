@@ -36,7 +36,7 @@ def test_neighbouring_choices_of_one_value_become_one() -> None:
     after = [
         "(ite (or a b) x y)",
         "(ite (and (not a) b) y x)",
-        "(ite (or a b) c (not c))",
+        "(or (and (or a b) c) (and (not (or a b)) (not c)))",
         "(ite a x (ite b y 0))",
     ]
     assert after == [repr(term) for term in merged(before)]
