@@ -127,7 +127,7 @@ def _late_deadline() -> DeepBug:
         ],
     )
     late = within("answered", 100, machine.fired("ask"), machine.fired("answer"))
-    return DeepBug("an answer one step late", machine, late, 102)
+    return DeepBug("an answer one step late", machine, late, 101)
 
 
 def _order_of_modes() -> DeepBug:

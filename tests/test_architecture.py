@@ -41,7 +41,6 @@ ROOMS = {
 OUTSIDE_THE_KERNEL = {
     "catalogue.py": "finds machines of models and of users",
     "config.py": "pydantic checks figures read from files",
-    "lawful.py": "draws inputs with the compiled machine",
     "testing.py": "hypothesis draws the streams",
 }
 KERNEL = [path for path in sorted(ROOT.glob("*.py")) if path.name not in OUTSIDE_THE_KERNEL]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from safeloc.border import Fault
 from safeloc.catalogue import Target
+from safeloc.cli.recordings import counted, recorded_steps
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Num, Var
 from safeloc.interpret import read_inputs, run
@@ -46,29 +49,36 @@ class Row:
             }
         )
 
-    def heading(self) -> str:
-        """Column names of `as_text`."""
-        return "step  " + "  ".join([*self.modes, *self.outputs, "fired", "truth"])
-
-    def as_text(self) -> str:
-        """One plain line."""
-        values = [
-            *self.modes.values(),
-            *(str(value) for value in self.outputs.values()),
-            ", ".join(self.fired.values()),
-        ]
-        return f"{self.number:4}  " + "  ".join([*values, self.truth]).rstrip()
+    def cells(self) -> dict[str, str]:
+        """Column -> text."""
+        outputs = {
+            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in self.outputs.items()
+        }
+        fired = {"fired": ", ".join(self.fired.values())}
+        return {"step": str(self.number), **self.modes, **outputs, **fired, "truth": self.truth}
 
 
-def replay_stream(target: Target, path: Path) -> tuple[list[Row], list[Finding]]:
-    """Rows and findings. StreamError with file and line for a step the machine cannot take.
+def as_table(rows: Sequence[Row]) -> list[str]:
+    """Plain lines under a heading, in columns; rows have the same columns."""
+    cells = [row.cells() for row in rows]
+    widths = {name: max(len(name), *(len(row[name]) for row in cells)) for name in cells[0]}
+    lines = [{name: name for name in widths}, *cells]
+    return ["  ".join(line[name].ljust(width) for name, width in widths.items()).rstrip() for line in lines]
+
+
+def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -> tuple[list[Row], list[Finding]]:
+    """Rows and findings. StreamError with file and line for a step the machine cannot take, or without any step.
+
+    With `period_ms` the file holds single records, and what the border refused of them is a finding of its own.
 
     A stream with the ghosts of the machine in it is checked against every property. One without them (a real
     recording) is checked against those that do not speak of the truth; `truth_mm`, where the stream has it, is
     compared with the reported interval, if the machine reports one.
     """
     started = time.monotonic()
-    stream = read_steps(path)
+    stream, faults = (read_steps(path), None) if period_ms is None else recorded_steps(target, path, period_ms)
+    if not stream.steps:
+        raise StreamError(f"{path}: no steps, so nothing was replayed.")
     system = target.system if _is_whole(target, stream) else without_ghosts(target.system)
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = _run(system, path, stream)
@@ -78,6 +88,8 @@ def replay_stream(target: Target, path: Path) -> tuple[list[Row], list[Finding]]
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if target.reported is not None and any(value is not None for value in truth):
         findings.append(_containment(target, path, rows, trace, truth, started))
+    if faults is not None:
+        findings.append(_border(target, path, len(rows), faults, started))
     return rows, findings
 
 
@@ -115,12 +127,14 @@ def _first_bad(system: TransitionSystem, stream: StepStream, rows: Sequence[Mapp
 
 def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) -> None:
     """A column nobody reads is a misspelt name, unless it is a remark."""
+    known = _names(system)
     for line, step in zip(stream.lines, stream.steps, strict=True):
-        strange = [name for name in step if name not in _names(system) and name not in REMARKS]
-        if strange:
-            raise StreamError(
-                f"{path}:{line}: {system.name} has no input {strange[0]!r}; it has {sorted(_names(system))}."
-            )
+        for name in step:
+            if name not in known and name not in REMARKS:
+                close = difflib.get_close_matches(name, known, n=1)
+                hint = f" Did you mean {close[0]!r}?" if close else ""
+                inputs = sorted(one for one in known if not one.endswith(".present"))
+                raise StreamError(f"{path}:{line}: {system.name} has no input {name!r}; it has {inputs}.{hint}")
 
 
 REMARKS = ("truth_mm", "time_ms")
@@ -175,6 +189,18 @@ def _finding(target: Target, path: Path, prop: Property, verdict: Result, starte
     seconds = time.monotonic() - started
     name = f"{target.name}/replay/{path.stem}: {prop.name}"
     return Finding(name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.trace)
+
+
+def _border(target: Target, path: Path, steps: int, faults: Sequence[Fault], started: float) -> Finding:
+    return Finding(
+        f"{target.name}/replay/{path.stem}: border",
+        target.name,
+        "replay",
+        "every record is an input as it came, or refused with its reason",
+        Held("replay", 1, steps, counted(faults)),
+        f"replay of {path.name}",
+        time.monotonic() - started,
+    )
 
 
 def _containment(

@@ -10,7 +10,7 @@ after exact replay, and is shortened before it is reported.
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import z3
@@ -18,13 +18,13 @@ import z3
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.backends.smt import Unrolling
 from safeloc.expr import NumVar, Var
-from safeloc.lawful import Repair, first_state, slack
 from safeloc.nodes import Value
-from safeloc.provers.evidence import replayed
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.provers.shorten import shortened
+from safeloc.runs.allowed import slack
+from safeloc.runs.lawful import Repair, first_state
+from safeloc.runs.profiles import Profile
 from safeloc.spec import Goal
-from safeloc.system import TransitionSystem, canonical
-from safeloc.trace import Trace
 from safeloc.units import Enumeration
 from safeloc.verdict import Unknown, Verdict, Violated
 
@@ -32,7 +32,7 @@ LONGEST = 250
 FINISH_STEPS = 6
 FINISH_SECONDS = 1.5
 STARTS = 4
-SHRINK_SECONDS = 3.0
+KINDS = ("steady", "steady", "steady", "ends", "standstill", "ramp", "random")
 REPLACED = 0.05
 Record = dict[str, Value]
 
@@ -47,7 +47,7 @@ def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
         runs += 1
         found = search.run() or search.finish(ends)
         if found is not None:
-            return Violated(_shortened(goal, search.first, found), "falsifier")
+            return Violated(shortened(goal, search.first, found), "falsifier")
     return Unknown(f"falsify: nothing in {runs} runs of up to {LONGEST} steps")
 
 
@@ -88,11 +88,12 @@ class _Search:
 
     def run(self) -> list[Record] | None:
         """One run by one habit; its stream if it breaks the property."""
-        habit = _Habit(self.goal.system, self._draw)
+        habit, left = self._habit()
         state = self._begin()
         while len(self._stream) < LONGEST:
-            if habit.is_over():
-                habit = _Habit(self.goal.system, self._draw)
+            if not left:
+                habit, left = self._habit()
+            left -= 1
             inputs = self._lawful(state, habit)
             if inputs is None:
                 break
@@ -116,9 +117,14 @@ class _Search:
         self._stream = []
         return self._code.first({**self.first})
 
-    def _lawful(self, state: Row, habit: _Habit) -> dict[Var, Value] | None:
+    def _habit(self) -> tuple[Profile, int]:
+        """One way of going on, and for how many steps."""
+        kind, length = self._draw.choice(KINDS), self._draw.choice((LONGEST, LONGEST, 60, 20, 5, 1))
+        return Profile(self.goal.system, kind, self._draw, self._draw), length
+
+    def _lawful(self, state: Row, habit: Profile) -> dict[Var, Value] | None:
         values = dict(zip(self.goal.system.state, state, strict=True))
-        return self._repair.mend(values, habit.inputs(), self._draw, habit.pick)
+        return self._repair.mend(values, habit.inputs(values), self._draw, habit.pick)
 
     def _remember(self, state: Row) -> None:
         values = dict(zip(self.goal.system.state, state, strict=True))
@@ -158,68 +164,3 @@ class _Search:
                 return None
             solver.pop()
         return None
-
-
-class _Habit:
-    """One way of going on: inputs held at some level, optional ones mostly absent, the environment leaning one way."""
-
-    def __init__(self, system: TransitionSystem, draw: random.Random) -> None:
-        self._system, self._draw = system, draw
-        self._lean = {var: draw.choice((0, 1, 2)) for var in system.inputs if isinstance(var, NumVar)}
-        self._length = draw.choice((LONGEST, LONGEST, 60, 20, 5, 1))
-        together = draw.random() < 0.8
-        levels: dict[tuple[int, int, str], Value] = {}
-        self._held: dict[Var, Value] = {}
-        for var in system.inputs:
-            if isinstance(var, NumVar):
-                key = (var.low, var.high, "" if together else var.name)
-                self._held[var] = levels.setdefault(key, _level(var, draw))
-            else:
-                self._held[var] = draw.random() < 0.5
-        self._absent = {option.value: draw.choice((0.0, 0.95, 1.0)) for option in system.optionals}
-        self._age = 0
-
-    def is_over(self) -> bool:
-        """Whether it is time for another habit."""
-        self._age += 1
-        return self._age > self._length
-
-    def inputs(self) -> dict[Var, Value]:
-        """The inputs of one step."""
-        values = dict(self._held)
-        for option in self._system.optionals:
-            absent = self._draw.random() < self._absent[option.value]
-            values[option.present] = not absent
-            if absent:
-                values[option.value] = canonical(option.value)
-        return values
-
-    def pick(self, var: NumVar, low: int, high: int) -> int:
-        """Always the same side of what the assumption allows."""
-        lean = self._lean[var]
-        return low if lean == 0 else high if lean == 1 else (low + high) // 2
-
-
-def _level(var: NumVar, draw: random.Random) -> int:
-    span = var.high - var.low
-    return draw.choice(
-        (var.low, var.high, canonical(var), var.low + draw.randint(0, span), var.low + draw.randint(0, span) // 10)
-    )
-
-
-def _shortened(goal: Goal, first: Mapping[str, Value], stream: Sequence[Record]) -> Trace:
-    """The replayed run, with stretches left out for as long as it still breaks the property."""
-    best = replayed(goal, first, stream)
-    assert best is not None, "a falsifying stream must replay"
-    kept, ends = list(stream[: len(best.steps)]), deadline(SHRINK_SECONDS)
-    size = len(kept) // 2
-    while size and not ends.passed:
-        for begin in range(0, len(kept) - size + 1, size):
-            trial = [*kept[:begin], *kept[begin + size :]]
-            found = replayed(goal, first, trial)
-            if found is not None:
-                kept, best = trial[: len(found.steps)], found
-                break
-        else:
-            size //= 2
-    return best

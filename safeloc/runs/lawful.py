@@ -1,62 +1,100 @@
-"""Inputs that keep a machine's assumption: what a search changes is repaired, at the ends of what is allowed."""
+"""Inputs that keep a machine's assumption: what a search changes is repaired, at the ends of what is allowed.
+
+One input after another is moved to where the broken part of the assumption holds together with every other part that
+reads it: mostly what the environment chooses freely, else a measurement. Where no single move will do, the broken part
+alone is mended and the others follow, or the measurement is left out of the step.
+"""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.errors import InputError
-from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
-from safeloc.interpret import evaluate
+from safeloc.expr import BoolVar, Lit, NumVar, Var
 from safeloc.machine import Any_
-from safeloc.nodes import And, Compare, Not, Or, Value
-from safeloc.system import TransitionSystem, canonical, environment
-from safeloc.terms import in_order, variables
+from safeloc.nodes import Value
+from safeloc.runs.allowed import Condition, Segment, common, conjuncts
+from safeloc.system import TransitionSystem, canonical
 
-REPAIRS = 12
+REPAIRS = 20
+GHOSTS_FIRST = 0.8
 Pick = Callable[[NumVar, int, int], int]
 
 
+def any_end(draw: random.Random) -> Pick:
+    """Chooses either end of what is allowed, or a value inside."""
+    return lambda _var, low, high: draw.choice((low, high, draw.randint(low, high)))
+
+
 class Repair:
-    """Changes what the environment chooses until the assumption holds; measurements only where that is not enough."""
+    """Changes inputs until the assumption holds."""
 
     def __init__(self, system: TransitionSystem) -> None:
         self._system = system
-        whole = environment(system)
-        self._parts = list(_conjuncts(whole))
+        self._conditions = [Condition(part) for part in conjuncts(system.assume)]
         inputs = set(system.inputs)
-        self._check = _checker(system, self._parts)
-        self._none = (False,) * len(self._parts)
-        self._free = [[v for v in variables([part]) if v in inputs and isinstance(v, NumVar)] for part in self._parts]
+        self._present = {option.value: option.present for option in system.optionals}
+        self._value = {option.present: option.value for option in system.optionals}
+        self._free = {c: [var for var in c.reads if var in inputs] for c in self._conditions}
 
     def mend(
         self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], draw: random.Random, pick: Pick | None = None
     ) -> dict[Var, Value] | None:
         """Inputs that keep the assumption, or None if none were found. `pick` chooses within what is allowed."""
-        pick = pick or (lambda _var, low, high: draw.choice((low, high, draw.randint(low, high))))
+        pick = pick or any_end(draw)
         values = {**state, **inputs}
-        for _ in range(REPAIRS):
-            truths = self._check.step(self._none, tuple(values[var] for var in self._check.system.inputs))[0]
-            broken = [index for index, truth in enumerate(truths) if not truth]
+        for attempt in range(REPAIRS):
+            broken = [one for one in self._conditions if not one.holds(values)]
             if not broken:
                 return {var: values[var] for var in self._system.inputs}
-            for index in broken:
-                self._mend_part(index, values, draw, pick)
+            self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / REPAIRS)
         return None
 
-    def _mend_part(self, index: int, values: dict[Var, Value], draw: random.Random, pick: Pick) -> None:
-        free = self._free[index]
-        if not free:
-            return
-        ghosts = [var for var in free if var in self._system.ghosts]
-        pool = ghosts if ghosts and draw.random() < 0.9 else free
-        for var in draw.sample(pool, len(pool)):
-            found = _allowed(self._parts[index], var, values)
-            if found is not None:
-                values[var] = pick(var, *found)
+    def _mend_one(
+        self, broken: Condition, values: dict[Var, Value], draw: random.Random, pick: Pick, patience: float
+    ) -> None:
+        candidates = self._ordered(broken, values, draw)
+        for var in candidates:
+            allowed = self._allowed(broken, var, values)
+            if allowed:
+                values[var] = pick(var, *draw.choice(allowed))
                 return
+        if draw.random() > patience and self._leave_out(broken, values, draw):
+            return
+        for var in candidates:
+            allowed = broken.segments(var, values)
+            if allowed:
+                values[var] = pick(var, *draw.choice(allowed))
+                return
+
+    def _ordered(self, broken: Condition, values: Mapping[Var, Value], draw: random.Random) -> list[NumVar]:
+        """The numeric inputs it reads, in the order to try; the value of an absent input is none."""
+        numbers = [var for var in self._free[broken] if isinstance(var, NumVar)]
+        usable = [var for var in numbers if var not in self._present or values[self._present[var]]]
+        mixed = draw.sample(usable, len(usable))
+        ghosts_first = draw.random() < GHOSTS_FIRST
+        return sorted(mixed, key=lambda var: (var not in self._system.ghosts) == ghosts_first)
+
+    def _allowed(self, broken: Condition, var: NumVar, values: Mapping[Var, Value]) -> Sequence[Segment]:
+        """Where the broken part holds along `var` together with every other part that reads it."""
+        found: Sequence[Segment] = broken.segments(var, values)
+        for other in self._conditions:
+            if found and other is not broken and var in other.reads:
+                found = common(found, other.segments(var, values))
+        return found
+
+    def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> bool:
+        """Change a truth value, such as the presence of a measurement, so that the broken part holds."""
+        flags = [var for var in self._free[broken] if isinstance(var, BoolVar)]
+        for flag in draw.sample(flags, len(flags)):
+            trial = {**values, flag: not values[flag]}
+            if flag in self._value:
+                trial[self._value[flag]] = canonical(self._value[flag])
+            if broken.holds(trial):
+                values.update(trial)
+                return True
+        return False
 
 
 def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: float = 0.0) -> dict[str, Value]:
@@ -65,102 +103,33 @@ def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: f
     adventurous: the share of variables that begin at an end of their range instead of near zero
     """
     free = [var for var in system.state if isinstance(system.initial[var], Any_)]
-    values: dict[Var, Value] = {}
-    for var in system.state:
-        declared = system.initial[var]
-        if isinstance(declared, Any_):
-            values[var] = _open_value(var, draw, adventurous)
-        else:
-            values[var] = declared.value if isinstance(declared, Lit) else declared
-    parts = _conjuncts(system.init)
+    values = {var: _first_value(system, var, draw, adventurous) for var in system.state}
+    conditions = [Condition(part) for part in conjuncts(system.init)]
     for _ in range(REPAIRS):
-        broken = [part for part in parts if not evaluate([part], values)[0]]
+        broken = [one for one in conditions if not one.holds(values)]
         if not broken:
             return {var.name: values[var] for var in free}
-        for part in broken:
-            _mend_first(part, free, values, draw)
+        for one in broken:
+            _mend_first(one, free, values, draw)
     raise InputError(f"{system.name}: no first state found that satisfies `initially`; give one explicitly.")
 
 
-def _open_value(var: Var, draw: random.Random, adventurous: float) -> Value:
+def _first_value(system: TransitionSystem, var: Var, draw: random.Random, adventurous: float) -> Value:
+    declared = system.initial[var]
+    if not isinstance(declared, Any_):
+        return declared.value if isinstance(declared, Lit) else declared
     if isinstance(var, BoolVar):
         return draw.random() < 0.5
     return draw.choice((var.low, var.high)) if draw.random() < adventurous else canonical(var)
 
 
-def _mend_first(part: Bool, free: Sequence[Var], values: dict[Var, Value], draw: random.Random) -> None:
-    reads = set(variables([part]))
-    for var in draw.sample(list(free), len(free)):
-        found = _allowed(part, var, values) if var in reads and isinstance(var, NumVar) else None
-        if found is not None:
-            values[var] = draw.choice(found)
-            return
-        if var in reads and isinstance(var, BoolVar):
+def _mend_first(broken: Condition, free: Iterable[Var], values: dict[Var, Value], draw: random.Random) -> None:
+    candidates = [var for var in free if var in broken.reads]
+    for var in draw.sample(candidates, len(candidates)):
+        if isinstance(var, BoolVar):
             values[var] = not values[var]
-
-
-def _checker(system: TransitionSystem, parts: Sequence[Bool]) -> Compiled:
-    """The parts of the assumption as compiled code: state before and inputs in, truth values out."""
-    truths: dict[Var, Expr] = {BoolVar(f"part {number}"): part for number, part in enumerate(parts)}
-    reads = (*system.state, *system.inputs)
-    return compile_system(
-        replace(system, state=tuple(truths), next=truths, inputs=reads, fired={}, outputs={}, optionals=())
-    )
-
-
-def _conjuncts(term: Bool) -> list[Bool]:
-    return [inner for part in term.parts for inner in _conjuncts(part)] if isinstance(term, And) else [term]
-
-
-def _allowed(part: Bool, var: NumVar, values: Mapping[Var, Value]) -> tuple[int, int] | None:
-    """An interval of values of `var` that makes the part true, found at the boundaries of its comparisons."""
-    points = sorted(_boundaries(part, var, values) | {var.low, var.high})
-    good = [point for point in points if evaluate([part], {**values, var: point})[0]]
-    return (
-        (good[0], good[-1]) if good and all(_between(part, var, values, good)) else (good[0], good[0]) if good else None
-    )
-
-
-def _between(part: Bool, var: NumVar, values: Mapping[Var, Value], good: list[int]) -> list[bool]:
-    middle = (good[0] + good[-1]) // 2
-    return [bool(evaluate([part], {**values, var: middle})[0])]
-
-
-def _boundaries(part: Bool, var: NumVar, values: Mapping[Var, Value]) -> set[int]:
-    """Where the comparisons that read `var` change, taking each as linear in it between two probes."""
-    found: set[int] = set()
-    here = int(values[var])
-    for node in in_order([part]):
-        if isinstance(node, Compare) and var in set(variables([node])):
-            found |= _roots(node, var, values, here)
-    return {point + shift for point in found for shift in (-1, 0, 1) if var.low <= point + shift <= var.high}
-
-
-def _roots(node: Compare, var: NumVar, values: Mapping[Var, Value], here: int) -> set[int]:
-    probes = (here, here + 1 if here < var.high else here - 1)
-    gaps = []
-    for probe in probes:
-        left, right = evaluate([node.left, node.right], {**values, var: probe})
-        gaps.append(right - left)
-    slope = (gaps[1] - gaps[0]) // (probes[1] - probes[0])
-    return {here - gaps[0] // slope} if slope else set()
-
-
-def slack(term: Bool, values: Mapping[Var, Value]) -> float:
-    """How far a term is from being false: the least numeric distance, negative once it is false, infinite if logical."""
-    match term:
-        case Compare(op, a, b):
-            left, right = evaluate([a, b], values)
-            return float(abs(left - right) and -abs(left - right)) if op == "==" else float(right - left)
-        case And(parts):
-            return min(slack(part, values) for part in parts)
-        case Or(parts):
-            return max(slack(part, values) for part in parts)
-        case Not(Compare("<", a, b)):
-            left, right = evaluate([a, b], values)
-            return float(left - right)
-        case Not(Compare("<=", a, b)):
-            left, right = evaluate([a, b], values)
-            return float(left - right - 1)
-        case _:
-            return float("inf") if evaluate([term], values)[0] else float("-inf")
+            return
+        allowed = broken.segments(var, values)
+        if allowed:
+            values[var] = draw.choice(draw.choice(allowed))
+            return

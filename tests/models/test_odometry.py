@@ -20,11 +20,11 @@ from safeloc.nodes import Value
 from safeloc.properties.odometry import properties
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
+from safeloc.runs.driver import Driver
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
 from safeloc.spec import observe
 from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.testing import Driver
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Proved
 from tests.data_sources import log_steps_mm, rows
@@ -430,9 +430,10 @@ def test_simulated_runs_notice_a_forgotten_loss() -> None:
 
     def broken(machine: Machine) -> str:
         system = lower(machine)
-        driver = Driver(system, [p for p in properties(model) if p.name in ("same-step loss", "tolerance")])
-        driver.follow(run(system, records[:150]))
-        driver.drive("steady", 400, seed=1, faulty=False)
+        asked = [p for p in properties(model) if p.name in ("same-step loss", "tolerance")]
+        driver = Driver(system, asked, [run(system, records[:150])])
+        driver.follow(0)
+        driver.drive("steady", 400, seed=1)
         return "" if driver.broken is None else driver.broken.name
 
     assert broken(model.machine) == ""

@@ -1,0 +1,139 @@
+"""Where a condition holds along one variable, and how far it is from failing: what searches steer by.
+
+Condition(term).segments(var, values)   the intervals of values of `var` for which it holds, the rest held fixed
+slack(term, values)                     the least numeric distance to failing
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from safeloc.backends.compiled import compile_system
+from safeloc.expr import TRUE, Bool, Expr, NumVar, Var
+from safeloc.interpret import evaluate
+from safeloc.nodes import And, Compare, Not, Or, Truth, Value
+from safeloc.system import TransitionSystem
+from safeloc.terms import in_order, variables
+
+Segment = tuple[int, int]
+
+
+class Condition:
+    """A condition with its comparisons, compiled: whether it holds, and where along a variable it changes."""
+
+    def __init__(self, term: Bool) -> None:
+        self.term = term
+        self.reads: dict[Var, int] = {var: place for place, var in enumerate(variables([term]))}
+        self._compares = [node for node in in_order([term]) if isinstance(node, Compare)]
+        self._along: dict[Var, Callable[[Sequence[Value]], Sequence[Value]]] = {}
+        self._truth = _function(tuple(self.reads), [term])
+
+    def holds(self, values: Mapping[Var, Value]) -> bool:
+        """Whether the condition is true of the values."""
+        return bool(self._truth([values[var] for var in self.reads])[0])
+
+    def segments(self, var: NumVar, values: Mapping[Var, Value]) -> list[Segment]:
+        """Intervals of values of `var` for which the condition holds, in order; the other variables stay as they are.
+
+        Comparisons are taken as linear between two neighbouring probes; where that misses a change, a part of an
+        interval may be left out or too much, so whoever uses a value checks the condition again.
+        """
+        row = [values[read] for read in self.reads]
+        at = self.reads[var]
+        points = sorted(self._changes(var, row, at) | {var.low, var.high})
+        return _joined([piece for piece in _pieces(points) if self._is_true(row, at, (piece[0] + piece[1]) // 2)])
+
+    def _is_true(self, row: list[Value], at: int, value: int) -> bool:
+        row[at] = value
+        return bool(self._truth(row)[0])
+
+    def _changes(self, var: NumVar, row: list[Value], at: int) -> set[int]:
+        if var not in self._along:
+            reading = [node for node in self._compares if var in set(variables([node]))]
+            self._along[var] = _function(
+                tuple(self.reads), [side for node in reading for side in (node.left, node.right)]
+            )
+        here = int(row[at])
+        probes = {(var.low, 1), (var.high, -1), (here, 1 if here < var.high else -1)}
+        roots = {root for probe, step in probes for root in _roots(self._along[var], row, at, probe, step)}
+        row[at] = here
+        return {root + shift for root in roots for shift in (-1, 0, 1) if var.low <= root + shift <= var.high}
+
+
+def _function(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
+    """The terms as compiled code over a row of values of `reads`."""
+    if not reads:
+        constants = evaluate(terms, {})
+        return lambda _row: constants
+    outputs = {f"term {number}": term for number, term in enumerate(terms)}
+    empty: dict[Var, Expr] = {var: var for var in reads}
+    system = TransitionSystem("terms", reads, (), TRUE, empty, TRUE, outputs, {}, {}, frozenset(), {}, (), ())
+    compute = compile_system(system).outputs
+    return lambda row: compute(tuple(row))
+
+
+def _roots(
+    sides: Callable[[Sequence[Value]], Sequence[Value]], row: list[Value], at: int, probe: int, step: int
+) -> Iterable[int]:
+    """Where left meets right, for each comparison, by the slope at the probe."""
+    row[at] = probe
+    first = sides(row)
+    row[at] = probe + step
+    second = sides(row)
+    for n in range(0, len(first), 2):
+        gap = first[n + 1] - first[n]
+        slope = (second[n + 1] - second[n] - gap) * step
+        if slope:
+            yield probe - gap // slope
+            yield probe - -(-gap // slope)
+
+
+def _pieces(points: Sequence[int]) -> Iterable[Segment]:
+    """The points themselves and what lies between two of them."""
+    for point, following in zip(points, [*points[1:], None], strict=True):
+        yield point, point
+        if following is not None and following - point > 1:
+            yield point + 1, following - 1
+
+
+def _joined(pieces: Sequence[Segment]) -> list[Segment]:
+    joined: list[Segment] = []
+    for low, high in pieces:
+        if joined and joined[-1][1] + 1 == low:
+            joined[-1] = (joined[-1][0], high)
+        else:
+            joined.append((low, high))
+    return joined
+
+
+def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]:
+    """What two lists of segments share."""
+    pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
+    return [(low, high) for low, high in pairs if low <= high]
+
+
+def conjuncts(term: Bool) -> list[Bool]:
+    """The parts of a conjunction, nested ones included; none of what is true anyway."""
+    if isinstance(term, And):
+        return [inner for part in term.parts for inner in conjuncts(part)]
+    return [] if isinstance(term, Truth) and term.value else [term]
+
+
+def slack(term: Bool, values: Mapping[Var, Value]) -> float:
+    """How far a term is from being false: the least numeric distance, negative once it is false, infinite if logical."""
+    match term:
+        case Compare(op, a, b):
+            left, right = evaluate([a, b], values)
+            return {"==": -abs(left - right), "<": right - left - 1, "<=": right - left}[op]
+        case And(parts):
+            return min(slack(part, values) for part in parts)
+        case Or(parts):
+            return max(slack(part, values) for part in parts)
+        case Not(Compare("<", a, b)):
+            left, right = evaluate([a, b], values)
+            return float(left - right)
+        case Not(Compare("<=", a, b)):
+            left, right = evaluate([a, b], values)
+            return float(left - right - 1)
+        case _:
+            return float("inf") if evaluate([term], values)[0] else float("-inf")
