@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from safeloc.composition import Composition, compose
 from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of, exact_to, number, with_unit
@@ -72,7 +73,7 @@ def compose_field(arrangement: Arrangement = SHORTER, config: OdometryConfig = O
     field = field_over(config.limits)
     model = build(parts(config, length=number("length_mm", MM, 0, LONGEST_VEHICLE_MM)))
     source = replace(model, machine=_on_board(model.machine))
-    wires: dict[Var, Expr] = {var: field.length for var in source.own.train_data}
+    wires: dict[Var, Expr] = dict.fromkeys(source.own.train_data, field.length)
     for unit in source.own.units:
         wires |= {unit.step.present: TRUE, unit.step.value: field.step}
     wires |= readings(field, *source.own.readers)
@@ -139,9 +140,7 @@ def _remembered(whole: MarkerField) -> Iterator[tuple[str, Bool]]:
 def _ordered(whole: MarkerField) -> Bool:
     """Oldest first, without holes, none that end A has yet to pass."""
     queue = [whole.says.num(place) for place in whole.source.own.pending.places]
-    pairs = [
-        later.eq(0) | (earlier.ne(0) & (earlier < later)) for earlier, later in zip(queue, queue[1:], strict=False)
-    ]
+    pairs = [later.eq(0) | (earlier.ne(0) & (earlier < later)) for earlier, later in pairwise(queue)]
     return all_of([*pairs, *(place <= _identity(whole, 0) for place in queue)])
 
 

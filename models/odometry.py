@@ -25,18 +25,15 @@ from safeloc.expr import (
     Lit,
     Num,
     Var,
-    abs_,
-    all_of,
     any_of,
-    between,
     ceil_to,
-    exact_to,
     ite,
     members,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.machine import Initial, Machine, Transition, current_mode, modes
 from safeloc.models.odometry_parts.cycle import Judged, Situation, judge, nothing
-from safeloc.models.odometry_parts.distance_device import Device, Unit, Values, choose
+from safeloc.models.odometry_parts.distance_device import Device, Values, choose
+from safeloc.models.odometry_parts.environment import environment, lemmas
 from safeloc.models.odometry_parts.marker_reading import ACCEPTED
 from safeloc.models.odometry_parts.variables import (
     CONTRADICTION,
@@ -48,7 +45,7 @@ from safeloc.models.odometry_parts.variables import (
     Parts,
     parts,
 )
-from safeloc.units import MM, NM
+from safeloc.units import MM
 
 VALUES = members("values", "NONE", "M1", "M2")
 NO_VALUES, M1, M2 = VALUES
@@ -82,7 +79,7 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
     current = current_mode(mode)
     situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
     judged = judge(own, situation)
-    ghosts, moves, ghost_inputs = _ghosts(own, judged)
+    around = environment(own, judged)
     made = Machine(
         name=name,
         modes=mode,
@@ -90,11 +87,11 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
         state=_state(own),
         outputs=_outputs(own, current, mode),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
-        ghosts=ghosts,
-        ghost_inputs=ghost_inputs,
-        ghost_moves=moves,
-        assumption=_assumption(own, judged),
-        lemmas=_lemmas(own, current, mode),
+        ghosts=around.first,
+        ghost_inputs=around.choices,
+        ghost_moves=around.moves,
+        assumption=around.assumption,
+        lemmas=lemmas(own, current, mode),
         definitions=_definitions(own, judged),
         mode_variable=current,
         doc=(
@@ -285,54 +282,3 @@ def _of_lead(rear: Bool, terms: list[Num]) -> Num:
 def _second_speaks(device: Device) -> Bool:
     first, second = device.units
     return second.values.better_than(first.values)
-
-
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-def _ghosts(own: Parts, cycle: Judged) -> tuple[dict[Var, Initial], dict[Var, Expr], list[Var]]:
-    first: dict[Var, Initial] = {own.truth: ANY}
-    moves: dict[Var, Expr] = {own.truth: own.truth + own.true_step}
-    for (wander, chosen), (_, admitted) in zip(own.wanders, _admitted(cycle), strict=True):
-        first[wander] = ANY
-        moves[wander] = ite(admitted, chosen, wander)
-    return first, moves, [own.true_step, *(chosen for _, chosen in own.wanders)]
-
-
-def _admitted(cycle: Judged) -> list[tuple[Unit, Bool]]:
-    return [(unit, ok) for moved in cycle.cycles for unit, ok in zip(moved.device.units, moved.admitted, strict=True)]
-
-
-def _assumption(own: Parts, cycle: Judged) -> Bool:
-    """The error laws of admitted distances, the truth of accepted readings, and the vehicle staying on the line."""
-    after = own.truth + own.true_step
-    laws = []
-    for (unit, admitted), (wander, chosen), device in zip(_admitted(cycle), own.wanders, _owners(own), strict=True):
-        error = own.true_step - exact_to(unit.step.value, NM) - (chosen - wander)
-        most = unit.law.growth_nm(abs_(unit.step.value), device.age + unit.limits.period_ms, unit.limits.period_ms)
-        laws.append(admitted.implies(between(-most, error, most)))
-    readings = [reading.accepted.implies(reading.fix.holds(after)) for reading in cycle.readings]
-    return all_of([*laws, *readings, between(own.truth.low, after, own.truth.high)])
-
-
-def _owners(own: Parts) -> list[Device]:
-    return [device for device in own.devices for _ in device.units]
-
-
-def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
-    lemmas: dict[str, Bool] = {}
-    lost, located = mode[0], mode[2:]
-    for unit, (wander, _) in zip(own.units, own.wanders, strict=True):
-        values = unit.values
-        off = own.truth - exact_to(values.position, NM) - wander
-        half = unit.law.wander_nm
-        inside = between(half - values.under, off, values.over - half)
-        lemmas[f"{unit.name} holds the truth"] = (unit.alive & current.one_of(*located)).implies(inside)
-        lemmas[f"{unit.name} is dead while delocalized"] = current.eq(lost).implies(~unit.alive)
-    for device, target in zip(own.devices, located, strict=True):
-        lemmas[f"{device.name} device is alive when it leads"] = current.eq(target).implies(device.values.alive)
-    if len(own.devices) == 2:
-        front, rear = (device.values for device in own.devices)
-        lemmas["front device leads with the smaller margin"] = current.eq(located[0]).implies(~rear.better_than(front))
-        lemmas["rear device leads with the smaller margin"] = current.eq(located[1]).implies(~front.better_than(rear))
-    return lemmas

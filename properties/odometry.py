@@ -166,8 +166,10 @@ def _rejection(model: Odometry) -> Iterator[Property]:
 
 
 def _ran_on(unit: Unit, other: Unit) -> Bool:
-    own_step = unit.judged.eq(ADMITTED)
-    moved = ite(own_step, unit.step.value, ite(other.judged.eq(ADMITTED), other.step.value, as_num(0, MM)))
+    heard, other_heard = unit.judged.eq(ADMITTED), other.judged.eq(ADMITTED)
+    if unit.limits.single_fault_safe:  # a lone distance moves nothing
+        heard = other_heard = heard & other_heard
+    moved = ite(heard, unit.step.value, ite(other_heard, other.step.value, as_num(0, MM)))
     growth = unit.over - earlier_num(unit.over)
     return all_of(
         [

@@ -11,8 +11,9 @@ no position. In each cycle
 A unit is never judged by itself alone. Growth is charged on the greater of the two units' distances. Where the two
 differ by more than both laws explain, one of them is at fault, and each is charged their difference and the other's
 law: a wheel that slips, slides or stands while the vehicle runs widens its own margin by what it misses. With
-`single_fault_safe` that charge is made in every cycle, so that even a fault too small to be seen is covered; the price
-is that neither unit is ever better than the worse law.
+`single_fault_safe` that charge is made in every cycle, so that even a fault too small to be seen is covered, and a
+distance that comes alone moves nothing and is charged as if none had come, for it may be the faulty one. The price is
+that neither unit is ever better than the worse law, and that drop-outs cost much.
 """
 
 from __future__ import annotations
@@ -299,7 +300,9 @@ def cycle(device: Device) -> Cycle:
     reach = maximum(abs_(steps[0]), abs_(steps[1]))
     age = device.age + limits.period_ms
     run = device.run + reach
-    blind, first, second = ~(admitted[0] | admitted[1]), *device.units
+    first, second = device.units
+    heard = _usable(limits, (admitted[0], admitted[1]))
+    blind = ~(heard[0] | heard[1])
     failed = (
         _failed(device, (admitted[0], admitted[1])) | (age > limits.age_limit_ms) | (run > limits.position_limit_mm)
     )
@@ -336,12 +339,32 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
     checking = other.law.growth_nm(reach, age, limits.period_ms)
     bridged = checking + 2 * other.law.wander_nm
     alone = ite(admitted[1], _checked(own, other, growth, checking), growth)
-    charge = ite(admitted[0], alone, ite(admitted[1], bridged, as_num(limits.blind_nm, NM)))
-    moved = own.position + ite(admitted[0], own.step.value, ite(admitted[1], other.step.value, as_num(0, MM)))
+    heard, unheard = _usable(limits, admitted), _unheard(limits, admitted, reach, (growth, checking))
+    charge = ite(heard[0], alone, ite(heard[1], bridged, unheard))
+    moved = own.position + ite(heard[0], own.step.value, ite(heard[1], other.step.value, as_num(0, MM)))
     over, under = own.over + charge, own.under + charge
     tolerable = maximum(over, under) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
     return Values(own.alive & ~failed & tolerable & on_line, moved, over, under)
+
+
+def _usable(limits: Limits, admitted: tuple[Bool, Bool]) -> tuple[Bool, Bool]:
+    """Which distances may move a position: all admitted ones, or, where one may be faulty, only both together."""
+    both = admitted[0] & admitted[1]
+    return (both, both) if limits.single_fault_safe else admitted
+
+
+def _unheard(limits: Limits, admitted: tuple[Bool, Bool], reach: Num, growth: tuple[Num, Num]) -> Num:
+    """The charge where the position rests: the farthest the vehicle gets, or what a lone lawful distance may mean."""
+    blind = as_num(limits.blind_nm, NM)
+    if not limits.single_fault_safe:
+        return blind
+    said = exact_to(reach, NM)
+    return ite(
+        admitted[0],
+        maximum(said + growth[0], blind),
+        ite(admitted[1], maximum(said + growth[1], blind), blind),
+    )
 
 
 def _checked(own: Unit, other: Unit, growth: Num, checking: Num) -> Num:

@@ -8,11 +8,11 @@ from typing import Literal
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
+from safeloc.expr import TRUE, Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
 from safeloc.models.odometry_parts.distance_device import Device, Limits, Unit, device
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, RADAR, WHEEL, ErrorLaw
 from safeloc.models.odometry_parts.marker_reading import Pending, Reader, reader
-from safeloc.units import COUNT, MM, NM
+from safeloc.units import COUNT, MM, MS, NM
 
 REASON = members("reason", "NONE", "NO_REFERENCE", "TOLERANCE", "SENSOR_FAILURE", "CONTRADICTION")
 LOCATED, NO_REFERENCE, TOLERANCE, SENSOR_FAILURE, CONTRADICTION = REASON
@@ -91,6 +91,8 @@ class Parts:
     true_step: NumVar
     wanders: tuple[tuple[NumVar, NumVar], ...]
     length: NumVar | None = None
+    faulty: NumVar | None = None
+    unseen: tuple[NumVar, ...] = ()
 
     @property
     def units(self) -> tuple[Unit, ...]:
@@ -102,6 +104,17 @@ class Parts:
         """Inputs that describe the vehicle: its length, where it is not configured."""
         return () if self.length is None else (self.length,)
 
+    def lawful(self, unit: Unit) -> Bool:
+        """Whether the unit keeps its error law; of a machine without faults every unit does."""
+        if self.faulty is None:
+            return TRUE
+        return self.faulty.ne(Lit(1 + self.units.index(unit), self.faulty.unit))
+
+    def partner(self, unit: Unit) -> tuple[Device, Unit]:
+        """The unit's device, and the other unit of it."""
+        device = next(one for one in self.devices if unit in one.units)
+        return device, device.units[1 - device.units.index(unit)]
+
     def set_by(self, end: int) -> Device:
         """The device that the reader at end 0 (A, front) or 1 (B, rear) sets."""
         return self.devices[min(end, len(self.devices) - 1)]
@@ -111,8 +124,12 @@ class Parts:
         return self.backwards if end else ~self.backwards
 
 
-def parts(config: OdometryConfig, *, length: NumVar | None = None) -> Parts:
-    """Fresh variables for one machine. `length`: the vehicle length as an input in mm instead of the configured one."""
+def parts(config: OdometryConfig, *, length: NumVar | None = None, with_fault: bool = False) -> Parts:
+    """Fresh variables for one machine.
+
+    length      the vehicle length as an input in mm, instead of the configured one
+    with_fault  one unit, whichever, may break its error law: a ghost names it
+    """
     limits = config.limits
     laws = (config.first_unit, config.second_unit)
     names = ("front", "rear")[: config.devices]
@@ -139,7 +156,36 @@ def parts(config: OdometryConfig, *, length: NumVar | None = None) -> Parts:
         number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
         tuple(_wander(unit) for device in devices for unit in device.units),
         length,
+        _faulty(devices) if with_fault else None,
+        () if config.single_fault_safe or not with_fault else tuple(_unseen(device) for device in devices),
     )
+
+
+def _unseen(device: Device) -> NumVar:
+    """What a fault too small to be seen may have added since the device was set, as long ago as the age limit allows."""
+    cycles = device.limits.age_limit_ms // device.limits.period_ms + 2
+    most = unseen_at_reading_nm(device) + cycles * unseen_in_a_cycle_nm(device)
+    return number(f"{device.name}_unseen_nm", NM, 0, most)
+
+
+def unseen_at_reading_nm(device: Device) -> int:
+    """What a unit is charged too little for the other one's one-off constant, nm."""
+    first, second = (unit.law.wander_nm for unit in device.units)
+    return 2 * abs(first - second)
+
+
+def unseen_in_a_cycle_nm(device: Device) -> int:
+    """The most that one cycle may hide: twice the greater law at top speed and full age, nm."""
+    limits = device.limits
+    farthest, oldest = Lit(limits.max_step_mm, MM), Lit(limits.age_limit_ms, MS)
+    growths = [unit.law.growth_nm(farthest, oldest, limits.period_ms) for unit in device.units]
+    return 2 * max(growth.value for growth in growths if isinstance(growth, Lit))
+
+
+def _faulty(devices: tuple[Device, ...]) -> NumVar:
+    """The unit that may break its law, or NONE."""
+    names = [unit.name for device in devices for unit in device.units]
+    return choice("faulty_unit", enumeration(members("faulty", "NONE", *names)))
 
 
 def _wander(unit: Unit) -> tuple[NumVar, NumVar]:

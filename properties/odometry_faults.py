@@ -1,0 +1,55 @@
+"""What must hold of odometry while one unit, whichever, breaks its error law as it likes (MRK-4, MRK-D1)."""
+
+from __future__ import annotations
+
+from safeloc.expr import Bool, Num, all_of, as_num, between, exact_to
+from safeloc.models.odometry import Odometry
+from safeloc.spec import Property, always
+from safeloc.units import NM
+
+ONE_FAULT = (
+    "at most one unit, the same one all the time, breaks its error law; all other admitted distances obey theirs; "
+    "accepted readings are true within accuracy; top speed"
+)
+CHECKED = f"{ONE_FAULT}; a distance of the faulty unit is admitted only in cycles in which the other unit's is"
+SOURCES = ("MRK-4", "MRK-D1")
+
+
+def properties(model: Odometry) -> list[Property]:
+    """Containment with one faulty unit: of the reported interval, or, without `single_fault_safe`, of a wider one."""
+    if model.own.faulty is None:
+        raise ValueError("a machine without the ghost of a faulty unit; make its parts with with_fault=True.")
+    if model.own.config.single_fault_safe:
+        return [containment(model)]
+    return [
+        always(
+            "containment within what a fault can hide",
+            _contained(model, model.own.unseen),
+            statement="with one faulty unit, the reported interval, widened on both sides by twice the greater law of the "
+            "device's two units over the cycles since the reference in which both measured (and the difference of "
+            "their one-off constants), holds the true position of end A",
+            trace=SOURCES,
+            assumption=CHECKED,
+        )
+    ]
+
+
+def containment(model: Odometry) -> Property:
+    """The reported interval holds the truth although one unit is faulty; with `single_fault_safe` only."""
+    return always(
+        "containment with one faulty unit",
+        _contained(model, tuple(as_num(0, NM) for _ in model.own.devices)),
+        statement="with one faulty unit, whichever, the reported interval holds the true position of end A",
+        trace=SOURCES,
+        assumption=ONE_FAULT,
+    )
+
+
+def _contained(model: Odometry, more: tuple[Num, ...]) -> Bool:
+    """Whichever device gives the position, the reported interval and `more` of it on both sides hold the truth."""
+    machine = model.machine
+    position, over, under = (exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "over", "under"))
+    return all_of(
+        machine.mode.eq(mode).implies(between(position - under - wider, model.own.truth, position + over + wider))
+        for mode, wider in zip(machine.modes[2:], more, strict=True)
+    )
