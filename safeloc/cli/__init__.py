@@ -1,6 +1,7 @@
-"""The command line: `safeloc list | prove | test | simulate | replay | report | export | verify`.
+"""The command line: `safeloc list | prove | test | simulate | replay | report | export | verify | import | audit`.
 
-Exit codes: 0 all holds, 1 something is violated, 2 wrong usage or input, 3 undecided within the limits.
+Exit codes: 0 all holds, 1 something is violated, 2 no result (wrong usage or input, or safeloc itself failed),
+3 undecided within the limits; 130 interrupted, 141 closed pipe.
 """
 
 from safeloc.cli.main import main

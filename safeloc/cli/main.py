@@ -14,17 +14,18 @@ from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.audit import audit_line
+from safeloc.cli.entry import Commands
 from safeloc.cli.line_import import import_line
-from safeloc.cli.replay import replay_stream
+from safeloc.cli.listing import list_
+from safeloc.cli.replay import as_table, replay_stream, whole_run
 from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
-from safeloc.errors import InputError, SafelocError
+from safeloc.errors import InputError
 from safeloc.provers.base import base, step_queries
 from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
+from safeloc.provers.obligations import CHECKS, obligations
 from safeloc.provers.portfolio import prove as prove_all
 from safeloc.report.data import report_data
-from safeloc.report.folder import render_folder, write_folder
-from safeloc.requirements import requirements
+from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.streams.steps import write_steps
@@ -32,7 +33,8 @@ from safeloc.system import without_ghosts
 from safeloc.testing import run_tests
 from safeloc.verdict import Proved, word, worst
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app.command("list")(list_)
 app.command("import")(import_line)
 app.command("audit")(audit_line)
 
@@ -47,41 +49,6 @@ JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
 SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]
-
-
-@app.command("list")
-def list_(
-    what: Annotated[str, typer.Argument(help="machines, properties or requirements")] = "machines",
-    as_json: JsonOption = False,
-) -> None:
-    """What there is."""
-    kinds = {"machines": _machines, "properties": _property_rows, "requirements": _requirement_rows}
-    if what not in kinds:
-        raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
-    rows = kinds[what]()
-    if as_json:
-        print_json(rows)
-        return
-    for row in rows:
-        out.print("  ".join(value for value in row.values() if value), markup=False)
-
-
-def _machines() -> list[dict[str, str]]:
-    return [{"name": entry.name, "summary": entry.summary} for entry in ENTRIES.values()]
-
-
-def _property_rows() -> list[dict[str, str]]:
-    rows = []
-    for name in ENTRIES:
-        for prop in load_target(name).properties:
-            rows.append(
-                {"machine": name, "name": prop.name, "requirements": " ".join(prop.trace), "statement": prop.statement}
-            )
-    return rows
-
-
-def _requirement_rows() -> list[dict[str, str]]:
-    return [{"id": one.id, "status": one.status, "machine": one.machine, "text": one.text} for one in requirements()]
 
 
 @app.command()
@@ -99,11 +66,12 @@ def prove(
     loaded = load_target(target, config)
     chosen = _chosen(loaded, only)
     limits = Limits(depth=depth, seconds=seconds, seed=seed)
-    with Progressing(len(chosen), quiet=as_json) as progress:
-        progress.say(f"proving {loaded.name}")
+    owed = _owed(loaded) if only is None else 0
+    with Progressing(_claims(loaded, chosen) + owed, quiet=as_json) as progress:
+        progress.say(f"proving {loaded.name}", _claims(loaded, chosen))
         findings = prove_all(loaded.system, chosen, limits, jobs=jobs, on_finding=progress.add)
         if only is None:
-            findings += _obliged(loaded, limits, progress)
+            findings += _obliged(loaded, limits, jobs, progress)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
@@ -117,12 +85,19 @@ def _chosen(target: Target, names: list[str] | None) -> list[Property]:
     return [known[name] for name in names]
 
 
-def _obliged(target: Target, limits: Limits, progress: Progressing) -> list[Finding]:
-    progress.say(f"obligations of {target.name}")
-    findings = obligations(target.system, limits)
-    for finding in findings:
-        progress.add(finding)
-    return findings
+def _claims(target: Target, properties: Sequence[Property]) -> int:
+    """Findings that proving these will give, as near as can be said beforehand."""
+    return len(properties) + sum(len(machine.lemmas) for machine in target.machines)
+
+
+def _owed(target: Target) -> int:
+    """Obligations, as near as can be said beforehand: one of each kind, each mode and transition by itself."""
+    return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
+
+
+def _obliged(target: Target, limits: Limits, jobs: int, progress: Progressing) -> list[Finding]:
+    progress.say(f"obligations of {target.name}", _owed(target))
+    return obligations(target.system, limits, jobs=jobs, on_finding=progress.add)
 
 
 @app.command()
@@ -131,20 +106,28 @@ def test(
     config: ConfigOption = None,
     examples: ExamplesOption = 100,
     steps: StepsOption = 60,
+    jobs: JobsOption = 2,
     seed: SeedOption = 0,
     as_json: JsonOption = False,
 ) -> None:
     """Run property tests along plausible and faulty streams."""
     loaded = load_target(target, config)
-    findings = _tested(loaded, examples, steps, seed, obligations(loaded.system, Limits()))
+    with Progressing(_owed(loaded) + len(loaded.properties), quiet=as_json) as progress:
+        owed = _obliged(loaded, Limits(), jobs, progress)
+        progress.say(f"testing {loaded.name}", len(loaded.properties))
+        findings = _tested(loaded, examples, steps, seed, owed)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
 @app.command()
 def replay(
     target: TargetArgument,
-    stream: Annotated[Path, typer.Argument(help="JSONL or CSV with the inputs of every step")],
+    stream: Annotated[Path, typer.Argument(help="JSONL, CSV or Parquet with the inputs of every step")],
     config: ConfigOption = None,
+    period: Annotated[
+        int | None,
+        typer.Option("--period-ms", help="the stream holds single records; make steps of this period", min=1),
+    ] = None,
     form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
     as_json: JsonOption = False,
 ) -> None:
@@ -152,16 +135,15 @@ def replay(
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
     loaded = load_target(target, config)
-    rows, findings = replay_stream(loaded, stream)
+    rows, findings = replay_stream(loaded, stream, period_ms=period)
     if as_json:
         print_json(report_data(findings, [loaded]))
     elif form == "jsonl":
         for row in rows:
             sys.stdout.write(row.as_json() + "\n")
     else:
-        out.print(rows[0].heading() if rows else "(no steps)", markup=False)
-        for row in rows:
-            out.print(row.as_text(), markup=False)
+        for line in as_table(rows):
+            out.print(line, markup=False)
         findings_table(findings)
     raise typer.Exit(EXIT_CODES[worst(word(finding.result) for finding in findings)])
 
@@ -198,7 +180,7 @@ def export(
 @app.command()
 def simulate(
     target: TargetArgument,
-    where: Annotated[Path, typer.Option("--out", help="stream to write: .jsonl or .csv")],
+    where: Annotated[Path, typer.Option("--out", help="stream to write: .jsonl, .csv or .parquet")],
     config: ConfigOption = None,
     seed: SeedOption = 0,
 ) -> None:
@@ -206,7 +188,7 @@ def simulate(
     loaded = load_target(target, config)
     if loaded.simulate is None:
         able = [name for name in ENTRIES if load_target(name).simulate is not None]
-        raise InputError(f"{loaded.name} has no simulation; {', '.join(able)} has.")
+        raise InputError(f"{loaded.name} has no simulation; there is one of {', '.join(able)}.")
     steps = loaded.simulate(seed)
     try:
         write_steps(where, steps, machine=loaded.name)
@@ -245,21 +227,31 @@ def verify(
     as_json: JsonOption = False,
 ) -> None:
     """Prove, test, replay the shipped streams, and write the report: the main job."""
-    loaded = _distinct([load_target(name, config) for name in targets or list(ENTRIES)])
+    names = targets or list(ENTRIES)
+    if config is not None and len(names) > 1:
+        raise typer.BadParameter(f"--config is of one machine, and here are {len(names)}: {', '.join(names)}.")
+    loaded = _distinct([load_target(name, config) for name in names])
+    usable(folder)
     limits = Limits(depth=depth, seconds=seconds, seed=seed)
     findings: list[Finding] = []
-    with Progressing(sum(len(one.properties) for one in loaded), quiet=as_json) as progress:
+    with Progressing(sum(map(_work, loaded)), quiet=as_json) as progress:
         for one in loaded:
-            progress.say(f"proving {one.name}")
+            progress.say(f"proving {one.name}", _claims(one, one.properties))
             findings += prove_all(one.system, one.properties, limits, jobs=jobs, on_finding=progress.add)
-            owed = _obliged(one, limits, progress)
-            progress.say(f"testing {one.name}")
+            owed = _obliged(one, limits, jobs, progress)
+            progress.say(f"testing {one.name}", len(one.properties))
             findings += [*owed, *_tested(one, examples, steps, seed, owed)]
             findings += _shipped_streams(one, progress)
     page = write_folder(folder, findings, loaded)
     code = result(findings, loaded, as_json=True) if as_json else _summary(findings)
     err.print(f"report: {page}", markup=False)
     raise typer.Exit(code)
+
+
+def _work(target: Target) -> int:
+    """Findings of all phases, as near as can be said beforehand."""
+    tests, replays = len(target.properties), len(target.streams) * len(target.properties)
+    return _claims(target, target.properties) + _owed(target) + tests + replays
 
 
 def _distinct(targets: list[Target]) -> list[Target]:
@@ -272,8 +264,9 @@ def _distinct(targets: list[Target]) -> list[Target]:
 
 
 def _tested(target: Target, examples: int, steps: int, seed: int, owed: Sequence[Finding]) -> list[Finding]:
-    """Property tests that also start where the reachability witnesses end, so that deep modes are tested as well."""
-    corpus = [f.result.witness for f in owed if isinstance(f.result, Proved) and f.result.witness is not None]
+    """Property tests that also start along reachability witnesses and shipped streams, so that deep modes are tested."""
+    witnesses = [f.result.witness for f in owed if isinstance(f.result, Proved)]
+    corpus = [run for run in (*witnesses, *(whole_run(target, path) for path in target.streams)) if run is not None]
     return run_tests(target.system, target.properties, examples=examples, steps=steps, seed=seed, corpus=corpus)
 
 
@@ -289,15 +282,11 @@ def _summary(findings: Sequence[Finding]) -> int:
 def _shipped_streams(target: Target, progress: Progressing) -> list[Finding]:
     findings = []
     for stream in target.streams:
-        progress.say(f"replaying {stream.name}")
+        progress.say(f"replaying {stream.name}", len(target.properties))
         findings += replay_stream(target, stream)[1]
     return findings
 
 
 def main() -> None:
-    """Entry point: a SafelocError is one clear message and exit code 2."""
-    try:
-        app()
-    except SafelocError as error:
-        err.print(f"safeloc: {error}", markup=False)
-        sys.exit(2)
+    """Entry point."""
+    app(prog_name="safeloc")

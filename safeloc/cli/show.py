@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, assert_never
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -13,30 +13,47 @@ from rich.table import Table
 
 from safeloc.report.data import report_data
 from safeloc.results import Finding
-from safeloc.verdict import Proved, Unknown, Violated, word, worst
+from safeloc.verdict import Held, Proved, Unknown, Violated, word, worst
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3}
 COLOURS: Mapping[str, str] = {"proved": "green", "held": "cyan", "violated": "bold red", "unknown": "yellow"}
 
-out = Console(highlight=False, soft_wrap=True)
-err = Console(stderr=True, highlight=False, soft_wrap=True)
+
+class _Console(Console):
+    """Leaves a closed pipe to the caller, who knows the exit code for it."""
+
+    def on_broken_pipe(self) -> None:
+        """Called where rich meets it."""
+        raise BrokenPipeError
+
+
+out = _Console(highlight=False, soft_wrap=True)
+err = _Console(stderr=True, highlight=False, soft_wrap=True)
 
 
 class Progressing:
-    """Counts findings: a bar with a time estimate on a terminal, one line a finding in a pipe."""
+    """What is going on: a bar with a time estimate on a terminal, one line a finding in a pipe, nothing with --json.
 
-    def __init__(self, total: int, *, quiet: bool) -> None:
-        self._quiet = quiet
+    `planned` is the number of findings expected of all phases together; each phase says how many of them are its own,
+    so that a phase with more or fewer does not move the end.
+    """
+
+    def __init__(self, planned: int, *, quiet: bool) -> None:
+        self._plain = not quiet and not sys.stderr.isatty()
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
+            TextColumn("about"),
             TimeRemainingColumn(),
+            TextColumn("left"),
             console=err,
-            disable=quiet or not sys.stderr.isatty(),
+            disable=quiet or self._plain,
+            transient=True,
         )
-        self._task = self._bar.add_task("checking", total=total)
+        self._task = self._bar.add_task("", total=planned)
+        self._done, self._end = 0, 0
 
     def __enter__(self) -> Progressing:
         self._bar.start()
@@ -45,16 +62,23 @@ class Progressing:
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
-    def say(self, text: str) -> None:
-        """What is going on now."""
-        self._bar.update(self._task, description=text)
-        if not self._quiet and not sys.stderr.isatty():
-            err.print(text)
+    @property
+    def done(self) -> tuple[int, int]:
+        """Findings counted, of how many."""
+        return int(self._bar.tasks[0].completed), int(self._bar.tasks[0].total or 0)
+
+    def say(self, text: str, planned: int) -> None:
+        """A new phase; whatever was planned for the last one is over."""
+        self._done, self._end = self._end, self._end + planned
+        self._bar.update(self._task, description=text, completed=self._done, refresh=True)
+        if self._plain:
+            err.print(text, markup=False)
 
     def add(self, finding: Finding) -> None:
         """One more finding."""
-        self._bar.advance(self._task)
-        if not self._quiet and not sys.stderr.isatty():
+        self._done = min(self._done + 1, self._end)
+        self._bar.update(self._task, completed=self._done)
+        if self._plain:
             err.print(f"{word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)", markup=False)
 
 
@@ -97,8 +121,14 @@ def _evidence(finding: Finding) -> None:
                 out.print(trace.table(), markup=False)
         case Unknown(reason, depth):
             out.print(f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} (clean up to step {depth})")
-        case Proved() | _:
+        case Held(notes=notes) if finding.kind == "replay" and notes:
+            out.print(
+                f"\n{finding.id}: " + ", ".join(f"{what}: {number}" for what, number in notes.items()), markup=False
+            )
+        case Proved() | Held():
             pass
+        case _:
+            assert_never(finding.result)
 
 
 def print_json(data: object) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from safeloc.catalogue import ENTRIES
 from safeloc.report.data import schema
 from safeloc.requirements import requirements
 from tests.cli.calling import DOOR, QUICK_VERIFY, Call
@@ -19,14 +20,30 @@ def test_list_machines(call: Call) -> None:
     """The shipped machines by name, in plain lines and as JSON."""
     assert "odometry  odometry between markers" in call("list").out
     names = [row["name"] for row in json.loads(call("list", "machines", "--json").out)]
-    assert names == ["odometry", "delocalized", "supervised_odometry"]
+    assert names == list(ENTRIES)
 
 
 def test_list_requirements(call: Call) -> None:
-    """Every requirement is listed with its status."""
-    rows = json.loads(call("list", "requirements", "--json").out)
-    assert [row["id"] for row in rows] == [one.id for one in requirements()]
-    assert {row["status"] for row in rows} == {"done", "planned"}
+    """Every requirement with what carries and shows it, and every transition and property back."""
+    data = json.loads(call("list", "requirements", "--json").out)
+    rows = {row["id"]: row for row in data["requirements"]}
+    assert list(rows) == [one.id for one in requirements()]
+    assert "odometry: tolerance exceeded" in rows["MRK-D1"]["transitions"]
+    assert "odometry: containment" in rows["MRK-1"]["properties"]
+    back = {(item["machine"], item["name"]): item["requirements"] for item in data["items"]}
+    assert "MRK-D1" in back["odometry", "tolerance exceeded"]
+    assert isinstance(data["gaps"], list)
+
+
+def test_list_requirements_as_text(call: Call) -> None:
+    """Plain lines: a requirement, below it its transitions, properties and tests, and then the way back."""
+    lines = call("list", "requirements").out.splitlines()
+    start = next(number for number, line in enumerate(lines) if line.startswith("MRK-D1  done  delocalized  "))
+    assert "    transition  odometry: tolerance exceeded" in lines[start:]
+    assert any(line.startswith("    test        tests/") for line in lines)
+    back = lines[lines.index("Back from transitions and properties:") :]
+    assert any(line.startswith("transition  odometry: tolerance exceeded  MRK-D1") for line in back)
+    assert lines[-1].startswith("gap: ")
 
 
 def test_list_properties(call: Call) -> None:
@@ -39,7 +56,7 @@ def test_list_properties(call: Call) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["prove", "odometri"], "no machine 'odometri'; there are odometry, delocalized, supervised_odometry"),
+        (["prove", "odometri"], "no machine 'odometri'; there are odometry, delocalized, "),
         (["prove", "odometri"], "Did you mean 'odometry'?"),
         (["prove", "no_such_package:machine"], "cannot import 'no_such_package'"),
         (["prove", "no_such_file.py:machine"], "no_such_file.py: no such Python file."),
@@ -51,7 +68,10 @@ def test_list_properties(call: Call) -> None:
         (["replay", DOOR, "x.jsonl", "--format", "xml"], "choose table or jsonl"),
         (["export", DOOR, "--to", "pdf"], "choose one of python, mermaid"),
         (["export", DOOR, "--to", "svg", "--out", "no/such/folder/x.svg"], "no/such/folder/x.svg: cannot be written"),
-        (["simulate", DOOR, "--out", "x.jsonl"], "door has no simulation; odometry has."),
+        (["simulate", DOOR, "--out", "x.jsonl"], "door has no simulation; there is one of odometry"),
+        (["verify", DOOR, "odometry", "--config", "x.toml"], "--config is of one machine, and here are 2: "),
+        (["verify", DOOR, "--out", "/dev/null/report"], "/dev/null/report: the report cannot be written here: "),
+        (["replay", DOOR, "x.jsonl", "--period-ms", "0"], "--period-ms"),
         (["report", "no_such_folder"], "cannot be read as a report"),
         (["verify", DOOR, DOOR], "two machines are called 'door'"),
         (["prove"], "Missing argument"),
@@ -76,6 +96,72 @@ def test_wrong_configuration(call: Call, tmp_path: Path) -> None:
     assert f"{path}: 2 fields are wrong" in called.err
     assert "- tolerance_mm: " in called.err
     assert "- colour: " in called.err
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("", "no steps, so nothing was replayed."),
+        ('{"speed": NaN}', "stream.jsonl:1: speed is nan, no measurement; leave the input out"),
+        ('{"spede": 3}', "stream.jsonl:1: door has no input 'spede'; it has ['blocked', 'released', 'speed']. Did you"),
+        ('{"speed": 100001, "released": false, "blocked": false}', "speed: 100001 mm/s is outside 0..100000. (line 1)"),
+    ],
+)
+def test_a_stream_that_cannot_be_replayed(call: Call, tmp_path: Path, line: str, message: str) -> None:
+    """An empty one, a NaN, a misspelt name, a value out of range: no verdict, and the line to mend."""
+    path = tmp_path / "stream.jsonl"
+    path.write_text(line, encoding="utf-8")
+    called = call("replay", DOOR, str(path))
+    assert (called.code, called.out) == (2, "")
+    assert message in called.err
+
+
+def test_replay_as_a_table(call: Call, tmp_path: Path) -> None:
+    """Columns stand under their names."""
+    path = tmp_path / "run.csv"
+    path.write_text("speed,released,blocked\n0,true,false\n100,false,false\n", encoding="utf-8")
+    heading, first, second = call("replay", DOOR, str(path)).out.splitlines()[:3]
+    place = heading.index("fired")
+    assert heading.split()[:2] == ["step", "mode"]
+    assert (first.split()[:2], first[place:].split()) == (["1", "OPEN"], ["open"])
+    assert second[place:].strip()
+    assert second.split()[0] == "2"
+
+
+RECORDS = """{"kind": "value", "time_ms": 50, "name": "speed", "value": 0}
+{"kind": "value", "time_ms": 60, "name": "released", "value": true}
+{"kind": "value", "time_ms": 60, "name": "blocked", "value": false}
+{"kind": "distance", "time_ms": 60, "end": "front", "unit": "wheel", "step_mm": 5}
+"""
+
+
+def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> None:
+    """Grouped into steps; what the border refuses is counted by channel and reason, and is no input."""
+    path = tmp_path / "run.jsonl"
+    late = '{"kind": "distance", "time_ms": 40, "end": "front", "unit": "wheel", "step_mm": NaN}\n'
+    path.write_text(RECORDS + late, encoding="utf-8")
+    called = call("replay", DOOR, str(path), "--period-ms", "100")
+    assert called.code == 0
+    assert "front_wheel: older than one delivered before: 1" in called.out
+    data = json.loads(call("replay", DOOR, str(path), "--period-ms", "100", "--json").out)
+    jsonschema.validate(data, schema())
+    (border,) = [row for row in data["results"] if row["id"] == "door/replay/run: border"]
+    assert border["notes"] == {"front_wheel: older than one delivered before": "1"}
+
+
+def test_a_simulated_run_as_records_replays_like_its_steps(call: Call, tmp_path: Path) -> None:
+    """Over records, border and cycles the odometry machine sees the same inputs."""
+    path = tmp_path / "run.jsonl"
+    lines = [
+        {"kind": "distance", "time_ms": 100 * n, "end": end, "unit": unit, "step_mm": 1000 + n}
+        for n in range(1, 40)
+        for end in ("front", "rear")
+        for unit in ("wheel", "radar")
+    ]
+    path.write_text("\n".join(map(json.dumps, lines)), encoding="utf-8")
+    rows = call("replay", "odometry", str(path), "--period-ms", "100", "--format", "jsonl").out.splitlines()
+    assert len(rows) == 39
+    assert {json.loads(row)["mode"]["mode"] for row in rows} == {"DELOCALIZED"}
 
 
 def test_replay_jsonl(call: Call) -> None:

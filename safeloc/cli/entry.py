@@ -1,0 +1,51 @@
+"""How a command ends: with a verdict's exit code, or with one that no verdict has.
+
+0    all holds
+1    something is violated
+2    no result: wrong usage or input, or safeloc itself failed
+3    undecided within the limits
+130  interrupted (Ctrl-C)
+141  whoever read the output went away (closed pipe)
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from safeloc.cli.show import err
+from safeloc.errors import SafelocError
+
+NO_RESULT, INTERRUPTED, CLOSED_PIPE = 2, 130, 141
+
+
+class Commands(TyperGroup):
+    """The commands. An error is never taken for a verdict: Python's own exit code for one would be that of `violated`."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run one command."""
+        try:
+            try:
+                return super().invoke(ctx)
+            finally:
+                sys.stdout.flush()  # here, where a closed pipe can still be told from anything else
+        except SafelocError as error:
+            err.print(f"safeloc: {error}", markup=False)
+            raise typer.Exit(NO_RESULT) from error
+        except BrokenPipeError as error:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at its end
+            raise typer.Exit(CLOSED_PIPE) from error
+        except KeyboardInterrupt as error:
+            err.print("safeloc: interrupted; no result.", markup=False)
+            raise typer.Exit(INTERRUPTED) from error
+        except Exception as error:
+            if type(error).__module__.split(".")[0] in ("typer", "click"):
+                raise  # how they end a command, and how they tell of wrong usage
+            traceback.print_exception(error)
+            err.print("safeloc: failed, as printed above; no result. Please report it.", markup=False)
+            raise typer.Exit(NO_RESULT) from error
