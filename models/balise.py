@@ -128,7 +128,7 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
         free = accepted & ~cycle.announced
         yield stay("group without linking resets the position", free, reset, ("RFL-5", "RFL-9"), 3)
     outside, unfit = judged(v.TOO_EARLY, v.TOO_LATE), judged(v.INCOMPLETE, v.MISMATCH)
-    yield stay("group passed in the wrong direction", judged(v.WRONG_DIRECTION), kept, ("RFL-D4", "RFL-D5"), 4)
+    yield stay("group passed in the wrong direction", judged(v.WRONG_DIRECTION), kept, ("RFL-D4",), 4)
     yield stay("group found outside its window", outside, kept, ("RFL-D4",), 4)
     yield stay("group incomplete or not as announced", unfit, kept, ("RFL-D4",), 4)
     yield stay("expected group missed", cycle.missed, kept, ("RFL-D4",), 5)

@@ -1,4 +1,4 @@
-"""What must hold of the balise machine, in the words of the requirements (RFL-5, RFL-9, RFL-D4, RFL-D5)."""
+"""What must hold of the balise machine, in the words of the requirements (RFL-5, RFL-9, RFL-D4)."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def _references(model: Balise) -> Iterator[Property]:
             statement="a located vehicle takes a position only from a group that was announced, in the announced "
             "orientation, and inside its window: the max safe front end has reached the first place where it can be "
             "read, and the min safe front end had not passed the last one",
-            trace=("RFL-D4", "RFL-D5"),
+            trace=("RFL-D4",),
             unconditional=True,
         )
     yield always(
@@ -115,7 +115,7 @@ def _references(model: Balise) -> Iterator[Property]:
             & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))
         ),
         statement="the direction of travel is stated only after a group with an orientation of its own, or a second group",
-        trace=("RFL-D5",),
+        trace=("RFL-D4",),
         unconditional=True,
     )
 
@@ -391,7 +391,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
         "wrong direction trips",
         wrong.implies(memory.reaction.eq(TRAIN_TRIP)),
         statement="an announced group passed in the other orientation trips the train in the same step (3.16.2.3.2)",
-        trace=("RFL-D4", "RFL-D5"),
+        trace=("RFL-D4",),
         unconditional=True,
     )
     yield always(

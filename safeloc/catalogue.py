@@ -21,14 +21,18 @@ from pydantic import BaseModel, ValidationError
 from safeloc.composition import Composition
 from safeloc.errors import InputError, SafelocError
 from safeloc.machine import Machine
-from safeloc.models import delocalized, odometry, supervised_odometry
+from safeloc.models import balise, delocalized, odometry, supervised_odometry
+from safeloc.models.balise_parts.variables import BaliseConfig
+from safeloc.models.balise_parts.variables import parts as balise_parts
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
 from safeloc.nodes import Value
+from safeloc.properties import balise as balise_properties
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import supervised_odometry as supervised_properties
 from safeloc.reported import Reported, usual_names
 from safeloc.spec import Property
+from safeloc.streams.steps import Cell
 from safeloc.system import TransitionSystem, lower
 
 
@@ -49,7 +53,7 @@ class Target:
     doc: str = ""
     streams: tuple[Path, ...] = ()
     reported: Reported | None = None
-    simulate: Callable[[int], Sequence[Mapping[str, Value]]] | None = None
+    simulate: Callable[[int], Sequence[Mapping[str, Cell]]] | None = None
 
 
 Maker = Callable[[BaseModel], Target]
@@ -120,12 +124,35 @@ def _supervised(config: BaseModel) -> Target:
     return Target("supervised_odometry", machines, system, properties, config, doc, reported=reported)
 
 
+def _balise(config: BaseModel) -> Target:
+    assert isinstance(config, BaliseConfig)
+    model = balise.build(balise_parts(config))
+    return Target(
+        "balise",
+        (model.machine,),
+        lower(model.machine),
+        tuple(balise_properties.properties(model)),
+        config,
+        model.machine.doc,
+        _shipped("balise"),
+        Reported(),
+        lambda seed: _balise_simulated(config, seed),
+    )
+
+
+def _balise_simulated(config: BaliseConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.balise_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
 ENTRIES: Mapping[str, Entry] = {
     entry.name: entry
     for entry in (
         Entry("odometry", "odometry between markers read at the front and at the rear", OdometryConfig, _odometry),
         Entry("delocalized", "the restrictive state behind any source", delocalized.DelocalizedConfig, _delocalized),
         Entry("supervised_odometry", "odometry and delocalized in one step", OdometryConfig, _supervised),
+        Entry("balise", "balise groups, supervised by linking, and an odometer between them", BaliseConfig, _balise),
     )
 }
 

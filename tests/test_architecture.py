@@ -25,6 +25,7 @@ ROOMS = {
         "safeloc/signals/",
         "safeloc/simulation/",
         "models/odometry_streams.py",
+        "models/balise_streams.py",
     ),
     "scipy": ("safeloc/signals/",),
     "hypothesis": ("safeloc/testing.py",),

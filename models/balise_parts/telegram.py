@@ -167,6 +167,7 @@ class Reader:
     detection_mm: int
     constant_nm: int
     since_ppm: int
+    period_ms: int
     max_speed_mm_s: int
     measuring_step_mm: int
 
@@ -179,12 +180,14 @@ class Reader:
     def run_since(self, read: Telegram, distance: Num, admitted: Bool) -> tuple[Num, Num]:
         """How far the vehicle may have run backwards and forwards since the reading, nm, where `since` is absent.
 
-        Its age at the highest speed, in the direction in which the cycle was measured, and one measuring step.
+        Its age at the highest speed, and one measuring step. A reading of this cycle is charged only in the direction
+        that the cycle was measured in; of an older one, the direction is unknown.
         """
         reach = exact_to(Lit(self.max_speed_mm_s, MM_S) * read.age.value, NM)
         least = as_num(self.measuring_step_mm * NM_PER_MM, NM)
-        back = ite(admitted & (distance >= 0), least, reach + least)
-        forth = ite(admitted & (distance <= 0), least, reach + least)
+        known = admitted & (read.age.value <= self.period_ms)
+        back = ite(known & (distance >= 0), least, reach + least)
+        forth = ite(known & (distance <= 0), least, reach + least)
         return back, forth
 
     def fix(self, read: Telegram, place: Num, accuracy: Num, distance: Num, admitted: Bool) -> Interval:

@@ -143,6 +143,7 @@ class BaliseConfig(Config):
             self.detection_mm,
             2 * self.odometer.wander_nm,
             self.odometer.rate_ppm,
+            self.period_ms,
             self.max_speed_mm_s,
             self.measuring_step_mm,
         )
