@@ -34,10 +34,9 @@ class Finding:
 
 
 def shown(figures: Figures) -> str:
-    """Figures as people read them: `502.000 m, must be <= 465.250 m`."""
-    return (
-        f"{_amount(figures.actual, figures.unit)}, must be {figures.relation} {_amount(figures.required, figures.unit)}"
-    )
+    """Figures as people read them: `distance 502.000 m, must be <= 465.250 m`."""
+    actual, required = _amount(figures.actual, figures.unit), _amount(figures.required, figures.unit)
+    return f"{figures.what} {actual}, must be {figures.relation} {required}".lstrip()
 
 
 def _amount(value: int, unit: str) -> str:
@@ -92,10 +91,16 @@ class RoutePair:
 
     def as_text(self) -> str:
         """One line for people: missed or misread reflectors that make the one look like the other."""
-        first, second = self.first_models or "-", self.second_models or "-"
+        first, second = self._labels()
         alone, every = self.by_models.as_text(first, second), self.by_all.as_text(first, second)
         suffix = _suffix(self.first_models, self.second_models, self.common_suffix)
         return f"{first} / {second}: by models alone {alone}; with distances and balises {every}{suffix}"
+
+    def _labels(self) -> tuple[str, str]:
+        """The models, where they tell the two apart; the edges otherwise."""
+        if self.first_models and self.second_models and self.first_models != self.second_models:
+            return self.first_models, self.second_models
+        return f"{self.first} ({self.first_models})", f"{self.second} ({self.second_models})"
 
 
 def _suffix(first: str, second: str, common: int) -> str:

@@ -122,7 +122,7 @@ class References:
         self.ledger.cases[self.rules.after_balise.name] += 1
         told = f"{subject}: on some route no balise with a function test comes before it"
         most = self.rules.layout.reflectors_per_balise
-        figures = Figures(UNBOUNDED, "<=", most, "count")
+        figures = Figures("reflectors since balise", UNBOUNDED, "<=", most, "count")
         self.ledger.add(self.rules.after_balise, self.walk.place(run, offset), told, figures)
 
     def _counted(self, run: Run, count: int) -> Iterator[tuple[int, Reference, int]]:

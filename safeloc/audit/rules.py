@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import Bool, NumVar, Var, boolean, number
+from safeloc.expr import Bool, Num, NumVar, Var, boolean, number
 from safeloc.interpret import Program, evaluate
 from safeloc.models import layout_rules as terms
 from safeloc.models.layout_rules import LayoutConfig
@@ -14,6 +14,7 @@ from safeloc.nodes import And, ChooseBool, Compare, Or, Value
 from safeloc.terms import variables
 from safeloc.units import COUNT, MM
 
+TURNED = {"<=": ">=", "<": ">", "==": "=="}
 REACH_MM = 10**12
 UNBOUNDED = 10**12
 """Stands for `no bound at all`: a loop without references, a reflector without any balise before it."""
@@ -21,8 +22,9 @@ UNBOUNDED = 10**12
 
 @dataclass(frozen=True)
 class Figures:
-    """A comparison that failed: `actual` should be `relation` `required`."""
+    """A comparison that failed: `actual` should be `relation` `required`. `what` names the actual figure, if one figure."""
 
+    what: str
     actual: int
     relation: str
     required: int
@@ -56,12 +58,19 @@ class Rule:
         failed = _failing(self.term, bound)
         if failed is None:
             return None
-        actual, required = evaluate([failed.left, failed.right], bound)
-        unit = failed.left.unit
-        return Figures(actual, failed.op, required, unit.name)
+        left, right = evaluate([failed.left, failed.right], bound)
+        unit = failed.left.unit.name
+        if isinstance(failed.right, NumVar) and not isinstance(failed.left, NumVar):
+            return Figures(_words(failed.right), right, TURNED[failed.op], left, unit)
+        return Figures(_words(failed.left), left, failed.op, right, unit)
 
     def _bound(self, values: Mapping[str, Value]) -> dict[Var, Value]:
         return {var: values[name] for name, var in self._variables.items()}
+
+
+def _words(term: Num) -> str:
+    """`view_from_mm` as people say it; nothing for a compound term."""
+    return term.name.removesuffix("_mm").replace("_", " ") if isinstance(term, NumVar) else ""
 
 
 def _failing(term: Bool, values: Mapping[Var, Value]) -> Compare | None:

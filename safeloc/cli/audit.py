@@ -14,6 +14,7 @@ from safeloc.cli.show import out
 from safeloc.line.toml_files import find_line
 
 VIOLATED = 1
+PAIRS_SHOWN = 30
 
 
 def audit_line(
@@ -53,3 +54,21 @@ def _lines(report: AuditReport) -> list[str]:
         *(f"{count:7} x {rule}" for rule, count in report.cases.items()),
         f"{sum(report.cases.values())} cases, {len(report.violated)} violated, {advice} advice",
     ]
+
+
+def _pairs(report: AuditReport) -> list[str]:
+    if not report.route_pairs:
+        return []
+    closest = sorted(report.route_pairs, key=lambda pair: _or_never(pair.by_models.least))
+    shown = report.route_pairs if len(closest) <= PAIRS_SHOWN else closest[:PAIRS_SHOWN]
+    left = len(report.route_pairs) - len(shown)
+    return [
+        "",
+        "routes by their models, and after how many missed or misread reflectors one looks like another:",
+        *(f"  {pair.as_text()}" for pair in shown),
+        *([f"  and {left} pairs more (--json has them)"] if left else []),
+    ]
+
+
+def _or_never(count: int | None) -> float:
+    return float("inf") if count is None else count
