@@ -57,5 +57,5 @@ def _summary(imported: Imported) -> str:
         "signals": line.signals,
         "axle counters": line.axle_counters,
     }
-    listed = ", ".join(f"{len(elements)} {kind}" for kind, elements in counts.items() if elements)
-    return f"{line.name}: {listed}; {len(imported.notes)} notes"
+    listed = ", ".join(f"{kind} {len(elements)}" for kind, elements in counts.items() if elements)
+    return f"{line.name}: {listed}; notes {len(imported.notes)}"

@@ -95,7 +95,9 @@ def _group(
         nominal_direction=toward if len(balises) == 1 else None,
     )
     if toward is not None and found.orientation != toward:
-        places.notes.append(Note("doubtful", group.place, "order of its balises against its direction; the order is taken"))
+        places.notes.append(
+            Note("doubtful", group.place, "order of its balises against its direction; the order is taken")
+        )
     return found
 
 

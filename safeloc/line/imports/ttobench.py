@@ -157,6 +157,8 @@ def _tunnels(profile: Profile) -> Iterator[Tunnel]:
     for number, (place, (position, length, section)) in enumerate(rows, 1):
         start = profile.position_mm(position, place)
         end = profile.position_mm(decimal(position, place) + decimal(length, place), place)
+        if end <= start:
+            raise InputError(f"{place}: a tunnel of {length} m has no length.")
         stretch = made(Stretch, place, edge=EDGE, from_mm=start, to_mm=end)
         profile.notes.append(Note("not carried over", place, f"cross section {section} m2"))
         yield made(Tunnel, place, id=f"tunnel {number}", stretches=(stretch,))
