@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, assert_never
@@ -21,6 +22,16 @@ from safeloc.verdict import Held, Proved, Unknown, Violated
 
 DATA = "report.json"
 EVIDENCE = {"certificates": "*.smt2", "traces": "*.jsonl"}
+
+
+def usable(folder: Path) -> None:
+    """InputError if no report can be written here: better told before the proofs than after."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
 
 def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Target]) -> Path:
