@@ -183,8 +183,14 @@ def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
     try:
         return kind.model_validate(content)
     except ValidationError as error:
-        wrong = "\n".join(f"  - {'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}" for e in error.errors())
-        raise InputError(f"{path or 'configuration'}: {error.error_count()} fields are wrong:\n{wrong}") from error
+        wrong = [f"  - {'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}" for e in error.errors()]
+        fields = "1 field is" if len(wrong) == 1 else f"{len(wrong)} fields are"
+        raise InputError("\n".join([f"{path or 'configuration'}: {fields} wrong:", *wrong])) from error
+
+
+def _given(error: Mapping[str, Any]) -> str:
+    """What stands there, unless it is the whole file."""
+    return "" if isinstance(error["input"], (dict, list)) else f" (got {error['input']!r})"
 
 
 def _content(path: Path) -> dict[str, Any]:
