@@ -96,6 +96,8 @@ def read_features(path: Path, notes: list[Note]) -> list[Feature]:
         raise InputError("names a coordinate system; GeoJSON is longitude and latitude on WGS 84 (RFC 7946).")
     for name in others(collection, ("type", "features", "properties", "bbox", "name")):
         notes.append(Note("not understood", "collection", f"member {name!r}"))
+    if collection.get("properties"):
+        notes.append(Note("not carried over", "collection", "its properties"))
     listed = sequence(required(collection, "features", "collection"), "features")
     return [_feature(f"feature {index}", found) for index, found in enumerate(listed, 1)]
 

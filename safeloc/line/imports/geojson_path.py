@@ -83,6 +83,14 @@ def _break(edges: Sequence[str], topology: Topology) -> str:
 def _edge(feature: Feature, topology: Topology, notes: list[Note]) -> str:
     for name in others(feature.properties, KNOWN):
         notes.append(Note("not understood", feature.place, f"property {name!r}"))
+    if any(share in feature.properties for share in KNOWN[1:5]):
+        notes.append(
+            Note(
+                "not carried over",
+                feature.place,
+                "shares run over and rows of the log; the route is over whole elements",
+            )
+        )
     name = required(feature.properties, "netelement_id", feature.place)
     edge = text(name, f"{feature.place}: netelement_id")
     if edge not in topology.edges:

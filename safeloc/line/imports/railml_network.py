@@ -60,8 +60,11 @@ def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> N
         if identity not in micro:
             element.skip()
             notes.append(Note("not carried over", element.place, "net element of a coarser level"))
+    tracks = _track_lengths(infrastructure)
     elements = {
-        identity: _net_element(everything[identity], units, notes) for identity in everything if identity in micro
+        identity: _net_element(everything[identity], units, tracks, notes)
+        for identity in everything
+        if identity in micro
     }
     if not elements:
         raise InputError(f"{infrastructure.place}: topology/netElements holds no net element of the micro level.")
@@ -107,9 +110,27 @@ def linear_units(root: Element) -> dict[str, Decimal]:
     return found
 
 
-def _net_element(element: Element, units: Mapping[str, Decimal], notes: list[Note]) -> NetElement:
+def _track_lengths(infrastructure: Element) -> dict[str, Element]:
+    """Net element -> the physical length of the track that runs over all of it and over nothing else."""
+    found: dict[str, Element] = {}
+    for track in infrastructure.all("functionalInfrastructure", "tracks", "track"):
+        pieces = track.all("linearLocation", "associatedNetElement")
+        lengths = [one for one in track.all("length") if one.get("type") in (None, "physical")]
+        parts = ("posBegin", "posEnd", "intrinsicCoordBegin", "intrinsicCoordEnd")
+        if (
+            len(pieces) == len(lengths) == 1
+            and not any(pieces[0].get(name) for name in parts)
+            and not pieces[0].children
+        ):
+            found[pieces[0].need("netElementRef")] = lengths[0]
+    return found
+
+
+def _net_element(
+    element: Element, units: Mapping[str, Decimal], tracks: Mapping[str, Element], notes: list[Note]
+) -> NetElement:
     measures = _measures(element, units)
-    length_m = _length(element, measures)
+    length_m = _length(element, measures, tracks.get(element.need("id")), notes)
     if length_m <= 0:
         raise InputError(f"{element.place}: its length {length_m} m must be positive.")
     whole, exact = millimetres(length_m)
@@ -118,16 +139,24 @@ def _net_element(element: Element, units: Mapping[str, Decimal], notes: list[Not
     return NetElement(element, length_m, measures)
 
 
-def _length(element: Element, measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]]) -> Decimal:
-    """The attribute, else the kilometres between both ends."""
+def _length(
+    element: Element,
+    measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]],
+    of_track: Element | None,
+    notes: list[Note],
+) -> Decimal:
+    """The attribute, else the kilometres between both ends, else the length of the track that is this net element."""
     told = element.get("length")
     if told is not None:
         return decimal(told, f"{element.place}: length")
     for points in measures.values():
         if points[0][0] == 0 and points[-1][0] == 1:
             return abs(points[-1][1] - points[0][1])
+    if of_track is not None:
+        notes.append(Note("assumed", element.place, f"its length is that of its track, line {of_track.line}"))
+        return decimal(of_track.need("value"), f"{of_track.place}: value")
     raise InputError(
-        f"{element.place}: has no length, and no kilometres at both ends from which it follows; give attribute 'length'."
+        f"{element.place}: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'."
     )
 
 

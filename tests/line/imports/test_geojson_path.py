@@ -44,7 +44,11 @@ def test_the_direction_follows_from_the_order(tmp_path: Path, topology: Topology
     route, notes = read_path(path_file(tmp_path, "south", "stem"), topology)
     assert (Run("south", "increasing"), Run("stem", "decreasing")) == route.runs
     assert 2 * 1_113_195 == route.length_mm
-    assert () == notes
+    told = "shares run over and rows of the log; the route is over whole elements"
+    assert (
+        tuple(Note("not carried over", f"feature {n} {name!r}", told) for n, name in ((1, "south"), (2, "stem")))
+        == notes
+    )
 
 
 def test_a_single_element_needs_its_direction(tmp_path: Path, topology: Topology) -> None:

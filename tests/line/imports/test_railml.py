@@ -85,6 +85,17 @@ def test_lengths_are_exact_decimals(railml: Read) -> None:
     assert ["position to the nearest mm"] == [note.text for note in rounded.notes if note.kind == "rounded"]
 
 
+def test_the_length_of_a_track_counts_for_its_net_element(railml: Read) -> None:
+    """Where the net element has none and is the whole track; of a longer track it tells nothing."""
+    document = changed('<netElement id="b" length="400"/>', '<netElement id="b"/>')
+    own = '<track id="tr2" type="mainTrack"><linearLocation><associatedNetElement netElementRef="b"/></linearLocation>'
+    own += '<length type="physical" value="400.5"/></track></tracks>'
+    line, notes = railml(changed('pos="400"', 'pos="400.5"', changed("</tracks>", own, document)))
+    assert 400_500 == line.edges[1].length_mm
+    told = f"its length is that of its track, line {line_of('</tracks>')}"
+    assert Note("assumed", "netElement 'b' line 25", told) in notes
+
+
 # ------------------------------------------------------------------ what is not carried over
 
 NOTED: Mapping[str, tuple[str, str, Note]] = {
@@ -268,7 +279,7 @@ REFUSED: Mapping[str, tuple[str, str, str]] = {
     "a missing length": (
         '<netElement id="b" length="400"/>',
         '<netElement id="b"/>',
-        "netElement 'b' line 25: has no length, and no kilometres at both ends from which it follows; give attribute 'length'.",
+        "netElement 'b' line 25: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'.",
     ),
     "a length of nothing": (
         '<netElement id="b" length="400"/>',
