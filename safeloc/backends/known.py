@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+from safeloc.backends.shapes import is_magnitude
 from safeloc.nodes import (
     FALSE,
     TRUE,
@@ -51,6 +52,7 @@ class Known:
         self._done: dict[Expr, Expr] = dict(facts)
         self._kept: dict[tuple[object, ...], Expr] = {}
         self._among: dict[Expr, frozenset[int]] = {}
+        self._distances: dict[tuple[int, int], Expr] = {}
 
     def __call__(self, term: Expr) -> Expr:
         """The term under the facts; of a decided choice only the chosen branch is looked at."""
@@ -90,7 +92,7 @@ class Known:
             case Compare():
                 return self._comparison(node, self._done[node.left], self._done[node.right])
             case Add() | Sub() | Mul() | Min() | Max():
-                return _arithmetic(node, self._done[node.left], self._done[node.right])
+                return self._distance(_arithmetic(node, self._done[node.left], self._done[node.right]))
             case FloorDiv(left, divisor, unit):
                 inner = self._done[left]
                 return Lit(inner.value // divisor, unit) if isinstance(inner, Lit) else rebuilt(node, (inner,))
@@ -109,6 +111,15 @@ class Known:
         if self._values(then) and self._values(other) and len(values) <= MOST_VALUES:
             self._among[chosen] = values
         return chosen
+
+    def _distance(self, term: Expr) -> Expr:
+        """How far two terms are apart is the same from either side."""
+        if not isinstance(term, Max) or not isinstance(term.left, Sub) or not is_magnitude(term):
+            return term
+        one, two = id(term.left.left), id(term.left.right)
+        if (two, one) in self._distances:
+            return self._distances[two, one]
+        return self._distances.setdefault((one, two), term)
 
     def _values(self, term: Expr) -> frozenset[int]:
         """The constants a term is one of; empty if that is not known."""

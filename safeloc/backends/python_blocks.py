@@ -91,6 +91,10 @@ class Blocks:
         self._written.named = outer
         return block
 
+    def test(self, condition: Expr, targets: Targets) -> Block:
+        """The targets where the condition holds; what it needs computed first is there for what follows, too."""
+        return [*self._prepared(condition), Test(self.text(condition), self.ending(targets))]
+
     def _begin(self, targets: Targets, block: Block, depth: int) -> Expr | None:
         """Settles all targets but those that one condition chooses; that condition, ready to be tested, if any."""
         groups = self._grouped(targets, depth)

@@ -2,8 +2,9 @@
 
 Two kinds of case are tried, and kept where they pay:
 
-    a quiet step    none of the optional inputs is there that make much of the work: the usual step of a machine
-                    that measures often and gets messages seldom
+    a quiet step    none of the optional inputs is there that make much of the work, and every verdict is the one
+                    that is left where no fault applies: the usual step of a machine that measures often, mostly
+                    well, and gets messages seldom
     a mode          what only the other modes' rows need is left out
 """
 
@@ -14,7 +15,23 @@ from dataclasses import dataclass
 
 from safeloc.backends.known import Known, work
 from safeloc.backends.python_blocks import Block, Blocks, Statement, Targets, Test
-from safeloc.nodes import FALSE, TRUE, BoolVar, Choose, ChooseBool, Compare, Expr, Lit, Node, Not, NumVar, Var, any_of
+from safeloc.backends.shapes import chain
+from safeloc.nodes import (
+    FALSE,
+    TRUE,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    Lit,
+    Node,
+    Not,
+    NumVar,
+    Var,
+    any_of,
+)
 from safeloc.system import TransitionSystem
 from safeloc.terms import in_order
 
@@ -46,19 +63,46 @@ def moves(system: TransitionSystem, names: Mapping[Var, str]) -> Block:
     fired = [(f"fired_{number}", term) for number, term in enumerate(system.fired.values())]
     whole, blocks = _Case([*moved, *fired], 0).under({}), Blocks(names)
     room, modes = whole.work * LONGEST, [machine.mode for machine in system.machines]
-    events = _events(system, whole)
+    events, quiet = _quiet(system, whole)
     if not events:
         return _by_mode(modes, whole, blocks, room)
-    busy = Test(blocks.text(any_of(events)), blocks.ending(whole.targets))
-    return [busy, *_by_mode(modes, whole.under(dict.fromkeys(events, FALSE)), blocks, room - whole.work)]
+    return [*blocks.test(any_of(events), whole.targets), *_by_mode(modes, quiet, blocks, room - whole.work)]
 
 
-def _events(system: TransitionSystem, whole: _Case) -> list[BoolVar]:
+def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
+    """What makes a step a busy one, and what is left to do where nothing does."""
+    events: list[Bool] = []
+    quiet = whole
+    for found in (_messages(system, whole), _faults(whole)):
+        case = quiet.under({part: known for event in found for part, known in _none(event)})
+        if case.work <= quiet.work * (1 - WORTH):
+            events, quiet = [*events, *found], case
+    return events, quiet
+
+
+def _none(event: Bool) -> list[tuple[Expr, Expr]]:
+    """The facts where an event did not happen."""
+    return [(event, FALSE), *([(event.inner, TRUE)] if isinstance(event, Not) else [])]
+
+
+def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
     """Presence flags of the inputs that make much of the work."""
     flags = {option.present for option in system.optionals}
     worth = whole.work * WORTH
     likely = dict.fromkeys(flag for flag, branch in _guarded(whole) if flag in flags and work([branch]) >= worth)
     return [flag for flag in likely if whole.under({flag: FALSE}).work <= whole.work - worth]
+
+
+def _faults(whole: _Case) -> list[Bool]:
+    """Conditions of verdicts: of every chain of constants that is compared with its last one, the earlier rows."""
+    found: dict[Bool, None] = {}
+    for node in whole.nodes():
+        if isinstance(node, Compare) and node.op == "==" and isinstance(node.right, Lit):
+            rows, last = chain(node.left)
+            values = {value.value if isinstance(value, Lit) else None for _, value in rows}
+            if isinstance(last, Lit) and last.value == node.right.value and values.isdisjoint({last.value, None}):
+                found.update(dict.fromkeys(condition for condition, _ in rows))
+    return list(found)
 
 
 def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:

@@ -45,6 +45,15 @@ def is_magnitude(term: Expr) -> bool:
             return False
 
 
+def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
+    """The rows of a table, condition and value, and what holds where no condition does."""
+    rows: list[tuple[Bool, Expr]] = []
+    while isinstance(term, (Choose, ChooseBool)):
+        rows.append((term.condition, term.then))
+        term = term.other
+    return rows, term
+
+
 def merged(terms: Sequence[Expr]) -> list[Expr]:
     """Terms of equal value with few choices, and none of truth values; shared parts stay shared."""
     rows = _Rows()
@@ -67,7 +76,7 @@ class _Rows:
 
     def by_value(self, term: Expr) -> Expr:
         """A chain of choices as one choice for each value; the term itself where that saves none."""
-        rows, last = _chain(term)
+        rows, last = chain(term)
         if len(rows) < SHORTEST_TABLE:
             return term
         places: dict[object, _Places] = {}
@@ -99,15 +108,6 @@ class _Places:
 
     value: Expr
     where: dict[Bool, list[Bool]]
-
-
-def _chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
-    """The rows of a table, condition and value, and what holds where no condition does."""
-    rows: list[tuple[Bool, Expr]] = []
-    while isinstance(term, (Choose, ChooseBool)):
-        rows.append((term.condition, term.then))
-        term = term.other
-    return rows, term
 
 
 def _parts(value: Expr) -> list[tuple[Bool, Expr]]:

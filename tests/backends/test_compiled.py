@@ -12,7 +12,23 @@ from hypothesis import strategies as st
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.backends.python_code import to_python
 from safeloc.errors import InputError
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Var, abs_, number
+from safeloc.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Var,
+    abs_,
+    between,
+    choice,
+    enumeration,
+    floor_div,
+    ite,
+    members,
+    number,
+    optional,
+)
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.nodes import Past, Value
@@ -115,6 +131,37 @@ STEP_OF_WORKER = """def step(state, inputs):
     if t2 <= 99:
         return (1, t2), (2,)
     return state, (0,)"""
+
+
+def test_what_happens_seldom_costs_nothing_else() -> None:
+    """A message, or a measurement out of bounds, is looked for once; without, only what is needed is computed."""
+    off, on = table = modes("OFF", "ON")
+    verdicts = members("verdict", "GOOD", "FAST", "FAR")
+    good, fast, far = verdicts
+    speed, message = number("speed", COUNT, 0, 99), optional("message", COUNT, -99, 99)
+    seen, way = choice("seen", enumeration(verdicts)), number("way", COUNT, -999, 999)
+    verdict = ite(speed > 50, fast, ite(speed > way, far, good))
+    told = ite(
+        message.present, abs_(message.value - way) + floor_div(message.value * 7, 3) * 2 - abs_(message.value), 0
+    )
+    moved = ite(verdict.eq(good), way + speed, way) + told
+    rows = [
+        Transition("run", on, on, between(-999, moved, 999), {way: moved, seen: verdict}),
+        Transition("out", on, off, set={seen: verdict}, rank=1),
+    ]
+    machine = Machine("runner", table, [speed, message], {way: 0, seen: good}, {}, rows)
+    source = to_python(without_ghosts(lower(machine)))
+    busy, quiet = source[source.index("    if ") : source.index("\n\n\ndef begin")].split("\n    if v_mode == 0:", 1)
+    assert busy.startswith("    if v_message_present or (v_speed > 50) or (v_way < v_speed):")
+    assert quiet == QUIET_STEP_OF_RUNNER
+
+
+QUIET_STEP_OF_RUNNER = """
+        return state, (0,)
+    t5 = v_way + v_speed
+    if -999 <= t5 <= 999:
+        return (1, t5, 0), (1,)
+    return (0, v_way, 0), (2,)"""
 
 
 def test_raw_inputs_are_refused_as_by_the_interpreter() -> None:
