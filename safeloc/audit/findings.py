@@ -100,7 +100,11 @@ class RoutePair:
         """The models, where they tell the two apart; the edges otherwise."""
         if self.first_models and self.second_models and self.first_models != self.second_models:
             return self.first_models, self.second_models
-        return f"{self.first} ({self.first_models})", f"{self.second} ({self.second_models})"
+        return _label(self.first, self.first_models), _label(self.second, self.second_models)
+
+
+def _label(name: str, models: str) -> str:
+    return f"{name} ({models})" if models else name
 
 
 def _suffix(first: str, second: str, common: int) -> str:

@@ -21,6 +21,7 @@ class References:
     def __init__(self, walk: Walk, rules: Rules, ledger: Ledger) -> None:
         self.walk, self.rules, self.ledger = walk, rules, ledger
         self._testing: dict[Run, set[str]] = {}
+        self._reach = longest(0, rules.layout)
 
     def check(self) -> None:
         """Function tests first, since a reflector counts from the last balise where one is possible."""
@@ -32,8 +33,7 @@ class References:
         self._reflectors_follow()
 
     def _next_reflectors(self, seen: Seen) -> Iterator[tuple[Seen, Reflector]]:
-        reach = longest(0, self.rules.layout)
-        for ahead in self.walk.first_ahead(seen.run, seen.offset_mm, reach, is_reflector):
+        for ahead in self.walk.first_ahead(seen.run, seen.offset_mm, self._reach, is_reflector):
             assert isinstance(ahead.element, Reflector)
             yield ahead, ahead.element
 
@@ -92,13 +92,13 @@ class References:
         """A balise without orientation, between reflectors: the models before and after it tell the direction."""
         if group.orientation is not None:
             return
-        before = [one for one in self.walk.references[seen.run] if one[0] <= seen.offset_mm and is_reflector(one[1])]
-        for _, after in self._next_reflectors(seen) if before else ():
-            last = before[-1][1]
-            assert isinstance(last, Reflector)
+        behind = [one for one in self.walk.behind(seen.run, seen.offset_mm, self._reach) if is_reflector(one.element)]
+        last = min(behind, key=lambda one: one.distance_mm, default=None)
+        for _, after in self._next_reflectors(seen) if last else ():
+            assert last is not None and isinstance(last.element, Reflector)
             place = self.walk.place(seen.run, seen.offset_mm)
-            subject = f"{name(group)} between {name(last)} and {name(after)}"
-            self.ledger.check(self.rules.direction, place, subject, same_model=last.model == after.model)
+            subject = f"{name(group)} between {name(last.element)} and {name(after)}"
+            self.ledger.check(self.rules.direction, place, subject, same_model=last.element.model == after.model)
 
     # -------------------------------------------------------------- reflectors since a balise
 

@@ -77,7 +77,8 @@ def _line(data: Any, name: str, where: Any) -> Line:
 
 
 def _told(error: ValidationError, where: Any) -> str:
-    wrong = error.errors(include_url=False)
+    found = error.errors(include_url=False)
+    wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
     first = wrong[0]
     key = ".".join(str(part) for part in first["loc"])
     message = first["msg"].removeprefix("Value error, ")
@@ -85,3 +86,8 @@ def _told(error: ValidationError, where: Any) -> str:
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
     got = f" (got {first['input']!r})" if key and not isinstance(first["input"], (dict, list)) else ""
     return f"{told.rstrip('.')}{got}.{more}"
+
+
+def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
+    """Whether one key lies within the other: a list without its wrong entry is called too short as well."""
+    return len(inner) > len(outer) and inner[: len(outer)] == outer
