@@ -301,5 +301,5 @@ class Curve(Stretch):
     Between unlike radii the curvature changes evenly (a transition curve).
     """
 
-    from_radius_mm: Signed | None
-    to_radius_mm: Signed | None
+    from_radius_mm: Signed | None = None
+    to_radius_mm: Signed | None = None
