@@ -174,9 +174,8 @@ def cut(line: Line, names: Mapping[str, str], seams: Iterable[str]) -> tuple[Lin
     at = frozenset(seams)
     _cuttable(whole, at)
     pieces = _pieces(whole, at)
-    made = tuple(_piece(whole, edges, at, _name(edges, names)) for edges in pieces)
     _fibres_whole(whole, pieces)
-    return made
+    return tuple(_piece(whole, edges, at, _name(edges, names)) for edges in pieces)
 
 
 def _cuttable(line: Line, seams: frozenset[str]) -> None:
