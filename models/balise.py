@@ -201,6 +201,7 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
         "under_mm": ite(valid, position - floor_to(interval.low, MM), 0),
         "reference_accepted": valid & memory.verdict.eq(v.ACCEPTED),
         "reason": memory.reason,
+        "odometer": own.odometer.judged,
         "telegram": memory.verdict,
         "linking": own.linking.judged,
         "reaction": memory.reaction,

@@ -1,0 +1,564 @@
+"""The balise machine: groups of every kind, linking, windows and reactions, margins, and recorded streams."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.backends.compiled import compile_system
+from safeloc.catalogue import load_target
+from safeloc.cli.replay import replay_stream
+from safeloc.errors import InputError
+from safeloc.interpret import run
+from safeloc.models import balise
+from safeloc.models.balise_parts.variables import BaliseConfig, parts
+from safeloc.models.balise_streams import Cell, Group, GroupFault, announcement, line, simulate, telegram
+from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.monitor import check_all
+from safeloc.nodes import Value
+from safeloc.properties.balise import properties
+from safeloc.simulation.motion import Leg
+from safeloc.simulation.sensors import Fault
+from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.trace import Trace
+from safeloc.units import Enumeration
+from safeloc.verdict import Held
+
+PLAIN = BaliseConfig(
+    odometer=ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000),
+    antenna_mm=0,
+    detection_mm=0,
+    measuring_step_mm=0,
+    default_accuracy_mm=2_000,
+    trust_first_group=True,
+)
+START = Group(1, 0, accuracy_mm=None)
+NEXT = Group(2, 50_000, accuracy_mm=1_000, reaction="NONE")
+LATER = Group(3, 90_000, accuracy_mm=1_000, reaction="NONE")
+Record = dict[str, Cell]
+
+
+@cache
+def on_board(config: BaliseConfig = PLAIN) -> TransitionSystem:
+    """The machine without its environment."""
+    return without_ghosts(lower(balise.machine(config)))
+
+
+def step(distance: int = 1_000, *more: Mapping[str, Cell]) -> Record:
+    """One cycle: a measured distance and whatever else comes."""
+    record: Record = {"odometer_mm": distance}
+    for part in more:
+        record |= part
+    return record
+
+
+def located(*announced: Group) -> list[Record]:
+    """Running at 1 m a cycle, a trusted group at place 0 at the end of the first cycle; then the announcements.
+
+    After k further cycles the estimate is k m, with 2 m and 5 % of the way on either side.
+    """
+    return [step(1_000, telegram(START, since_mm=0)), *(step(1_000, announcement(group)) for group in announced)]
+
+
+def until(cycle: int, stream: list[Record]) -> list[Record]:
+    """The stream, run on to the cycle before the given one."""
+    return [*stream, *(step() for _ in range(cycle - len(stream)))]
+
+
+def read_at(cycle: int, group: Group = NEXT, *announced: Group, **changed: Cell | None) -> Trace:
+    """The group (with changed fields) is read at the end of the given cycle; NEXT is announced, or other groups."""
+    read = {**telegram(group, since_mm=0), **changed}
+    stream = until(cycle, located(*(announced or (NEXT,))))
+    return drive([*stream, step(1_000, {name: value for name, value in read.items() if value is not None})])
+
+
+def drive(stream: Sequence[Record], config: BaliseConfig = PLAIN) -> Trace:
+    """The run of a stream on board."""
+    return run(on_board(config), stream)
+
+
+def label(trace: Trace, name: str, index: int = -1) -> str:
+    """An enumerated output as its member."""
+    unit = trace.system.outputs[name].unit  # type: ignore[union-attr]
+    assert isinstance(unit, Enumeration)
+    return unit.members[int(trace.steps[index].outputs[name])]
+
+
+def out(trace: Trace, index: int = -1) -> Mapping[str, Value]:
+    """The outputs of a step."""
+    return trace.steps[index].outputs
+
+
+def interval(trace: Trace, index: int = -1) -> tuple[int, int, int]:
+    """Position, over and under in mm."""
+    found = out(trace, index)
+    return int(found["position_mm"]), int(found["over_mm"]), int(found["under_mm"])
+
+
+def intervals(trace: Trace) -> list[tuple[int, int, int]]:
+    """Position, over and under of every step."""
+    return [interval(trace, index) for index in range(len(trace.steps))]
+
+
+# ------------------------------------------------------------------ windows and verdicts
+
+
+def test_window_opens_when_the_max_safe_front_end_reaches_it() -> None:
+    """3.4.4.4.3: the group at 50 m +- 1 m can be read from 49 m on; the max safe front end is 1.05 k + 2 m."""
+    assert label(read_at(44), "telegram") == "TOO_EARLY"
+    assert label(read_at(45), "telegram") == "ACCEPTED"
+
+
+def test_window_closes_when_the_min_safe_front_end_has_passed_it() -> None:
+    """3.4.4.4.3: it can be read up to 51 m; the min safe front end is 0.95 k - 2 m, and passes 51 m in cycle 56."""
+    still = drive(until(56, located(NEXT)))
+    closed = drive(until(57, located(NEXT)))
+    assert (out(still)["expected"], out(closed)["expected"]) == (2, 0)
+    assert closed.steps[-1].fired["fired"] == "expected group missed"
+    assert label(read_at(55), "telegram") == "ACCEPTED"
+    assert label(read_at(57), "telegram") == "TOO_LATE"
+
+
+def test_antenna_and_detection_shift_and_widen_the_window() -> None:
+    """The antenna is 3 m behind the front end, and may say so 1 m off: the window is 51 m to 55 m of the front end."""
+    config = PLAIN.model_copy(update={"antenna_mm": 3_000, "detection_mm": 1_000})
+    stream = [step(1_000, telegram(START, since_mm=0)), step(1_000, announcement(NEXT))]
+    trace = drive(until(70, stream), config)
+    assert interval(trace, 0) == (3_000, 3_000, 3_000)
+    ends = [(place - under, out(trace, index)["expected"]) for index, (place, _, under) in enumerate(intervals(trace))]
+    closing = next(index for index, (_, group) in enumerate(ends) if index > 1 and group == 0)
+    assert ends[closing - 1][0] <= 55_000 < ends[closing][0]
+
+
+@pytest.mark.parametrize(
+    ("changed", "verdict"),
+    [
+        ({}, "ACCEPTED"),
+        ({"telegram_check": "FAILED"}, "CORRUPTED"),
+        ({"telegram_read": 1, "telegram_last": 1}, "INCOMPLETE"),
+        ({"telegram_first": 2, "telegram_last": 1}, "WRONG_DIRECTION"),
+        ({"telegram_age_ms": 1_001}, "STALE"),
+        ({"telegram_age_ms": None}, "MALFORMED"),
+        ({"telegram_group": None}, "MALFORMED"),
+        ({"telegram_first": 3}, "MALFORMED"),
+        ({"telegram_read": 1}, "MALFORMED"),
+        ({"telegram_group": 900_001}, "NOT_ANNOUNCED"),
+        ({"telegram_group": 900_001, "telegram_link": "UNLINKED"}, "UNLINKED"),
+        ({"telegram_group": 1}, "REPEATED"),
+        ({"telegram_position_mm": 52_000}, "MISMATCH"),
+        ({"telegram_position_mm": None}, "ACCEPTED"),
+    ],
+)
+def test_telegrams_of_every_kind(changed: dict[str, Cell | None], verdict: str) -> None:
+    """What becomes of a telegram at the right moment; unless it is accepted, the interval is that of odometry."""
+    trace = read_at(50, NEXT, NEXT, **changed)
+    assert label(trace, "telegram") == verdict
+    odometry_alone = (50_000, 4_500, 4_500)
+    assert (interval(trace) == odometry_alone) == (verdict != "ACCEPTED")
+    assert out(trace)["valid"] is True
+
+
+@pytest.mark.parametrize("first", [1, 2])
+def test_a_single_balise_has_no_orientation(first: int) -> None:
+    """A group of one is accepted whatever the orientation announced; a group of two is not."""
+    single = replace(NEXT, balises=1)
+    wanted = replace(single, orientation="NOMINAL" if first == 1 else "REVERSE")
+    order = {**announcement(wanted), "linking_orientation": wanted.orientation}
+    stream = until(50, [step(1_000, telegram(START, since_mm=0)), step(1_000, order)])
+    trace = drive([*stream, step(1_000, telegram(single, since_mm=0))])
+    assert label(trace, "telegram") == "ACCEPTED"
+
+
+def test_reverse_orientation_as_announced() -> None:
+    """A group announced in reverse is accepted when its last balise is read first."""
+    back = replace(NEXT, orientation="REVERSE")
+    assert label(read_at(50, back, back), "telegram") == "ACCEPTED"
+    assert label(read_at(50, NEXT, back), "telegram") == "WRONG_DIRECTION"
+
+
+def test_balises_read_while_running_backwards_are_ignored() -> None:
+    """3.14.3.6: after more than D_NVROLL against the route nothing is believed; later forwards it is again."""
+    config = PLAIN.model_copy(update={"max_acceleration_mm_s2": 10_000})
+    slow = [step(1_000 - 100 * n) for n in range(1, 21)]
+    stream = [*located(replace(NEXT, place_mm=5_000)), *slow, *(step(-1_000) for _ in range(2))]
+    trace = drive([*stream, step(-1_000, telegram(replace(NEXT, place_mm=5_000), since_mm=0))], config)
+    assert trace.steps[-1].state["backwards"] is True
+    assert label(trace, "telegram") == "REVERSING"
+    assert label(trace, "reaction") == "NONE"
+
+
+# ------------------------------------------------------------------ the interval
+
+
+def test_a_reset_is_the_common_part() -> None:
+    """Odometry has 50 m +- 4.5 m, the group 50 m +- 1 m: the telegram's part remains."""
+    assert interval(read_at(50)) == (50_000, 1_000, 1_000)
+
+
+def test_a_coarse_group_narrows_nothing() -> None:
+    """A group of 20 m accuracy leaves the narrower interval of odometry as it is."""
+    coarse = replace(NEXT, accuracy_mm=20_000)
+    assert interval(read_at(50, coarse, coarse)) == (50_000, 4_500, 4_500)
+
+
+def test_overlap_on_one_side() -> None:
+    """Read 3 m early: odometry has 42.65 to 51.35 m, the group 49 to 51 m; the common part is the group's."""
+    position, over, under = interval(read_at(47))
+    assert (position - under, position + over) == (49_000, 51_000)
+    position, over, under = interval(read_at(45))
+    assert (position - under, position + over) == (49_000, 49_250)
+
+
+def test_intervals_that_exclude_each_other_delocalize() -> None:
+    """Read in the cycle in which the window closes, with the odometer surely beyond: nothing is believed any more."""
+    trace = read_at(56)
+    assert trace.steps[-1].fired["fired"] == "contradiction"
+    assert (label(trace, "reason"), out(trace)["valid"]) == ("CONTRADICTION", False)
+
+
+def test_the_time_since_the_reading_is_charged() -> None:
+    """10 ms at 44.445 m/s are 0.444 m on the side the vehicle runs to; the latched counter moves the place instead."""
+    by_age = read_at(50, NEXT, NEXT, telegram_since_mm=None, telegram_age_ms=10)
+    assert interval(by_age) == (50_000, 1_445, 1_000)
+    by_counter = read_at(50, NEXT, NEXT, telegram_since_mm=600, telegram_age_ms=60)
+    assert interval(by_counter) == (50_600, 1_030, 1_030)
+
+
+def test_an_old_reading_is_charged_both_ways() -> None:
+    """A reading older than the cycle: the direction of this cycle says nothing of it."""
+    trace = read_at(50, NEXT, NEXT, telegram_since_mm=None, telegram_age_ms=150)
+    position, over, under = interval(trace)
+    assert (position - under, position + over) == (45_500, 54_500)
+
+
+@pytest.mark.parametrize(
+    ("linking", "national", "charged"), [(1_000, 5_000, 1_000), (None, 5_000, 5_000), (None, None, 2_000)]
+)
+def test_accuracy_by_precedence(linking: int | None, national: int | None, charged: int) -> None:
+    """3.6.4.2.3: linking, else the national value (once received it stays), else the default."""
+    group = replace(NEXT, accuracy_mm=linking)
+    told: dict[str, Cell] = {} if national is None else {"national_accuracy_mm": national}
+    stream = until(50, [step(1_000, telegram(START, since_mm=0)), step(1_000, announcement(group), told)])
+    trace = drive([*stream, step(1_000, telegram(group, since_mm=0))])
+    assert trace.steps[-1].state["charged_accuracy_mm"] == charged
+
+
+def test_missing_distance_charges_the_top_speed_and_silence_delocalizes() -> None:
+    """A cycle without distance: the estimate rests, both margins grow by 4.445 m; after the gap limit all is lost."""
+    one = drive([*located(), {}])
+    assert interval(one) == (0, 6_445, 6_445)
+    silent = PLAIN.model_copy(update={"tolerance_mm": 100_000})
+    lost = drive([*located(), *({} for _ in range(PLAIN.gap_limit_cycles + 1))], silent)
+    assert (label(lost, "reason"), out(lost)["valid"], out(lost, -2)["valid"]) == ("SENSOR_FAILURE", False, True)
+
+
+def test_passed_tolerance_delocalizes_and_withdraws_linking() -> None:
+    """30 m are used up after 560 m at 5 %; nothing is expected then, and announcements are refused."""
+    far = replace(NEXT, place_mm=5_000_000)
+    trace = drive([*until(600, located(far)), step(1_000, announcement(far))])
+    lost = next(index for index, one in enumerate(trace.steps) if one.outputs["reason"] != 0)
+    assert interval(trace, lost - 1)[1] <= 30_000
+    assert label(trace, "reason") == "TOLERANCE"
+    assert (out(trace)["expected"], label(trace, "linking")) == (0, "NOT_LOCATED")
+
+
+def test_a_group_at_the_last_moment_saves_the_position() -> None:
+    """The cycle that passes the tolerance is the one in which the group is read: the common part is tolerable."""
+    far = replace(NEXT, place_mm=560_000)
+    lost = drive(until(562, located(far)))
+    saved = drive([*until(560, located(far)), step(1_000, telegram(far, since_mm=0))])
+    assert out(lost)["valid"] is False
+    assert interval(saved) == (560_000, 1_000, 1_000)
+
+
+# ------------------------------------------------------------------ linking and its reactions
+
+
+@pytest.mark.parametrize("reaction", ["NONE", "SERVICE_BRAKE", "TRAIN_TRIP"])
+def test_a_missed_group_has_its_reaction(reaction: str) -> None:
+    """3.16.2.3.1 b: in the step in which the window closes, and only then."""
+    trace = drive(until(58, located(replace(NEXT, reaction=reaction))))  # type: ignore[arg-type]
+    assert [label(trace, "reaction", index) for index in (-3, -2, -1)] == ["NONE", reaction, "NONE"]
+    assert out(trace)["missed_in_row"] == 1
+
+
+def test_two_missed_in_a_row_brake() -> None:
+    """3.16.2.7.1.1: the service brake at the second one, even with reaction none; the train trip stays a trip."""
+    trace = drive(until(100, located(NEXT, LATER)))
+    reactions = [label(trace, "reaction", index) for index in range(len(trace.steps))]
+    assert Counter(reactions) == {"NONE": 99, "SERVICE_BRAKE": 1}
+    assert reactions.index("SERVICE_BRAKE") == 98
+    tripping = drive(until(100, located(NEXT, replace(LATER, reaction="TRAIN_TRIP"))))
+    assert label(tripping, "reaction", 98) == "TRAIN_TRIP"
+
+
+def test_an_accepted_group_between_starts_the_count_again() -> None:
+    """Missed, accepted, missed: no two in a row."""
+    third = Group(4, 130_000, accuracy_mm=1_000, reaction="NONE")
+    stream = [*until(90, located(NEXT, LATER)), step(1_000, telegram(LATER, since_mm=0))]
+    trace = drive([*stream, step(1_000, announcement(third)), *(step() for _ in range(60))])
+    assert {label(trace, "reaction", index) for index in range(len(trace.steps))} == {"NONE"}
+    assert out(trace)["missed_in_row"] == 1
+
+
+def test_a_later_group_found_first() -> None:
+    """3.16.2.3.1 c: the expected group is given up with its reaction; the later one counts inside its own window."""
+    tripping = replace(NEXT, reaction="TRAIN_TRIP")
+    close = Group(3, 54_000, accuracy_mm=2_000, reaction="NONE")
+    trace = read_at(52, close, tripping, close)
+    assert trace.steps[-1].fired["fired"] == "later group resets the position"
+    assert (label(trace, "reaction"), out(trace)["missed_in_row"]) == ("TRAIN_TRIP", 0)
+    early = read_at(40, LATER, tripping, LATER)
+    assert (label(early, "telegram"), label(early, "reaction")) == ("TOO_EARLY", "TRAIN_TRIP")
+    assert (out(early)["expected"], out(early)["missed_in_row"]) == (0, 2)
+
+
+def test_found_in_rear_of_the_window() -> None:
+    """3.16.2.3.1 a: rejected with the linking reaction; the group is expected no longer."""
+    trace = read_at(30, replace(NEXT, reaction="SERVICE_BRAKE"), replace(NEXT, reaction="SERVICE_BRAKE"))
+    assert (label(trace, "telegram"), label(trace, "reaction")) == ("TOO_EARLY", "SERVICE_BRAKE")
+    assert out(trace)["expected"] == 0
+
+
+def test_wrong_direction_trips() -> None:
+    """3.16.2.3.2: reject and trip, whatever the linking reaction."""
+    trace = read_at(50, NEXT, NEXT, telegram_first=2, telegram_last=1)
+    assert label(trace, "reaction") == "TRAIN_TRIP"
+
+
+@pytest.mark.parametrize("identity", [900_001, 1])
+def test_groups_outside_linking_cause_nothing(identity: int) -> None:
+    """3.16.2.4.3: a group of another track, or one that was read before, is rejected without reaction."""
+    trace = read_at(50, NEXT, NEXT, telegram_group=identity)
+    assert (label(trace, "reaction"), out(trace)["expected"]) == ("NONE", 2)
+
+
+@pytest.mark.parametrize(
+    ("order", "verdict", "expected"),
+    [
+        (announcement(LATER), "TAKEN", 2),
+        (announcement(NEXT), "KNOWN", 2),
+        (announcement(replace(LATER, place_mm=40_000)), "OUT_OF_ORDER", 2),
+        (announcement(replace(LATER, place_mm=-90_000)), "BEHIND", 2),
+        (announcement(LATER, order="REPLACE"), "TAKEN", 3),
+        ({"linking_order": "WITHDRAW"}, "WITHDRAWN", 0),
+        ({"linking_order": "WITHDRAW", "linking_group": 2}, "MALFORMED", 2),
+        ({"linking_order": "ADD", "linking_group": 3}, "MALFORMED", 2),
+        ({"linking_group": 3}, "MALFORMED", 2),
+    ],
+)
+def test_announcements(order: Mapping[str, Cell], verdict: str, expected: int) -> None:
+    """What becomes of an announcement while one group is expected."""
+    trace = drive([*located(NEXT), step(1_000, order)])
+    assert (label(trace, "linking"), out(trace)["expected"]) == (verdict, expected)
+
+
+def test_announcements_beyond_what_can_be_held() -> None:
+    """Two groups are held; a third one is refused until there is room, and that is said."""
+    trace = drive([*located(NEXT, LATER), step(1_000, announcement(Group(4, 200_000)))])
+    assert (label(trace, "linking"), out(trace)["wants_linking"]) == ("FULL", False)
+
+
+# ------------------------------------------------------------------ the first group
+
+
+def test_a_first_group_is_only_a_candidate() -> None:
+    """By default nothing is reported until a different group agrees by measured distance."""
+    config = PLAIN.model_copy(update={"trust_first_group": False})
+    second = replace(START, identity=2, place_mm=20_000)
+    first = [*until(20, located()), step(1_000, telegram(START, since_mm=0))]
+    assert label(drive(first, config), "telegram") == "REPEATED"
+    agreeing = drive([*until(20, located()), step(1_000, telegram(second, since_mm=0))], config)
+    assert (out(agreeing, -2)["valid"], out(agreeing)["valid"]) == (False, True)
+    wrong = drive([*until(20, located()), step(1_000, telegram(replace(second, place_mm=40_000)))], config)
+    assert (label(wrong, "telegram"), out(wrong)["valid"]) == ("CANDIDATE", False)
+
+
+@pytest.mark.parametrize(
+    ("changed", "verdict"),
+    [
+        ({"telegram_position_mm": None}, "NO_PLACE"),
+        ({"telegram_link": "UNLINKED", "telegram_total": 1, "telegram_read": 1, "telegram_last": 1}, "SINGLE"),
+        ({"telegram_orientation": "REVERSE"}, "WRONG_DIRECTION"),
+        ({"telegram_read": 1, "telegram_last": 1}, "INCOMPLETE"),
+        ({"telegram_check": "FAILED"}, "CORRUPTED"),
+        ({"national_accuracy_mm": 40_000}, "TOO_COARSE"),
+    ],
+)
+def test_first_groups_that_do_not_serve(changed: dict[str, Cell | None], verdict: str) -> None:
+    """3.4.4.3.2, 3.6.1.4: a first group needs a place, and is unlinked only with two balises or more."""
+    read = {name: value for name, value in {**telegram(START), **changed}.items() if value is not None}
+    trace = drive([step(1_000, read)])
+    assert (label(trace, "telegram"), out(trace)["valid"]) == (verdict, False)
+
+
+def test_unlinked_groups_serve_only_where_that_is_configured() -> None:
+    """3.6.1.4: never a reference; `free_references` lets one with coordinates of its own narrow the interval."""
+    unlinked = replace(NEXT, linked=False)
+    assert label(read_at(50, unlinked), "telegram") == "ACCEPTED"  # announced after all: linking speaks of it
+    stream = [*until(50, located(LATER)), step(1_000, telegram(unlinked, since_mm=0))]
+    assert label(drive(stream), "telegram") == "UNLINKED"
+    free = PLAIN.model_copy(update={"free_references": True})
+    assert interval(drive(stream, free)) == (50_000, 2_000, 2_000)
+    displaced = [*until(50, located(LATER)), step(1_000, telegram(replace(unlinked, place_mm=80_000), since_mm=0))]
+    assert (label(drive(displaced, free), "telegram"), interval(drive(displaced, free))[1]) == ("OUT_OF_PLACE", 4_500)
+
+
+@pytest.mark.parametrize(("balises", "direction"), [(1, "UNKNOWN"), (2, "ALONG")])
+def test_direction_needs_an_orientation(balises: int, direction: str) -> None:
+    """A single balise tells no direction; a second group surely beyond it does."""
+    first = replace(START, balises=balises)
+    trace = drive([step(1_000, telegram(first, since_mm=0))])
+    assert label(trace, "direction") == direction
+    second = replace(NEXT, balises=1)
+    stream = until(50, [step(1_000, telegram(first, since_mm=0)), step(1_000, announcement(second))])
+    assert label(drive([*stream, step(1_000, telegram(second, since_mm=0))]), "direction") == "ALONG"
+
+
+# ------------------------------------------------------------------ the next reflector (RFL-9)
+
+
+def test_the_telegram_tells_of_the_reflector() -> None:
+    """RFL-9: place of the reflector and of the search, from the group's place on; forgotten once surely passed."""
+    telling = replace(NEXT, reflector_mm=20_000, search_mm=5_000)
+    stream = [*until(50, located(telling)), step(1_000, telegram(telling, since_mm=0))]
+    trace = drive([*stream, *(step() for _ in range(30))])
+    told = out(trace, len(stream) - 1)
+    assert (told["reflector_known"], told["reflector_mm"]) == (True, 70_000)
+    assert (told["search_known"], told["search_mm"]) == (True, 55_000)
+    assert (out(trace)["reflector_known"], out(trace)["search_known"]) == (False, False)
+
+
+def test_a_rejected_telegram_tells_nothing() -> None:
+    """RFL-9: what a telegram outside its window says of a reflector is not taken."""
+    telling = replace(NEXT, reflector_mm=20_000)
+    assert out(read_at(30, telling, telling))["reflector_known"] is False
+
+
+# ------------------------------------------------------------------ simulated groups
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_simulated_groups_keep_the_assumption(free: bool) -> None:
+    """The simulation with its ghosts satisfies the assumption in every step, and every property holds on it."""
+    model = balise.build(parts(BaliseConfig(free_references=free, trust_first_group=free)))
+    stream = simulate(model.own.config, seed=int(free), legs=[Leg(35_000, 35)], groups=line(60_000, 80_000))
+    trace = run(lower(model.machine), [{k: v for k, v in record.items() if k != "truth_mm"} for record in stream])
+    assert "ACCEPTED" in {label(trace, "telegram", index) for index in range(len(trace.steps))}
+    for prop, result in zip(properties(model), check_all(trace, properties(model)), strict=True):
+        assert isinstance(result, Held), prop.name
+
+
+FAULTS = {
+    "missed": "NONE",
+    "corrupted": "CORRUPTED",
+    "incomplete": "INCOMPLETE",
+    "wrong way": "WRONG_DIRECTION",
+    "early": "TOO_EARLY",
+    "late": "TOO_LATE",
+    "duplicate": "REPEATED",
+    "stale": "STALE",
+    "malformed": "MALFORMED",
+    "other identity": "NOT_ANNOUNCED",
+}
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
+    """Each named fault is rejected with its reason, and the reported interval holds the truth all the way."""
+    groups = line(60_000, 80_000, 8)
+    faults = [GroupFault(6, kind)]  # type: ignore[arg-type]
+    stream = simulate(BaliseConfig(), seed=3, legs=[Leg(39_000, 37)], groups=groups, missed=0, foreign=0, faults=faults)
+    trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
+    verdicts = [label(trace, "telegram", index) for index in range(len(trace.steps))]
+    assert FAULTS[kind] in verdicts
+    assert verdicts.count("ACCEPTED") >= 4
+    assert wrong(stream, trace) == []
+
+
+def wrong(stream: Sequence[Mapping[str, Cell]], trace: Trace) -> list[int]:
+    """The steps whose reported interval misses the truth by more than its rounding to mm."""
+    found = []
+    for index, record in enumerate(stream):
+        position, over, under = interval(trace, index)
+        holds = position - under <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + over
+        if out(trace, index)["valid"] and not holds:
+            found.append(index)
+    return found
+
+
+def board_only(record: Mapping[str, Cell]) -> Record:
+    """A simulated step without ghosts and remarks."""
+    return {name: value for name, value in record.items() if not name.endswith("_nm") and name != "truth_mm"}
+
+
+def test_a_wheel_that_begins_to_slide_is_not_believed() -> None:
+    """The sudden change is beyond what the vehicle can do: its distances are refused, and the top speed is charged."""
+    stream = simulate(
+        BaliseConfig(), seed=3, legs=[Leg(39_000, 35)], groups=line(60_000, 80_000, 9), missed=0, dropout=0,
+        sensor_faults=[Fault("odometer", "slide", 250, 300)],
+    )  # fmt: skip
+    trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
+    assert out(trace, 249)["valid"] is True
+    assert label(trace, "odometer", 250) == "JUMP"
+    assert out(trace, 260)["valid"] is False
+    assert wrong(stream, trace) == []
+
+
+def test_simulation_refuses_faults_of_unknown_groups() -> None:
+    """A fault of a group that the line does not have would test nothing."""
+    with pytest.raises(InputError, match=r"the line has no such group; it has \[1\]"):
+        simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[GroupFault(9, "missed")])
+
+
+@pytest.mark.parametrize("name", ["balise-service", "balise-faulty-groups", "balise-two-missed"])
+def test_shipped_streams_hold(name: str) -> None:
+    """Every property, and the truth beside it, holds on the shipped streams."""
+    target = load_target("balise")
+    path = next(stream for stream in target.streams if stream.stem == name)
+    _, findings = replay_stream(target, Path(path))
+    assert len(findings) == len(target.properties) + 1
+    assert [finding.id for finding in findings if not isinstance(finding.result, Held)] == []
+
+
+def test_compiled_machine_follows_the_interpreter() -> None:
+    """The whole machine, generated, agrees with the interpreter on a simulated service."""
+    config = BaliseConfig()
+    code, stream = compile_system(on_board(config)), simulate(config, seed=11, seconds=60, foreign=0.02)
+    state = code.first()
+    for record, one in zip(stream, run(on_board(config), [board_only(r) for r in stream]).steps, strict=True):
+        state, fired = code.step(state, code.read(board_only(record)))
+        assert dict(zip(code.state_names, state, strict=True)) == one.state
+        assert code.fired(fired) == one.fired
+        assert code.named_outputs(state) == one.outputs
+
+
+# ------------------------------------------------------------------ configuration
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"tolerance_mm": 6_000}, "no group can locate within it"),
+        ({"odometer": ErrorLaw(kind="accelerometer", drift_mm_s2=5)}, "takes a unit that counts distance"),
+        ({"announced_groups": 1}, "greater than or equal to 2"),
+        ({"tolerance_m": 5}, "Extra inputs are not permitted"),
+    ],
+)
+def test_configurations_that_cannot_work_are_refused(fields: dict[str, object], message: str) -> None:
+    """A wrong configuration says what is wrong."""
+    with pytest.raises(ValidationError, match=message):
+        BaliseConfig(**fields)  # type: ignore[arg-type]
+
+
+def test_every_field_carries_unit_and_source() -> None:
+    """Each figure of the configuration says its unit and where it comes from."""
+    for name, info in BaliseConfig.model_fields.items():
+        if info.annotation is int:
+            assert set(info.json_schema_extra or {}) == {"unit", "source"}, name
