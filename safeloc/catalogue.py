@@ -11,7 +11,7 @@ import tomllib
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -21,15 +21,32 @@ from pydantic import BaseModel, ValidationError
 from safeloc.composition import Composition
 from safeloc.errors import InputError, SafelocError
 from safeloc.machine import Machine
-from safeloc.models import balise, delocalized, odometry, supervised_odometry
+from safeloc.models import (
+    balise,
+    delocalized,
+    odometry,
+    reflector,
+    stop_point,
+    supervised_odometry,
+    travel_direction,
+    turn_off,
+)
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.balise_parts.variables import parts as balise_parts
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.models.reflector_parts.variables import ReflectorConfig
+from safeloc.models.reflector_parts.variables import parts as reflector_parts
+from safeloc.models.stop_point_parts.variables import StopPointConfig
+from safeloc.models.stop_point_parts.variables import parts as stop_point_parts
 from safeloc.nodes import Value
 from safeloc.properties import balise as balise_properties
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
+from safeloc.properties import reflector as reflector_properties
+from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import supervised_odometry as supervised_properties
+from safeloc.properties import travel_direction as direction_properties
+from safeloc.properties import turn_off as turn_off_properties
 from safeloc.reported import Reported, usual_names
 from safeloc.spec import Property
 from safeloc.streams.steps import Cell
@@ -146,6 +163,50 @@ def _balise_simulated(config: BaliseConfig, seed: int) -> Sequence[Mapping[str, 
     return simulate(config, seed=seed)
 
 
+def _reflector(config: BaseModel) -> Target:
+    assert isinstance(config, ReflectorConfig)
+    model = reflector.build(reflector_parts(config))
+    made = _made(model.machine, reflector_properties.properties(model), config)
+    return replace(made, reported=Reported(), simulate=lambda seed: _reflector_simulated(config, seed))
+
+
+def _reflector_simulated(config: ReflectorConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.reflector_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+def _stop_point(config: BaseModel) -> Target:
+    assert isinstance(config, StopPointConfig)
+    model = stop_point.build(stop_point_parts(config))
+    made = _made(model.machine, stop_point_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: _stop_simulated(config, seed))
+
+
+def _stop_simulated(config: StopPointConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.stop_point_streams import simulate_stop  # numpy is loaded only where something is simulated
+
+    return simulate_stop(config, seed=seed)
+
+
+def _turn_off(config: BaseModel) -> Target:
+    assert isinstance(config, turn_off.TurnOffConfig)
+    model = turn_off.build(turn_off.parts(config))
+    return _made(model.machine, turn_off_properties.properties(model), config)
+
+
+def _travel_direction(config: BaseModel) -> Target:
+    assert isinstance(config, travel_direction.DirectionConfig)
+    model = travel_direction.build(travel_direction.parts(config))
+    return _made(model.machine, direction_properties.properties(model), config)
+
+
+def _made(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
+    """A single machine with the streams that ship under its name."""
+    name = machine.name
+    return Target(name, (machine,), lower(machine), tuple(properties), config, machine.doc, _shipped(name))
+
+
 ENTRIES: Mapping[str, Entry] = {
     entry.name: entry
     for entry in (
@@ -153,6 +214,15 @@ ENTRIES: Mapping[str, Entry] = {
         Entry("delocalized", "the restrictive state behind any source", delocalized.DelocalizedConfig, _delocalized),
         Entry("supervised_odometry", "odometry and delocalized in one step", OdometryConfig, _supervised),
         Entry("balise", "balise groups, supervised by linking, and an odometer between them", BaliseConfig, _balise),
+        Entry("reflector", "radar reflectors, and odometry between them", ReflectorConfig, _reflector),
+        Entry("stop_point", "precise stop at a platform, with repositioning", StopPointConfig, _stop_point),
+        Entry("turn_off", "straight on or turning off, seen by radar", turn_off.TurnOffConfig, _turn_off),
+        Entry(
+            "travel_direction",
+            "direction of travel from reflectors around a balise",
+            travel_direction.DirectionConfig,
+            _travel_direction,
+        ),
     )
 }
 
@@ -170,6 +240,8 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     if spec not in ENTRIES:
         close = difflib.get_close_matches(spec, ENTRIES, n=1)
         hint = f" Did you mean {close[0]!r}?" if close else ""
+        if spec.endswith(".py"):
+            hint = f" For a machine in this file give its name as well: {spec}:machine."
         raise InputError(
             f"no machine {spec!r}; there are {', '.join(ENTRIES)}, or package.module:name for your own.{hint}"
         )
@@ -221,7 +293,7 @@ def _own(spec: str, config: Path | None) -> Target:
     if isinstance(found, Composition):
         return _target(module, found, found.system, "")
     raise InputError(
-        f"{spec} is a {type(found).__name__}; expected a Machine, a Composition or a function returning one."
+        f"{spec} is of type {type(found).__name__}; expected a Machine, a Composition or a function returning one."
     )
 
 
@@ -242,8 +314,11 @@ def _module(where: str) -> ModuleType:
         if not path.is_file() or found is None or found.loader is None:
             raise InputError(f"{where}: no such Python file.")
         module = importlib.util.module_from_spec(found)
-        with _as_input_error(where):
-            found.loader.exec_module(module)
+        try:
+            with _as_input_error(where):
+                found.loader.exec_module(module)
+        except ModuleNotFoundError as error:
+            raise InputError(f"{where}: {error}. Install it, or start safeloc where it can be found.") from error
         return module
     if str(Path.cwd()) not in sys.path:
         sys.path.insert(0, str(Path.cwd()))

@@ -26,6 +26,8 @@ ROOMS = {
         "safeloc/simulation/",
         "models/odometry_streams.py",
         "models/balise_streams.py",
+        "models/reflector_streams.py",
+        "models/stop_point_streams.py",
     ),
     "scipy": ("safeloc/signals/",),
     "hypothesis": ("safeloc/testing.py",),

@@ -209,7 +209,7 @@ def _searched(own: Parts, zones: Zones, started: Bool, run: Num, reflector: Refl
 
 
 def _next_searched(own: Parts, zones: Zones, started: Bool, held: Interval) -> Bool:
-    """While a reflector is in view, the next one may be in view too."""
+    """While a reflector is in view, the next one may be in view too, for as long as the zones overlap."""
     other = own.ahead.position.value.ne(own.target.position)
-    opens = own.ahead.reflector.opens(held, own.config.search_run_mm)
-    return ite(started, FALSE, zones.in_view & own.ahead.known & other & opens)
+    both = other & own.ahead.reflector.comes_into_view(held)
+    return ite(started, FALSE, zones.in_view & own.ahead.known & both)

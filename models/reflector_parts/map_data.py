@@ -63,10 +63,13 @@ class Reflector:
         """No other reflector of the model fits into the interval beside it: the search is not too early."""
         return exact_to(self.clear, NM) > interval.width
 
+    def comes_into_view(self, interval: Interval) -> Bool:
+        """The vehicle may be in its view zone, and no other reflector of the model could be meant."""
+        return (interval.high >= self.view_begins()) & self.roomy(interval)
+
     def opens(self, interval: Interval, search_run_mm: int) -> Bool:
         """The search zone: from where the vehicle may be in view, to where it must have been for `search_run`."""
-        reached = interval.high >= self.view_begins()
-        return reached & (interval.low <= self.search_ends(search_run_mm)) & self.roomy(interval)
+        return self.comes_into_view(interval) & (interval.low <= self.search_ends(search_run_mm))
 
     def over(self, interval: Interval, search_run_mm: int) -> Bool:
         """The whole interval is beyond the end of the search."""

@@ -70,8 +70,8 @@ def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[
     """Up to the brake order, and beyond the window."""
     _, approach, braking, stopped, short, creeping, overrun, *_ = table
     near = _near(cycle)
-    too_far = (approach, braking, creeping)
-    yield Transition("overruns", too_far, overrun, cycle.beyond, near, TRACE, 4)
+    ahead, measured_beyond = (approach, braking, creeping), own.precise & cycle.beyond
+    yield Transition("overruns", ahead, overrun, measured_beyond, near, TRACE, 4)
     yield Transition("brakes", approach, braking, cycle.brake_now | ~cycle.short, near, TRACE, 5)
     yield Transition("proceeds", approach, approach, set=near, trace=TRACE, rank=6)
     measured = cycle.standing & own.precise
@@ -99,6 +99,7 @@ def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tra
         TRACE,
         6,
     )
+    yield Transition("not beyond after all", overrun, braking, own.precise & ~cycle.beyond, near, TRACE, 7)
     yield Transition("found beyond", (stopped, short), overrun, measured & cycle.beyond, near, TRACE, 7)
 
 
