@@ -62,11 +62,17 @@ def moves(system: TransitionSystem, names: Mapping[Var, str]) -> Block:
     moved = [(f"next_{names[var]}", system.next[var]) for var in system.state]
     fired = [(f"fired_{number}", term) for number, term in enumerate(system.fired.values())]
     whole, blocks = _Case([*moved, *fired], 0).under({}), Blocks(names)
-    room, modes = whole.work * LONGEST, [machine.mode for machine in system.machines]
+    room, modes = whole.work * LONGEST, _modes(system)
     events, quiet = _quiet(system, whole)
     if not events:
         return _by_mode(modes, whole, blocks, room)
     return [*blocks.test(any_of(events), whole.targets), *_by_mode(modes, quiet, blocks, room - whole.work)]
+
+
+def _modes(system: TransitionSystem) -> list[NumVar]:
+    """The machines' modes, under whatever name the system holds them."""
+    units = {id(machine.mode.unit) for machine in system.machines}
+    return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units]
 
 
 def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:

@@ -164,6 +164,12 @@ QUIET_STEP_OF_RUNNER = """
     return (0, v_way, 0), (2,)"""
 
 
+def test_composed_machines_are_told_apart_by_their_modes() -> None:
+    """Also where a composition has renamed the mode variables."""
+    source = to_python(next(example for example in EXAMPLES if example.name == "alarm_chain").system)
+    assert "    if v_judge_mode == 0:\n        if v_brake_mode == 0:\n" in source
+
+
 def test_raw_inputs_are_refused_as_by_the_interpreter() -> None:
     """`read` admits nothing that the interpreter refuses."""
     code = compile_system(without_ghosts(EXAMPLES[0].system))
