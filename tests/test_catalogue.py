@@ -224,8 +224,8 @@ def test_properties_as_a_function_of_the_machine(place: Path) -> None:
     ("more", "name", "message"),
     [
         ("", "lamps", "has no 'lamps'; machines in it: ['machine', 'pair']"),
-        ("", "number_of_lamps", "is a int; expected a Machine, a Composition or a function returning one"),
-        ("", "nothing", "is a NoneType; expected a Machine"),
+        ("", "number_of_lamps", "is of type int; expected a Machine, a Composition or a function returning one"),
+        ("", "nothing", "is of type NoneType; expected a Machine"),
         (WRONG_PROPERTIES, "machine", "properties holds 'light'; expected always(...), never(...), within(...)"),
         (INTERVAL, "machine", "reported names 'somewhere'"),
     ],

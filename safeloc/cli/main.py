@@ -243,7 +243,9 @@ def verify(
             findings += [*owed, *_tested(one, examples, steps, seed, owed)]
             findings += _shipped_streams(one, progress)
     page = write_folder(folder, findings, loaded)
-    code = result(findings, loaded, as_json=True) if as_json else _summary(findings)
+    if as_json:
+        raise typer.Exit(result(findings, loaded, as_json=True))
+    code = _summary(findings)
     err.print(f"report: {page}", markup=False)
     raise typer.Exit(code)
 

@@ -60,6 +60,7 @@ def test_list_properties(call: Call) -> None:
         (["prove", "odometri"], "Did you mean 'odometry'?"),
         (["prove", "no_such_package:machine"], "cannot import 'no_such_package'"),
         (["prove", "no_such_file.py:machine"], "no_such_file.py: no such Python file."),
+        (["prove", "door.py"], "For a machine in this file give its name as well: door.py:machine."),
         (["prove", DOOR.replace(":machine", ":door")], "machines in it: ['machine']"),
         (["prove", DOOR, "--property", "none"], "has no property 'none'"),
         (["prove", "odometry", "--config", "no_such.toml"], "no_such.toml: cannot be read as TOML"),
@@ -85,6 +86,25 @@ def test_wrong_usage(call: Call, monkeypatch: pytest.MonkeyPatch, arguments: lis
     assert message in called.err
     assert "Traceback" not in called.err
     assert called.out == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import no_such_module", "own.py: No module named 'no_such_module'. Install it, or start safeloc where"),
+        ("machine = 3", "own.py:machine is of type int; expected a Machine, a Composition or a function"),
+        ("machine = 1 / 0", "own.py fails: ZeroDivisionError: division by zero ("),
+        ("machine = (", "own.py fails: SyntaxError: "),
+    ],
+)
+def test_a_file_of_the_user_that_is_wrong(call: Call, tmp_path: Path, text: str, message: str) -> None:
+    """It is wrong input, told without a trace of safeloc's own insides."""
+    path = tmp_path / "own.py"
+    path.write_text(text, encoding="utf-8")
+    called = call("prove", f"{path}:machine")
+    assert (called.code, called.out) == (2, "")
+    assert message in called.err
+    assert "Traceback" not in called.err
 
 
 def test_wrong_configuration(call: Call, tmp_path: Path) -> None:
