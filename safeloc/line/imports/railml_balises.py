@@ -129,15 +129,28 @@ def _balises(
     group: Element, singles: Sequence[Single], spot: Spot, toward: Direction | None, notes: list[Note]
 ) -> tuple[Balise, ...]:
     """The balises in the order of their numbers; the group's own place alone where the order or a place is unknown."""
+    _numbers(group, singles, notes)
     ordered = _ordered(singles, toward)
     if singles and ordered is None:
         notes.append(Note("not carried over", group.place, "single balises: their order is not told"))
     positions = _positions(ordered or [], spot, toward)
     if ordered and positions is None:
         notes.append(Note("not carried over", group.place, "single balises: not all lie on the group's net element"))
+    if ordered and positions and positions[0] != spot.position_mm:
+        told = f"balise number 1 lies at {positions[0]} mm, the group at {spot.position_mm} mm; the balise is taken"
+        notes.append(Note("doubtful", group.place, told))
     if ordered and positions and any(one.number is None for one in ordered):
         notes.append(Note("assumed", group.place, "numbers of its balises, from its direction"))
     return tuple(made(Balise, group.place, position_mm=place) for place in positions or [spot.position_mm])
+
+
+def _numbers(group: Element, singles: Sequence[Single], notes: list[Note]) -> None:
+    """Numbers begin at 1 and go on one by one. InputError for a number given twice."""
+    numbers = sorted(one.number for one in singles if one.number is not None)
+    if len(set(numbers)) < len(numbers):
+        raise InputError(f"{group.place}: two of its balises have the same number; numbers are {numbers}.")
+    if numbers and numbers != list(range(1, len(numbers) + 1)):
+        notes.append(Note("doubtful", group.place, f"numbers of its balises are {numbers}; their order is taken"))
 
 
 def _ordered(singles: Sequence[Single], toward: Direction | None) -> list[Single] | None:

@@ -55,7 +55,7 @@ def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> N
     """The micro topology. InputError for missing lengths and ends, and for references to nothing."""
     units = linear_units(root)
     everything = _by_identity(infrastructure.all("topology", "netElements", "netElement"))
-    micro = _micro(infrastructure, everything)
+    micro = _micro(infrastructure, everything, notes)
     for identity, element in everything.items():
         if identity not in micro:
             element.skip()
@@ -83,7 +83,7 @@ def _by_identity(found: list[Element]) -> dict[str, Element]:
     return known
 
 
-def _micro(infrastructure: Element, everything: Mapping[str, Element]) -> set[str]:
+def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: list[Note]) -> set[str]:
     """Net elements of the micro level: those a network names as such, else those that are no collection of others."""
     named = set()
     for level in infrastructure.all("topology", "networks", "network", "level"):
@@ -92,6 +92,8 @@ def _micro(infrastructure: Element, everything: Mapping[str, Element]) -> set[st
             named |= set(resources)
     if named & set(everything):
         return named & set(everything)
+    told = "no network names the micro level; taken are all net elements that are no collection of others"
+    notes.append(Note("assumed", infrastructure.place, told))
     collections = ("elementCollectionOrdered", "elementCollectionUnordered")
     return {one for one, element in everything.items() if not any(element.all(tag) for tag in collections)}
 

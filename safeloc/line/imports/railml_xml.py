@@ -140,9 +140,13 @@ def _refuse_document_type(path: Path, data: bytes) -> None:
         parser.Parse(data, True)
     except _PrologRead:
         return
+    except InputError:
+        raise
     except expat.ExpatError as error:
         told = expat.ErrorString(error.code)
         raise InputError(f"{path}:{error.lineno}: not well-formed XML ({told}).") from error
+    except (LookupError, ValueError) as error:
+        raise InputError(f"{path}:1: not readable as XML ({error}).") from error
 
 
 def _element(node: Any) -> Element:

@@ -89,7 +89,7 @@ def _imported(data: Mapping[str, Any], name: str | None, version: str, source: s
         version=version,
         source="; ".join([source, *(f"{key}: {value}" for key, value in metadata.items() if key != "id")]),
         nodes=(Node(id="begin", kind="border"), Node(id="end", kind="border")),
-        edges=(TrackEdge(id=EDGE, from_node="begin", to_node="end", length_mm=profile.length_mm),),
+        edges=(made(TrackEdge, "'stops'", id=EDGE, from_node="begin", to_node="end", length_mm=profile.length_mm),),
         tunnels=tuple(_tunnels(profile)),
         speed_limits=tuple(_speed_limits(profile)),
         gradients=tuple(_gradients(profile)),

@@ -175,6 +175,29 @@ NOTED: Mapping[str, tuple[str, str, Note]] = {
         'mileageDirection="nominal"',
         Note("doubtful", "baliseGroup 'bg1' line 64", "order of its balises against its direction; the order is taken"),
     ),
+    "balises that lie elsewhere than their group": (
+        'id="bg1_l" netElementRef="a" pos="100.000"',
+        'id="bg1_l" netElementRef="a" pos="200.000"',
+        Note(
+            "doubtful",
+            "baliseGroup 'bg1' line 64",
+            "balise number 1 lies at 100000 mm, the group at 200000 mm; the balise is taken",
+        ),
+    ),
+    "a missing balise": (
+        'numberInGroup="2"',
+        'numberInGroup="3"',
+        Note("doubtful", "baliseGroup 'bg1' line 64", "numbers of its balises are [1, 3]; their order is taken"),
+    ),
+    "no micro level": (
+        'descriptionLevel="Micro"',
+        'descriptionLevel="Macro"',
+        Note(
+            "assumed",
+            "infrastructure 'is' line 10",
+            "no network names the micro level; taken are all net elements that are no collection of others",
+        ),
+    ),
     "an untold link": (
         'groupID="140" isLinked="true"',
         'groupID="140"',
@@ -270,6 +293,11 @@ REFUSED: Mapping[str, tuple[str, str, str]] = {
         '<relation ref="ab"/>',
         '<relation ref="zz"/>',
         "relation line 14: there is no netRelation 'zz'.",
+    ),
+    "two balises of one number": (
+        'numberInGroup="2"',
+        'numberInGroup="1"',
+        "baliseGroup 'bg1' line 64: two of its balises have the same number; numbers are [1, 1].",
     ),
     "a balise of no group": (
         'id="bg1_2" belongsToBaliseGroup="bg1"',
