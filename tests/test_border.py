@@ -208,5 +208,16 @@ def test_unknown_channels_are_refused() -> None:
     """A misspelt name is an error, not a missing measurement."""
     with pytest.raises(InputError, match="no channel 'whel_mm'; there are"):
         Border([WHEEL]).inputs({"whel_mm": Raw(1, 0, 1)}, 0)
+    with pytest.raises(InputError, match="no channel 'whel_mm'; there are"):
+        Border([WHEEL]).judge("whel_mm", None, 0)
     with pytest.raises(InputError, match="distinct names"):
         Border([WHEEL, WHEEL])
+
+
+def test_a_sender_that_does_not_number_its_measurements() -> None:
+    """The time alone tells old from new."""
+    border, reasons = Border([WHEEL]), []
+    for raw in (Raw(1, 900), Raw(2, 900), Raw(3, 899), Raw(4, 901), Raw(5, 902, 1), Raw(6, 902)):
+        result = border.judge("wheel_mm", raw, 1_000)
+        reasons.append(result.reason if isinstance(result, Fault) else None)
+    assert reasons == [None, Reason.DUPLICATE, Reason.OUT_OF_ORDER, None, None, Reason.OUT_OF_ORDER]

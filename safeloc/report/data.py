@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import platform
 import time
 from collections.abc import Iterable, Sequence
@@ -63,9 +64,9 @@ def versions() -> dict[str, str]:
 def source_digest() -> str:
     """SHA-256 over the package's files: two reports with the same digest were made by the same safeloc."""
     total = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*")):
-        if path.suffix in (".py", ".toml", ".jinja"):
-            total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    walked = [Path(folder, name) for folder, _, names in os.walk(PACKAGE, followlinks=True) for name in names]
+    for path in sorted(path for path in walked if path.suffix in (".py", ".toml", ".json", ".jinja")):
+        total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return total.hexdigest()
 
 

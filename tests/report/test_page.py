@@ -13,8 +13,9 @@ import pytest
 from safeloc.catalogue import Target, load_target
 from safeloc.errors import InputError
 from safeloc.interpret import run
-from safeloc.report.data import report_data
-from safeloc.report.folder import render_folder, write_folder
+from safeloc.report import data as data_module
+from safeloc.report.data import report_data, source_digest, versions
+from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.report.page import to_html
 from safeloc.report.traces import shown_value, trace_charts
 from safeloc.results import Finding
@@ -135,3 +136,34 @@ def test_no_report(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "report.json").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message):
         render_folder(tmp_path)
+
+
+def test_the_digest_covers_the_whole_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Any changed file changes it, also one behind the link that a checkout has where a wheel has a folder."""
+    for place in ("wheel/safeloc/models", "checkout/safeloc", "checkout/models"):
+        (tmp_path / place).mkdir(parents=True)
+    (tmp_path / "checkout" / "safeloc" / "models").symlink_to(tmp_path / "checkout" / "models")
+    found = []
+    for place, text in (("wheel", "a = 1"), ("checkout", "a = 1"), ("checkout", "a = 2")):
+        package = tmp_path / place / "safeloc"
+        (package / "models" / "train.py").write_text(text, encoding="utf-8")
+        monkeypatch.setattr(data_module, "PACKAGE", package)
+        found.append(source_digest.__wrapped__())
+    wheel, checkout, changed = found
+    assert wheel == checkout != changed
+
+
+def test_a_version_that_cannot_be_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Something that is not installed as a package is named as such."""
+    monkeypatch.setattr(data_module, "VERSIONED", ("no such package",))
+    assert versions()["no such package"] == "not installed as a package"
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    """Told before the proofs, and when it is written."""
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for attempt in (usable, lambda folder: write_folder(folder, findings(), [door()])):
+        with pytest.raises(InputError, match=r"report: the report cannot be written here: "):
+            attempt(tmp_path / "file" / "report")
+    usable(tmp_path / "new" / "report")
+    assert list((tmp_path / "new" / "report").iterdir()) == []

@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 from safeloc.border import Channel, Fault, Reason
 from safeloc.errors import InputError
 from safeloc.streams.cycles import cycles
-from safeloc.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, Unusable, ValueRecord
+from safeloc.streams.records import (
+    DistanceRecord,
+    MarkerRecord,
+    PulseRecord,
+    Record,
+    TruthRecord,
+    Unusable,
+    ValueRecord,
+)
 
 
 def wheel(time_ms: int, step_mm: int = 10) -> DistanceRecord:
@@ -36,6 +44,12 @@ def test_distances_of_one_cycle_are_added_up() -> None:
     """A unit that speaks more often than the cycle loses nothing."""
     (step,) = cycles([wheel(25, 3), wheel(50, 4), wheel(100, -1)], 100)
     assert step.inputs == {"front_wheel_mm": 6}
+
+
+def test_pulses_of_one_cycle_are_added_up() -> None:
+    """They have an input of their own."""
+    (step,) = cycles([PulseRecord(time_ms=time_ms, end="rear", pulses=3) for time_ms in (25, 50)], 100)
+    assert step.inputs == {"rear_wheel_pulses": 6}
 
 
 def test_silent_periods_give_steps_without_inputs() -> None:
