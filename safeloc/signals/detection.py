@@ -1,8 +1,9 @@
 """Peaks of a radar image that are more than noise and clutter.
 
-The background of a cell is the median of its neighbours in range (ordered-statistic CFAR): up to half of them may be
-other echoes, so the corners of one reflector do not hide each other. Noise power in a cell is exponential; its median
-is ln 2 of its mean, and it exceeds t times its mean with probability e^-t.
+The background of a cell is the median of its neighbours in range (ordered-statistic CFAR), of the nearer or the farther
+ones, whichever is greater: up to half of them may be other echoes, so the corners of one reflector do not hide each
+other, and where clutter begins or ends its own side counts. Noise power in a cell is exponential; its median is ln 2 of
+its mean, and it exceeds t times its mean with probability e^-t.
 """
 
 from __future__ import annotations
@@ -42,10 +43,13 @@ class Peaks:
 
 
 def background(power: Power, window_cells: int) -> Power:
-    """Mean power of noise and clutter around every cell; never below the image's own median."""
+    """Mean power of noise and clutter around every cell, from so many on either side; never below the image's median."""
     columns = [ndimage.median_filter(np.ascontiguousarray(column), size=window_cells) for column in power.T]
     medians: Power = np.stack(columns, axis=1)
-    return np.maximum(medians, np.median(power)) / math.log(2)
+    away = window_cells // 2 + 1
+    around = np.pad(medians, ((away, away), (0, 0)), mode="edge")
+    greater = np.maximum(around[: len(power)], around[2 * away :])
+    return np.maximum(greater, np.median(power)) / math.log(2)
 
 
 def peaks(power: Power, config: RadarConfig) -> Peaks:

@@ -80,7 +80,9 @@ class Sensor(Config):
 class Detection(Config):
     """When a cell of the image is more than noise and clutter."""
 
-    window_cells: int = quantity(65, "range cells", 9, 513, "[D] wider than two signatures' worth of occupied cells")
+    window_cells: int = quantity(
+        33, "range cells", 9, 513, "[D] on either side: 5 m, of which corners take less than half"
+    )
     threshold_cdb: int = quantity(1_300, "cdB", 500, 5_000, "[D] e^-20 a cell: a false peak in 30,000 frames of noise")
     noise_bound_cdb: int = quantity(1_150, "cdB", 0, 3_000, "[D] noise power exceeds its mean 14 times with e^-14")
     most_peaks: int = quantity(200, "peaks", 10, 2_000, "[D] more is no picture of a track")

@@ -41,7 +41,7 @@ class Doubt(Enum):
     RANGE_LAW = "stronger or weaker than a corner can be at this range"
     WEAK = "below the minimum intensity"
     AMBIGUOUS = "the same echo fits two groups"
-    GHOST = "behind a stronger one of the same model, nearer than two of them stand"
+    GHOST = "behind a stronger one of the same model, where a detour would show it"
 
 
 MARKS = {Model.A: (0, 1, 12), Model.B: (0, 3, 10), Model.C: (0, 4, 9), Model.D: (0, 2, 8)}
@@ -72,7 +72,7 @@ def groups(spots: Spots, config: RadarConfig) -> list[Group]:
     used = Counter(member for group in shaped if group.doubt is None for member in group.members)
     clear = [_ambiguous(group, used) for group in shaped if group.doubt is None]
     free = [group for group in shaped if group.doubt is not None and not any(used[one] for one in group.members)]
-    return [_ghost(group, clear, spots, config) for group in clear] + free
+    return [_ghost(group, shaped, spots, config) for group in clear] + free
 
 
 def _shaped(spots: Spots, config: RadarConfig) -> Iterator[Group]:
@@ -146,13 +146,22 @@ def _ambiguous(group: Group, used: Counter[int]) -> Group:
 
 
 def _ghost(group: Group, others: list[Group], spots: Spots, config: RadarConfig) -> Group:
-    """A detour is longer and weaker: of two of one model closer than such stand, the nearer stronger one is direct."""
+    """A detour is longer and weaker, and keeps the shape: then the nearer, stronger one is direct, whatever its doubts.
+
+    By a wall it is a little longer: closer than two of the model stand. By the vehicle's own front, which sends an echo
+    to a corner once more, the ranges of two corners add up.
+    """
     return (
         replace(group, doubt=Doubt.GHOST) if any(_shadows(other, group, spots, config) for other in others) else group
     )
 
 
 def _shadows(direct: Group, later: Group, spots: Spots, config: RadarConfig) -> bool:
-    gap = spots.range_mm[later.members[0]] - spots.range_mm[direct.members[0]]
+    first, last, place = (
+        float(spots.range_mm[one]) for one in (direct.members[0], direct.members[-1], later.members[0])
+    )
+    tolerance = config.reflectors.mark_tolerance_mm
+    beside = 0 < place - first < config.reflectors.equal_spacing_mm
+    twice = 2 * first - tolerance <= place <= 2 * last + tolerance
     weaker = bool(spots.power[later.members[0]] < spots.power[direct.members[0]])
-    return direct.model is later.model and 0 < gap < config.reflectors.equal_spacing_mm and weaker
+    return direct.model is later.model and weaker and (beside or twice)
