@@ -14,7 +14,7 @@ from safeloc.render import infix
 from safeloc.terms import Sharing, children, in_order
 
 UNBOUNDED = 10**9
-HALF_A_PAGE = 2_000
+A_FEW_LINES = 600
 SHORT = 24
 """A part of no more characters is written where it stands."""
 
@@ -54,7 +54,7 @@ class Exact:
         }
 
     def spelled(self, term: Expr) -> str:
-        """The term with nothing but the model's own definitions by name, unless that fills more than half a page."""
+        """The term with nothing but the model's own definitions by name, unless that fills more than a few lines."""
         whole = self._share(term)
-        text = infix(whole, HALF_A_PAGE, self._given, deepest=UNBOUNDED)
+        text = infix(whole, A_FEW_LINES, self._given, deepest=UNBOUNDED)
         return infix(whole, UNBOUNDED, self._names, deepest=UNBOUNDED) if text.endswith("…") else text
