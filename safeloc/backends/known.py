@@ -142,6 +142,8 @@ def _shape(term: Expr) -> tuple[object, ...]:
     match term:
         case Lit(value, _) | Truth(value):
             return (type(term), value)
+        case Add() | Mul() | Min() | Max():
+            return (type(term), *sorted(parts))  # in either order the same
         case FloorDiv(_, divisor, _):
             return (FloorDiv, divisor, *parts)
         case Compare(op, _, _) | Past(op, _):

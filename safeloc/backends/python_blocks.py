@@ -93,25 +93,25 @@ class Blocks:
 
     def test(self, condition: Expr, targets: Targets) -> Block:
         """The targets where the condition holds; what it needs computed first is there for what follows, too."""
-        return [*self._prepared(condition), Test(self.text(condition), self.ending(targets))]
+        return [*self._prepared(condition, 0), Test(self.text(condition), self.ending(targets))]
 
     def _begin(self, targets: Targets, block: Block, depth: int) -> Expr | None:
         """Settles all targets but those that one condition chooses; that condition, ready to be tested, if any."""
         groups = self._grouped(targets, depth)
-        block += self._bound(self._shared(groups))
+        block += self._bound(self._shared(groups), depth)
         chosen = [group for group in groups if group.condition is not None]
         last = max(chosen, key=lambda group: len(group.targets), default=None)
         for group in groups:
             if group.condition is None:
-                block += [statement for _, term in group.targets for statement in self._prepared(term)]
+                block += [statement for _, term in group.targets for statement in self._prepared(term, depth)]
                 if last is not None:
-                    block += self._bound(term for _, term in group.targets)
+                    block += self._bound([term for _, term in group.targets], depth)
             elif group is not last:
                 block += self._choice(group.condition, group.targets, depth)
                 self._written.named |= {term: name for name, term in group.targets}
         if last is None or last.condition is None:
             return None
-        block += self._prepared(last.condition)
+        block += self._prepared(last.condition, depth)
         return last.condition
 
     def _keeping(self, targets: Targets, depth: int) -> Block:
@@ -121,13 +121,14 @@ class Blocks:
         if condition is None:
             block += [Bind(name, self.text(term)) for name, term in targets]
         else:
-            block += self._choice(condition, targets, depth)
+            left = [(name, term) for name, term in targets if self._written.named.get(term) != name]
+            block += self._choice(condition, left, depth)
         self._written.named = outer
         return block
 
     def _choice(self, condition: Expr, targets: Targets, depth: int) -> Block:
         """One ladder, as long as nothing has to be computed before the next rung."""
-        before, branches = self._prepared(condition), list[tuple[str, Block]]()
+        before, branches = self._prepared(condition, depth), list[tuple[str, Block]]()
         rung: Expr | None = condition
         while rung is not None:
             branches.append((self.text(rung), self._keeping(_under(rung, targets, True), depth + 1)))
@@ -145,21 +146,33 @@ class Blocks:
         waits = [*self._written.awaited(conditions[0]), *self._shared(groups)]
         return None if any(map(self._needs_name, waits)) else conditions[0]
 
-    def _prepared(self, term: Expr) -> Block:
-        return self._bound(self._written.awaited(term))
+    def _prepared(self, term: Expr, depth: int) -> Block:
+        return self._bound(self._written.awaited(term), depth)
 
-    def _bound(self, terms: Iterable[Expr]) -> Block:
-        """Names for terms that have none."""
+    def _bound(self, terms: Iterable[Expr], depth: int) -> Block:
+        """Names for terms that have none; what only one branch of a choice needs is computed only there."""
         block: Block = []
         for term in terms:
             if not self._needs_name(term):
                 continue
-            block += self._prepared(term)
-            value = self.text(term)
-            self._count += 1
-            self._written.named[term] = f"t{self._count}"
-            block.append(Bind(f"t{self._count}", value))
+            if isinstance(term, (Choose, ChooseBool)) and depth < DEEPEST and self._branches_wait(term):
+                name = self._new_name()
+                block += self._choice(term.condition, [(name, term)], depth)
+            else:
+                block += self._prepared(term, depth)
+                value, name = self.text(term), self._new_name()
+                block.append(Bind(name, value))
+            self._written.named[term] = name
         return block
+
+    def _branches_wait(self, term: Choose | ChooseBool) -> bool:
+        """A branch needs something computed first."""
+        tested = set(self._written.unnamed([term.condition]))
+        return any(self._needs_name(part) and part not in tested for part in self._written.awaited(term))
+
+    def _new_name(self) -> str:
+        self._count += 1
+        return f"t{self._count}"
 
     def _needs_name(self, term: Expr) -> bool:
         """Neither a constant, nor named, nor the mere opposite of something named."""

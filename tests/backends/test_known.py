@@ -73,11 +73,12 @@ def test_terms_that_no_fact_touches_stay_the_same_node() -> None:
     assert known(ite(A, term, 0)) is term
 
 
-def test_a_distance_is_the_same_from_either_side() -> None:
-    """|x - y| and |y - x| become one node."""
+def test_sums_and_distances_are_the_same_from_either_side() -> None:
+    """x + y and y + x become one node, |x - y| and |y - x| as well."""
     known = Known({})
     assert known(abs_(X - Y)) is known(abs_(Y - X)) is known(abs_(X - Y))
     assert known(X - Y) is not known(Y - X)
+    assert known(X + Y) is known(Y + X)
 
 
 def test_a_condition_can_be_known_as_well() -> None:
