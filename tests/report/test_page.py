@@ -62,6 +62,7 @@ def test_headline_is_the_worst_verdict() -> None:
     assert '<span class="verdict">violated</span>' in to_html(data())
     assert '<span class="verdict">unknown</span>' in to_html(report_data(findings()[2:], [door()]))
     assert '<span class="verdict">all holds</span>' in to_html(report_data(findings()[:1], [door()]))
+    assert '<span class="verdict">nothing was checked</span>' in to_html(report_data([], [door()]))
 
 
 def test_machine_is_shown() -> None:
