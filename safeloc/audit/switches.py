@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 from safeloc.audit.findings import Ledger
+from safeloc.audit.references import is_reflector
 from safeloc.audit.rules import Rules
 from safeloc.audit.stretches import longest, name
 from safeloc.line.elements import Reflector
@@ -13,13 +14,16 @@ from safeloc.line.walk import Seen, Walk
 
 
 def check_switches(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Every place where a vehicle may go two ways: the first references on both."""
+    """Every place where a vehicle may go two ways: the first reflectors on both.
+
+    Where both ways meet again before the first reflector, it is the same one; then the routes are not told apart.
+    """
     reach = longest(0, rules.layout) + max((one.view_from_mm for one in walk.line.reflectors), default=0)
     for run in walk.runs:
         after = walk.topology.after(run)
         if len(after) < 2:
             continue
-        firsts = {branch: walk.first_ahead(branch, 0, reach, lambda _: True) for branch in after}
+        firsts = {branch: walk.first_ahead(branch, 0, reach, is_reflector) for branch in after}
         for one, other in combinations(after, 2):
             _branches(walk, rules, ledger, run, firsts[one], firsts[other])
         for seen in {seen.element.id: seen for branch in after for seen in firsts[branch]}.values():
@@ -30,7 +34,11 @@ def _branches(walk: Walk, rules: Rules, ledger: Ledger, run: Run, left: list[See
     length = walk.topology.length_mm(run)
     for one in left:
         for other in right:
-            if isinstance(one.element, Reflector) and isinstance(other.element, Reflector):
+            if (
+                isinstance(one.element, Reflector)
+                and isinstance(other.element, Reflector)
+                and one.element != other.element
+            ):
                 ledger.check(
                     rules.branches,
                     walk.place(run, length),

@@ -1,0 +1,68 @@
+"""`safeloc audit`: lines for people, JSON for programs, and the exit code."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from safeloc.line.toml_files import find_line, to_toml
+from tests.cli.calling import Call
+
+
+@pytest.mark.parametrize("name", ["fig1", "fig2", "fig3"])
+def test_the_worked_examples_hold(call: Call, name: str) -> None:
+    """Exit code 0, and a count of what was checked."""
+    called = call("audit", name)
+    assert (0, "") == (called.code, called.err)
+    assert ", 0 violated, 0 advice" in called.out.splitlines()[-1]
+
+
+def test_figure_3_tells_its_routes(call: Call) -> None:
+    """DCD as a suffix of ADCD, and ADCD with one miss as ACD."""
+    printed = call("audit", "fig3").out
+    assert "ADCD / DCD: by models alone ADCD looks like DCD after 1; " in printed
+    assert "DCD is a suffix of ADCD" in printed
+    assert "ADCD / ACD: by models alone ADCD looks like ACD after 1; with distances and balises ADCD looks like ACD " \
+        "after 2" in printed  # fmt: skip
+
+
+def test_a_broken_rule_ends_in_1(call: Call, tmp_path: Path) -> None:
+    """The finding is printed with place, kilometre and figures; JSON says the same."""
+    path = tmp_path / "own.toml"
+    path.write_text(to_toml(find_line("fig1")).replace("length_mm = 1000000", "length_mm = 1400000"), encoding="utf-8")
+    called = call("audit", str(path))
+    assert 1 == called.code
+    assert "violated  odometry stretch [RFL-D1] from reflector 111 (B) to the end of the map" in called.out
+    told = json.loads(call("audit", str(path), "--json").out)
+    (finding,) = told["findings"]
+    assert (False, "safeloc-audit/1") == (told["holds"], told["schema"])
+    assert {"edge": "103", "position_mm": 1_400_000} == finding["place"]
+    assert {"what": "distance", "actual": 543_000, "relation": "<=", "required": 465_250, "unit": "mm"} == finding[
+        "figures"
+    ]
+
+
+def test_the_vehicle_counts(call: Call, tmp_path: Path) -> None:
+    """The same line is fine for one vehicle and not for another."""
+    path = tmp_path / "coarse.toml"
+    path.write_text("[localization]\nodometry_rate_ppm = 100_000\n", encoding="utf-8")
+    assert 0 == call("audit", "fig3", "--vehicle", "metro").code
+    assert 1 == call("audit", "fig3", "--vehicle", str(path)).code
+
+
+def test_wrong_input_ends_in_2(call: Call, tmp_path: Path) -> None:
+    """Unknown line, broken file, unknown vehicle: one message, no traceback."""
+    broken = tmp_path / "broken.toml"
+    broken.write_text(
+        to_toml(find_line("fig1")).replace('from_node = "west"', 'from_node = "nowhere"'), encoding="utf-8"
+    )
+    for arguments, told in (
+        (("nowhere",), "safeloc: nowhere: no such file, and no shipped line"),
+        ((str(broken),), "there is no node 'nowhere'"),
+        (("fig1", "--vehicle", "x"), "safeloc: x: no such file, and no shipped vehicle"),
+    ):
+        called = call("audit", *arguments)
+        assert (2, "") == (called.code, called.out)
+        assert told in called.err
