@@ -15,6 +15,7 @@ from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.audit import audit_line
 from safeloc.cli.entry import Commands
+from safeloc.cli.line_drive import drive
 from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
 from safeloc.cli.replay import as_table, replay_stream, whole_run
@@ -37,6 +38,7 @@ app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pret
 app.command("list")(list_)
 app.command("import")(import_line)
 app.command("audit")(audit_line)
+app.command("drive")(drive)
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
