@@ -36,6 +36,8 @@ ROOMS = {
     "rich": ("safeloc/cli/",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/streams/",),
+    "networkx": ("safeloc/line/", "safeloc/audit/"),
+    "tomli_w": ("safeloc/line/toml_files.py",),
     "lxml": ("safeloc/line/imports/railml_xml.py",),
     "openpyxl": ("safeloc/line/imports/balise_table.py",),
     "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py"),
@@ -53,6 +55,8 @@ ABOVE = {
     "safeloc/backends/": ("safeloc.models", "safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report"),
     "safeloc/provers/": ("safeloc.models", "safeloc.properties", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
     "safeloc/report/": ("safeloc.cli",),
+    "safeloc/line/": ("safeloc.models", "safeloc.audit", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
+    "safeloc/audit/": ("safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
 }
 
 
