@@ -40,9 +40,15 @@ def test_little_is_given_away() -> None:
 
 
 def test_rounding_twice_is_rounding_once() -> None:
-    """First to nm, then to mm: the same as at once, for all rationals."""
-    assert proved(z3.ToInt(LOW / 1_000_000) == z3.ToInt(z3.ToReal(FLOOR) / 1_000_000))
-    assert proved(-z3.ToInt(-HIGH / 1_000_000) == -z3.ToInt(-z3.ToReal(CEIL) / 1_000_000))
+    """First down to nm, then down to mm: the same as at once, for all rationals; upwards by symmetry."""
+    nm, twice, once = z3.Ints("nm twice once")
+    solver = z3.Solver()
+    solver.add(nm <= LOW, nm + 1 > LOW)
+    solver.add(1_000_000 * twice <= nm, 1_000_000 * (twice + 1) > nm)
+    solver.add(1_000_000 * once <= LOW, 1_000_000 * (once + 1) > LOW)
+    assert solver.check() == z3.sat
+    for apart in (twice < once, twice > once):
+        assert solver.check(apart) == z3.unsat
 
 
 @given(SOME, SOME, st.sampled_from([1, 1_000, 1_000_000]))
