@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Expr, Lit, Num, Var, abs_, all_of, as_num, between, ceil_to, exact_to, ite, members
+from safeloc.expr import Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite, members
 from safeloc.machine import ANY, Initial, Machine, current_mode, modes
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.reflector_parts.cycle import Judged, Zones, judge
@@ -187,7 +187,7 @@ def assumption(own: Parts, cycle: Judged) -> Bool:
     """Error laws of odometer, balise and radar, the layout rules of the map, and what clutter does not do."""
     after = own.ghosts.truth + own.ghosts.true_step
     error = own.ghosts.true_step - exact_to(own.odometer.step.value, NM) - (own.ghosts.next_wander - own.ghosts.wander)
-    odometry = own.odometer.admitted.implies(abs_(error) <= own.odometer.growth)
+    odometry = own.odometer.admitted.implies(between(-own.odometer.growth, error, own.odometer.growth))
     balise = (own.balise.read & ~cycle.balise_contradicts).implies(cycle.balise.holds(after))
     on_line = between(own.ghosts.truth.low, after, own.ghosts.truth.high)
     return all_of([odometry, balise, on_line, *_radar_law(own, cycle, after)])

@@ -71,7 +71,8 @@ class Interval:
 
     def within(self, tolerance_nm: int, limit_mm: int) -> Bool:
         """Whether it may be kept: margins tolerable, position on the line."""
-        return (self.margin <= tolerance_nm) & between(-limit_mm, self.position, limit_mm)
+        tolerable = (self.over <= tolerance_nm) & (self.under <= tolerance_nm)
+        return tolerable & between(-limit_mm, self.position, limit_mm)
 
 
 def choose(condition: Bool, then: Interval, other: Interval) -> Interval:

@@ -17,7 +17,6 @@ from safeloc.expr import (
     NumVar,
     Optional,
     Var,
-    all_of,
     any_of,
     choice,
     enumeration,
@@ -28,7 +27,7 @@ from safeloc.expr import (
     optional,
 )
 from safeloc.models.odometry_parts.marker_reading import first_of
-from safeloc.models.reflector_parts.dead_reckoning import Interval, choose
+from safeloc.models.reflector_parts.dead_reckoning import Interval
 from safeloc.models.reflector_parts.map_data import MODEL, Reflector
 from safeloc.units import MM, NM, Unit
 
@@ -126,6 +125,12 @@ class Situation:
     lag: tuple[Num, Num]
     law: RadarLaw
 
+    def fix(self, reflector: Reflector, range_: Num, error: Num) -> Interval:
+        """What a range (mm) with an error bound says of end A at the end of the cycle."""
+        forward, backward = self.lag
+        bound = exact_to(error, NM) + self.law.accuracy_nm
+        return Interval(reflector.place - range_, bound + forward, bound + backward)
+
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
@@ -143,10 +148,9 @@ class Judgement:
 
 def judge(slot: Slot, reflector: Reflector, searched: Bool, now: Situation) -> Judgement:
     """The echo as a measurement of the reflector."""
-    law, bound = now.law, exact_to(slot.error, NM) + now.law.accuracy_nm
-    forward, backward = now.lag
-    fix = Interval(reflector.place - slot.range.value, bound + forward, bound + backward)
-    alone = exact_to(reflector.clear, NM) > now.window.width + fix.margin * 2
+    law, fix = now.law, now.fix(reflector, slot.range.value, slot.error)
+    room = exact_to(reflector.clear, NM) - now.window.width
+    alone = (room > fix.over * 2) & (room > fix.under * 2)
     verdict = first_of(
         (~slot.range.present, NONE),
         (~now.frame, NO_FRAME),
@@ -167,6 +171,8 @@ class Recognition:
     """All echoes of a frame, judged for one reflector."""
 
     judgements: tuple[Judgement, ...]
+    reflector: Reflector
+    now: Situation
 
     @property
     def conflict(self) -> Bool:
@@ -180,33 +186,15 @@ class Recognition:
         return any_of(one.fits for one in self.judgements) & ~self.conflict
 
     @property
-    def chosen(self) -> list[Bool]:
-        """Which slot is taken: the one with the smallest error bound, the first of equal ones."""
-        return [
-            one.fits
-            & all_of(
-                ~other.fits | (one.slot.error < other.slot.error if before else one.slot.error <= other.slot.error)
-                for other, before in self._others(index)
-            )
-            for index, one in enumerate(self.judgements)
-        ]
-
-    def _others(self, index: int) -> list[tuple[Judgement, bool]]:
-        return [(other, place < index) for place, other in enumerate(self.judgements) if place != index]
-
-    @property
     def fix(self) -> Interval:
         """The interval of the chosen echo; only while `accepted`."""
-        result = self.judgements[-1].fix
-        for one, taken in list(zip(self.judgements, self.chosen, strict=True))[-2::-1]:
-            result = choose(taken, one.fix, result)
-        return result
+        return self.now.fix(self.reflector, self.range, self.error)
 
     def of_chosen(self, terms: list[Num]) -> Num:
-        """One term a slot: that of the chosen echo; only while `accepted`."""
+        """One term a slot: that of the chosen echo, the first that fits (the front end puts the strongest first)."""
         result = terms[-1]
-        for term, taken in list(zip(terms, self.chosen, strict=True))[-2::-1]:
-            result = ite(taken, term, result)
+        for term, one in list(zip(terms, self.judgements, strict=True))[-2::-1]:
+            result = ite(one.fits, term, result)
         return result
 
     @property
@@ -227,4 +215,4 @@ class Recognition:
 
 def recognise(slots: tuple[Slot, ...], reflector: Reflector, searched: Bool, now: Situation) -> Recognition:
     """Judge a frame for one reflector."""
-    return Recognition(tuple(judge(one, reflector, searched, now) for one in slots))
+    return Recognition(tuple(judge(one, reflector, searched, now) for one in slots), reflector, now)

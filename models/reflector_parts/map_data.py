@@ -16,8 +16,8 @@ from safeloc.expr import (
     NumVar,
     Optional,
     Var,
-    abs_,
     as_num,
+    between,
     choice,
     enumeration,
     exact_to,
@@ -180,14 +180,14 @@ def target(limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
 
 def is_it(reflector: Reflector, origin_nm: Num, offset_mm: int, accuracy_nm: int) -> Bool:
     """The echo's true origin is this reflector: it stands where the map has it, within the survey's accuracy."""
-    return _apart(reflector, origin_nm, offset_mm) <= accuracy_nm
+    return between(-accuracy_nm, _apart(reflector, origin_nm, offset_mm), accuracy_nm)
 
 
 def is_it_or_clear(reflector: Reflector, origin_nm: Num, offset_mm: int, accuracy_nm: int) -> Bool:
     """Layout rule: a reflector of this model is this one, or at least `clear` away by the map."""
-    far = _apart(reflector, origin_nm, offset_mm) >= exact_to(reflector.clear, NM) - accuracy_nm
-    return is_it(reflector, origin_nm, offset_mm, accuracy_nm) | far
+    apart, far = _apart(reflector, origin_nm, offset_mm), exact_to(reflector.clear, NM) - accuracy_nm
+    return is_it(reflector, origin_nm, offset_mm, accuracy_nm) | (apart >= far) | (-apart >= far)
 
 
 def _apart(reflector: Reflector, origin_nm: Num, offset_mm: int) -> Num:
-    return abs_(origin_nm - exact_to(reflector.place - offset_mm, NM))
+    return origin_nm - exact_to(reflector.place - offset_mm, NM)
