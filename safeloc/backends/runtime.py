@@ -55,20 +55,22 @@ class Embedded:
 
     def _add(self, number: int, label: str) -> None:
         """From each mode: stay without leaving it, or go to another mode."""
-        self.fsm.add_transition(
-            TRIGGER, label, None, conditions=[self._reads, self._goes_to(number)], after=self._commit
-        )
+        self.fsm.add_transition(TRIGGER, label, None, conditions=self._reads_and_stays(number), after=self._commit)
         for target, other in enumerate(self._labels):
             if target != number:
                 self.fsm.add_transition(TRIGGER, label, other, conditions=self._goes_to(target), before=self._commit)
 
-    def _reads(self, event: EventData) -> bool:
-        """Takes the step's inputs and computes the step; nothing is changed yet."""
-        if event.args:
-            raise InputError(f"{self.machine.name}: tick takes inputs by name, got {event.args!r}.")
-        self._next, fired = self._code.step(self._now, self._code.read(event.kwargs))
-        self._fired = fired[0]
-        return True
+    def _reads_and_stays(self, number: int) -> Callable[[EventData], bool]:
+        """Takes the step's inputs and computes the step; nothing is changed yet. Whether the mode stays."""
+
+        def reads_and_stays(event: EventData) -> bool:
+            if event.args:
+                raise InputError(f"{self.machine.name}: tick takes inputs by name, got {event.args!r}.")
+            self._next, fired = self._code.step(self._now, self._code.read(event.kwargs))
+            self._fired = fired[0]
+            return self._next[0] == number
+
+        return reads_and_stays
 
     def _goes_to(self, target: int) -> Callable[[EventData], bool]:
         return lambda _event: self._next[0] == target
