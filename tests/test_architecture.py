@@ -39,24 +39,54 @@ ROOMS = {
     "networkx": ("safeloc/line/", "safeloc/audit/"),
     "tomli_w": ("safeloc/line/toml_files.py",),
     "lxml": ("safeloc/line/imports/railml_xml.py",),
-    "openpyxl": ("safeloc/line/imports/balise_table.py",),
+    "openpyxl": ("safeloc/line/imports/spreadsheet.py",),
     "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py"),
     "shapely": ("safeloc/line/projection.py",),
 }
 OUTSIDE_THE_KERNEL = {
     "catalogue.py": "finds machines of models and of users",
+    "shipped.py": "configures the machines that ship",
+    "target.py": "carries a configuration",
     "config.py": "pydantic checks figures read from files",
     "testing.py": "hypothesis draws the streams",
 }
 KERNEL = [path for path in sorted(ROOT.glob("*.py")) if path.name not in OUTSIDE_THE_KERNEL]
 ABOVE = {
-    "models/": ("safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
-    "properties/": ("safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
+    "models/": (
+        "safeloc.properties",
+        "safeloc.provers",
+        "safeloc.cli",
+        "safeloc.report",
+        "safeloc.catalogue",
+        "safeloc.shipped",
+    ),
+    "properties/": ("safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue", "safeloc.shipped"),
     "safeloc/backends/": ("safeloc.models", "safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report"),
-    "safeloc/provers/": ("safeloc.models", "safeloc.properties", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
+    "safeloc/provers/": (
+        "safeloc.models",
+        "safeloc.properties",
+        "safeloc.cli",
+        "safeloc.report",
+        "safeloc.catalogue",
+        "safeloc.shipped",
+    ),
     "safeloc/report/": ("safeloc.cli",),
-    "safeloc/line/": ("safeloc.models", "safeloc.audit", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
-    "safeloc/audit/": ("safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue"),
+    "safeloc/line/": (
+        "safeloc.models",
+        "safeloc.audit",
+        "safeloc.cli",
+        "safeloc.report",
+        "safeloc.catalogue",
+        "safeloc.shipped",
+    ),
+    "safeloc/audit/": (
+        "safeloc.properties",
+        "safeloc.provers",
+        "safeloc.cli",
+        "safeloc.report",
+        "safeloc.catalogue",
+        "safeloc.shipped",
+    ),
 }
 
 

@@ -171,9 +171,9 @@ def test_clean_logs_lie_on_the_track(log: str, median_mm: int, most_mm: int) -> 
 # ------------------------------------------------------------------ the mild and the faulty run
 
 
-def test_the_mild_log_is_held(log: str = "31259") -> None:
+def test_the_mild_log_is_held() -> None:
     """A few distances are rejected, some fixes lie 31 m off the track; where it can be told the interval holds."""
-    steps = driven(log)
+    steps = driven("31259")
     assert {"ADMITTED", "JUMP"} == judged(steps)
     assert 5 == sum(step.label("front_wheel_judged") == "JUMP" for step in steps)
     assert 0 == wrong(steps)

@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 from safeloc.errors import InputError
 from safeloc.line.elements import Balise, BaliseGroup, Direction, KilometrePoint, Node, TrackEdge
-from safeloc.line.imports.building import content, made, missing, within
+from safeloc.line.imports.building import made, within
 from safeloc.line.imports.lengths import decimal, millimetres
 from safeloc.line.imports.notes import Imported, Note
+from safeloc.line.imports.spreadsheet import Sheet, cells, read_sheet
 from safeloc.line.model import Line
 
 COLUMNS = ("NID_C", "NID_BG", "Lint", "Km", "Or BG", "Or Lint", "Spoornr")
@@ -58,12 +58,12 @@ def read_balise_table(path: Path, *, name: str | None = None, version: str | Non
     Raises InputError with sheet and row for cells that do not fit and for groups given twice; EngineError where
     openpyxl is missing.
     """
-    notes: list[Note] = []
     with within(path):
-        return _imported(_sheet(path, notes), name or path.stem, version or "1", path.name, notes)
+        return _imported(read_sheet(path), name or path.stem, version or "1", path.name)
 
 
-def _imported(sheet: Any, name: str, version: str, source: str, notes: list[Note]) -> Imported:
+def _imported(sheet: Sheet, name: str, version: str, source: str) -> Imported:
+    notes: list[Note] = []
     rows = list(_rows(sheet, notes))
     _refuse_twice(rows)
     notes += _assumed()
@@ -87,41 +87,19 @@ def _imported(sheet: Any, name: str, version: str, source: str, notes: list[Note
 # ------------------------------------------------------------------ cells
 
 
-def _rows(sheet: Any, notes: list[Note]) -> Iterator[Row]:
-    listed = sheet.iter_rows(values_only=True)
+def _rows(sheet: Sheet, notes: list[Note]) -> Iterator[Row]:
     where = f"sheet {sheet.title!r}"
-    heading = [str(cell).strip() if cell is not None else "" for cell in next(listed, ())]
+    notes += [Note("not carried over", f"sheet {other!r}", "only the first sheet is read") for other in sheet.others]
+    heading = [str(cell).strip() if cell is not None else "" for cell in next(iter(sheet.rows), ())]
     at = {column: _column(heading, column, where) for column in COLUMNS}
     for column in heading:
         if column and column not in COLUMNS:
             notes.append(Note("not understood", where, f"column {column!r}"))
-    found = 0
-    for number, cells in enumerate(listed, 2):
-        if any(cell is not None for cell in cells):
-            found += 1
-            yield _row(f"{where} row {number}", {column: cells[index] for column, index in at.items()})
-    if not found:
+    listed = list(cells(sheet))
+    if not listed:
         raise InputError(f"{where}: has no rows.")
-
-
-def _sheet(path: Path, notes: list[Note]) -> Any:
-    content(path)
-    openpyxl = _openpyxl()
-    try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-    except (openpyxl.utils.exceptions.InvalidFileException, BadZipFile, KeyError, ValueError) as error:
-        raise InputError(f"not an XLSX file ({error}).") from error
-    for other in book.worksheets[1:]:
-        notes.append(Note("not carried over", f"sheet {other.title!r}", "only the first sheet is read"))
-    return book.worksheets[0]
-
-
-def _openpyxl() -> Any:
-    try:
-        import openpyxl
-    except ImportError as error:
-        raise missing("openpyxl", "reading XLSX") from error
-    return openpyxl
+    for number, row in listed:
+        yield _row(f"{where} row {number}", {column: row[index] for column, index in at.items()})
 
 
 def _column(heading: Sequence[str], column: str, where: str) -> int:
@@ -131,23 +109,23 @@ def _column(heading: Sequence[str], column: str, where: str) -> int:
     return heading.index(column)
 
 
-def _row(place: str, cells: Mapping[str, Any]) -> Row:
-    rising, town = _text(cells, "Or Lint", place), _text(cells, "Or BG", place)
+def _row(place: str, found: Mapping[str, Any]) -> Row:
+    rising, town = _text(found, "Or Lint", place), _text(found, "Or BG", place)
     if (rising, town) not in NOMINAL:
         raise InputError(
             f"{place}: 'Or Lint' {rising!r} with 'Or BG' {town!r} is not known; use Z or N, Utrecht or Amsterdam."
         )
-    kilometre_mm, exact = millimetres(decimal(_number(cells, "Km", place), f"{place}: column 'Km'"))
+    kilometre_mm, exact = millimetres(decimal(_number(found, "Km", place), f"{place}: column 'Km'"))
     if not exact:
-        raise InputError(f"{place}: column 'Km': {cells['Km']} m is no whole number of mm.")
+        raise InputError(f"{place}: column 'Km': {found['Km']} m is no whole number of mm.")
     return Row(
         place,
-        _whole(cells, "NID_C", place),
-        _whole(cells, "NID_BG", place),
-        _text(cells, "Lint", place),
+        _whole(found, "NID_C", place),
+        _whole(found, "NID_BG", place),
+        _text(found, "Lint", place),
         kilometre_mm,
         NOMINAL[rising, town],
-        _text(cells, "Spoornr", place),
+        _text(found, "Spoornr", place),
     )
 
 

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from xml.parsers import expat
 
 from safeloc.errors import InputError
 from safeloc.line.imports.building import content, missing
+from safeloc.line.imports.xml_prolog import DOCUMENT_TYPE, refuse_document_type
 
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 XML = "http://www.w3.org/XML/1998/namespace"
@@ -95,7 +95,7 @@ def unused(element: Element) -> Iterator[tuple[Element, str | None]]:
 def read_xml(path: Path) -> Element:
     """The root element of the document. InputError for what is not well-formed or not safe to read."""
     data = content(path)
-    _refuse_document_type(path, data)
+    refuse_document_type(str(path), data)
     etree = _etree()
     parser = etree.XMLParser(
         resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False, remove_comments=True, remove_pis=True
@@ -115,38 +115,6 @@ def _etree() -> Any:
     except ImportError as error:
         raise missing("lxml", "reading railML") from error
     return etree
-
-
-DOCUMENT_TYPE = "has a document type; railML needs none, and entities are refused. Remove the <!DOCTYPE ...>."
-
-
-class _PrologRead(Exception):
-    """The first element has begun: no document type can follow."""
-
-
-def _refuse_document_type(path: Path, data: bytes) -> None:
-    """Read up to the first element only, so that nothing a document type declares is ever looked at."""
-    parser = expat.ParserCreate()
-
-    def refuse(*_: object) -> None:
-        raise InputError(f"{path}:{parser.CurrentLineNumber}: {DOCUMENT_TYPE}")
-
-    def stop(*_: object) -> None:
-        raise _PrologRead
-
-    parser.StartDoctypeDeclHandler = refuse
-    parser.StartElementHandler = stop
-    try:
-        parser.Parse(data, True)
-    except _PrologRead:
-        return
-    except InputError:
-        raise
-    except expat.ExpatError as error:
-        told = expat.ErrorString(error.code)
-        raise InputError(f"{path}:{error.lineno}: not well-formed XML ({told}).") from error
-    except (LookupError, ValueError) as error:
-        raise InputError(f"{path}:1: not readable as XML ({error}).") from error
 
 
 def _element(node: Any) -> Element:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import zipfile
 from pathlib import Path
 
 import openpyxl
@@ -141,3 +142,33 @@ def test_without_openpyxl_the_remedy_is_told(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(EngineError, match=r"^reading XLSX needs openpyxl; install safeloc\[geo\]\.$"):
         read_balise_table(path)
+
+
+@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml"])
+def test_entities_in_a_workbook_are_refused(tmp_path: Path, part: str) -> None:
+    """A spreadsheet is XML in a ZIP file; a document type in it is no more welcome than in railML."""
+    whole, attacked = table(tmp_path, ROWS), tmp_path / "attacked.xlsx"
+    with zipfile.ZipFile(whole) as source, zipfile.ZipFile(attacked, "w") as target:
+        for name in source.namelist():
+            data = source.read(name)
+            if name == part:
+                text = data.decode("utf-8").removeprefix('<?xml version="1.0"?>')
+                data = f'<!DOCTYPE x [<!ENTITY e "{"ha" * 1000}">]>{text}'.encode()
+            target.writestr(name, data)
+    with pytest.raises(InputError, match=f"^{re.escape(str(attacked))}: "):
+        read_balise_table(attacked)
+
+
+def test_a_workbook_broken_inside_is_refused(tmp_path: Path) -> None:
+    """The sheet's XML ends in the middle of a row, and a part is missing."""
+    whole, broken = table(tmp_path, ROWS), tmp_path / "broken.xlsx"
+    for lost in ("cut", "gone"):
+        with zipfile.ZipFile(whole) as source, zipfile.ZipFile(broken, "w") as target:
+            for name in source.namelist():
+                data = source.read(name)
+                if name != "xl/worksheets/sheet1.xml":
+                    target.writestr(name, data)
+                elif lost == "cut":
+                    target.writestr(name, data[: len(data) // 2])
+        with pytest.raises(InputError, match=f"^{re.escape(str(broken))}: not a readable XLSX file"):
+            read_balise_table(broken)

@@ -424,7 +424,7 @@ def test_document_types_are_refused_before_anything_is_expanded(
     document = changed(RAILML, f"{DOCTYPES[attack]}\n{RAILML}", document)
     with pytest.raises(InputError) as refused:
         railml(document)
-    told = "has a document type; railML needs none, and entities are refused. Remove the <!DOCTYPE ...>."
+    told = "has a document type; none is needed, and entities are refused. Remove the <!DOCTYPE ...>."
     assert re.fullmatch(f"{re.escape(str(tmp_path / 'station.railml'))}:2: {re.escape(told)}", str(refused.value))
 
 

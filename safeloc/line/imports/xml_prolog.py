@@ -1,0 +1,40 @@
+"""XML with a document type is refused before any library that might act on it sees the document."""
+
+from __future__ import annotations
+
+from xml.parsers import expat
+
+from safeloc.errors import InputError
+
+DOCUMENT_TYPE = "has a document type; none is needed, and entities are refused. Remove the <!DOCTYPE ...>."
+
+
+class _PrologRead(Exception):
+    """The first element has begun: no document type can follow."""
+
+
+def refuse_document_type(place: str, data: bytes) -> None:
+    """InputError, with the line, for a document type, and for what is no XML up to its first element.
+
+    Only that much is read, so that nothing a document type declares is ever looked at.
+    """
+    parser = expat.ParserCreate()
+
+    def refuse(*_: object) -> None:
+        raise InputError(f"{place}:{parser.CurrentLineNumber}: {DOCUMENT_TYPE}")
+
+    def stop(*_: object) -> None:
+        raise _PrologRead
+
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = stop
+    try:
+        parser.Parse(data, True)
+    except (_PrologRead, InputError) as end:
+        if isinstance(end, InputError):
+            raise
+    except expat.ExpatError as error:
+        told = expat.ErrorString(error.code)
+        raise InputError(f"{place}:{error.lineno}: not well-formed XML ({told}).") from error
+    except (LookupError, ValueError) as error:
+        raise InputError(f"{place}:1: not readable as XML ({error}).") from error
