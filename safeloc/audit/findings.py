@@ -116,8 +116,9 @@ def _suffix(first: str, second: str, common: int) -> str:
 
 @dataclass(frozen=True)
 class AuditReport:
-    """The whole result. `cases` counts how often every rule was put to the test."""
+    """The whole result, for one vehicle's figures. `cases` counts how often every rule was put to the test."""
 
+    vehicle: str
     line: str
     version: str
     checksum: str

@@ -16,8 +16,12 @@ from safeloc.line.walk import Walk
 from safeloc.models.layout_rules import LayoutConfig
 
 
-def audit(line: Line, layout: LayoutConfig | None = None) -> AuditReport:
-    """Every rule of the layout on every place it concerns. `layout`: the vehicle's figures; the defaults without it."""
+def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "default figures") -> AuditReport:
+    """Every rule of the layout on every place it concerns.
+
+    `layout` holds the vehicle's figures, the defaults without it; `vehicle` is what the report calls it. Several
+    vehicles on one line (RFL-15) are audited one by one: the line has to suit each.
+    """
     layout = layout or LayoutConfig()
     walk, rules, ledger = Walk(line), Rules(layout), Ledger({edge.id: edge for edge in line.edges})
     Stretches(walk, rules, ledger).check()
@@ -29,6 +33,7 @@ def audit(line: Line, layout: LayoutConfig | None = None) -> AuditReport:
     routes, pairs = check_routes(walk, rules, ledger)
     findings = sorted(ledger.findings, key=lambda one: (one.severity == "advice", one.rule, one.place, one.subject))
     return AuditReport(
+        vehicle=vehicle,
         line=line.name,
         version=line.version,
         checksum=content_checksum(line),

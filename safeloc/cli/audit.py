@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
@@ -10,7 +9,7 @@ import typer
 from safeloc.audit import audit
 from safeloc.audit.findings import AuditReport
 from safeloc.audit.vehicle import find_layout
-from safeloc.cli.show import out
+from safeloc.cli.show import out, print_json
 from safeloc.line.toml_files import find_line
 
 VIOLATED = 1
@@ -21,19 +20,23 @@ def audit_line(
     line: Annotated[
         str, typer.Argument(help="file (TOML or JSON, see docs/line.md), or a shipped line: fig1, fig2, fig3")
     ],
-    vehicle: Annotated[
-        str | None, typer.Option("--vehicle", help="file with [localization], or a shipped vehicle; else the defaults")
+    vehicles: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vehicle", help="file with [localization], or a shipped vehicle (repeatable); else the defaults"
+        ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-audit/1)")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON only: a list of safeloc-audit/1")] = False,
 ) -> None:
     """Check that the layout of a line meets what the proofs assume. Exit code 1 where a rule is violated."""
-    report = audit(find_line(line), None if vehicle is None else find_layout(vehicle))
+    checked = find_line(line)
+    reports = [audit(checked, find_layout(name), name) for name in vehicles] if vehicles else [audit(checked)]
     if as_json:
-        print(json.dumps(report.as_data(), indent=2))
+        print_json([report.as_data() for report in reports])
     else:
-        for told in _lines(report):
+        for told in (told for report in reports for told in _lines(report)):
             out.print(told, markup=False)
-    raise typer.Exit(VIOLATED if report.violated else 0)
+    raise typer.Exit(VIOLATED if any(report.violated for report in reports) else 0)
 
 
 def _lines(report: AuditReport) -> list[str]:
@@ -41,7 +44,7 @@ def _lines(report: AuditReport) -> list[str]:
     routes = "too many routes to compare one by one" if report.routes is None else f"{report.routes} routes"
     advice = len(report.findings) - len(report.violated)
     return [
-        f"{report.line} version {report.version}, {report.checksum}",
+        f"{report.line} version {report.version} for {report.vehicle}, {report.checksum}",
         f"{elements}; {routes}",
         *(finding.as_text() for finding in report.findings),
         *(

@@ -35,7 +35,7 @@ def test_a_broken_rule_ends_in_1(call: Call, tmp_path: Path) -> None:
     called = call("audit", str(path))
     assert 1 == called.code
     assert "violated  odometry stretch [RFL-D1] from reflector 111 (B) to the end of the map" in called.out
-    told = json.loads(call("audit", str(path), "--json").out)
+    (told,) = json.loads(call("audit", str(path), "--json").out)
     (finding,) = told["findings"]
     assert (False, "safeloc-audit/1") == (told["holds"], told["schema"])
     assert {"edge": "103", "position_mm": 1_400_000} == finding["place"]
@@ -50,6 +50,16 @@ def test_the_vehicle_counts(call: Call, tmp_path: Path) -> None:
     path.write_text("[localization]\nodometry_rate_ppm = 100_000\n", encoding="utf-8")
     assert 0 == call("audit", "fig3", "--vehicle", "metro").code
     assert 1 == call("audit", "fig3", "--vehicle", str(path)).code
+
+
+def test_a_line_has_to_suit_every_vehicle_on_it(call: Call, tmp_path: Path) -> None:
+    """Several vehicles on one line are audited one by one; one that it does not suit decides (RFL-15)."""
+    path = tmp_path / "coarse.toml"
+    path.write_text("[localization]\nodometry_rate_ppm = 100_000\n", encoding="utf-8")
+    assert 0 == call("audit", "fig3", "--vehicle", "metro", "--vehicle", "freight-v90").code
+    called = call("audit", "fig3", "--json", "--vehicle", "metro", "--vehicle", str(path))
+    told = {report["vehicle"]: report["holds"] for report in json.loads(called.out)}
+    assert (1, {"metro": True, str(path): False}) == (called.code, told)
 
 
 def test_wrong_input_ends_in_2(call: Call, tmp_path: Path) -> None:
