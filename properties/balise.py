@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, abs_, all_of, any_of, between, exact_to, maximum, with_unit
+from safeloc.expr import Bool, abs_, all_of, any_of, between, exact_to, ite, maximum, with_unit
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.linking import Record
@@ -108,6 +108,16 @@ def _references(model: Balise) -> Iterator[Property]:
         "accuracy by precedence",
         (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
         statement="an accepted group is charged with the location accuracy of linking, else the national one, else the default",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    national = own.national
+    told = national.known & national.kept.eq(national.received.value)
+    as_before = national.kept.eq(earlier_num(national.kept)) & (national.known | ~earlier_bool(national.known))
+    yield always(
+        "a national value stays",
+        ite(national.received.present, told, as_before),
+        statement="a national location accuracy is in force from its reception on, until another one is received",
         trace=("RFL-D4",),
         unconditional=True,
     )

@@ -1,0 +1,202 @@
+"""Proofs of the balise machine that would notice: each guard or charge, once broken, loses a property."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from safeloc.expr import FALSE, Bool, Expr, Num, Var, ite, minimum
+from safeloc.machine import Machine, Transition
+from safeloc.models.balise import Balise, build
+from safeloc.models.balise_parts import variables as v
+from safeloc.models.balise_parts.telegram import PASSED
+from safeloc.models.balise_parts.variables import BaliseConfig, parts
+from safeloc.models.odometry_parts.error_law import EDDY_CURRENT, RADAR
+from safeloc.nodes import Value
+from safeloc.properties.balise import properties
+from safeloc.provers.kinduction import kinduction
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.spec import observe
+from safeloc.system import lower
+from safeloc.terms import Substitution
+from safeloc.verdict import Proved, word
+
+Table = Sequence[Transition]
+Breaking = Callable[[Balise], Table]
+
+
+@cache
+def model() -> Balise:
+    """The default machine."""
+    return build(parts(BaliseConfig()))
+
+
+def rebuilt(machine: Machine, table: Table) -> Machine:
+    """The machine with another table and the same variables and environment."""
+    fields = {
+        f: getattr(machine, f) for f in machine.__dataclass_fields__ if f not in ("mode", "fired_name", "transitions")
+    }
+    return Machine(**{**fields, "transitions": table, "mode_variable": machine.mode})
+
+
+def proved(machine: Machine, names: Sequence[str]) -> list[str]:
+    """Which of the named properties are proved of a (possibly broken) machine."""
+    system = lower(machine)
+    wanted = [one for one in properties(replace(model(), machine=machine)) if one.name in names]
+    assert len(wanted) == len(names)
+    limits = Limits(seconds=20, induction=2)
+    return [prop.name for prop in wanted if isinstance(kinduction(observe(system, prop), limits), Proved)]
+
+
+# ------------------------------------------------------------------ ways to break it
+
+
+def without(name: str) -> Breaking:
+    """A transition that never fires."""
+    return lambda good: [replace(t, when=FALSE) if t.name == name else t for t in good.machine.transitions]
+
+
+def taking(*wrong: Callable[[v.Parts], tuple[Expr, Expr]]) -> Breaking:
+    """Guards and updates that take a variable for something else."""
+
+    def broken(good: Balise) -> Table:
+        pairs = [one(good.own) for one in wrong]
+        see = Substitution({var: instead for var, instead in pairs if isinstance(var, Var)})
+        return [replace(t, when=see.bool(t.when), set=_seen(see, t.set)) for t in good.machine.transitions]
+
+    return broken
+
+
+def _seen(see: Substitution, updates: Mapping[Var, Expr | Value]) -> dict[Var, Expr | Value]:
+    return {var: see(term) if isinstance(term, (Num, Bool)) else term for var, term in updates.items()}
+
+
+def accepting(verdict: Num) -> Breaking:
+    """A telegram with that verdict resets the position all the same."""
+
+    def broken(good: Balise) -> Table:
+        table = []
+        for t in good.machine.transitions:
+            if t.name == "expected group resets the position":
+                wrongly = good.judged.sightings[0].seen & good.judged.verdict.eq(verdict)
+                table.append(replace(t, when=t.when | wrongly))
+            else:
+                table.append(t)
+        return [t for t in table if not (verdict is v.CONTRADICTED and t.name == "contradiction")]
+
+    return broken
+
+
+def changed(name: str, updates: Callable[[Balise], Mapping[Var, Expr]]) -> Breaking:
+    """One transition with other updates."""
+
+    def broken(good: Balise) -> Table:
+        return [replace(t, set={**t.set, **updates(good)}) if t.name == name else t for t in good.machine.transitions]
+
+    return broken
+
+
+def less_margin(good: Balise) -> Mapping[Var, Expr]:
+    """The margin grows by one nanometre a cycle less than the error may."""
+    return {good.own.held.over: good.judged.run_on.over - 1}
+
+
+def telegram_alone(good: Balise) -> Mapping[Var, Expr]:
+    """The telegram replaces the interval instead of narrowing it."""
+    return dict(good.own.held.become(good.judged.fix))
+
+
+BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
+    "check bits ignored": (
+        taking(lambda own: (own.read.check.value, ite(own.heading.backwards, PASSED, PASSED))),
+        ("containment", "corrupted changes nothing", "only whole and undamaged groups count"),
+    ),
+    "identity ignored": (
+        taking(lambda own: (own.read.group.value, own.linking.slots[0].group)),
+        ("containment", "foreign changes nothing", "only announced groups reset"),
+    ),
+    "stale telegrams believed": (
+        taking(lambda own: (own.read.age.value, minimum(own.read.age.value, 0))),
+        ("containment", "stale changes nothing"),
+    ),
+    "window opened too early": (
+        accepting(v.TOO_EARLY),
+        ("containment", "of the expected group but outside its window changes nothing"),
+    ),
+    "window closed too late": (accepting(v.TOO_LATE), ("containment", "rejected telegrams change nothing")),
+    "orientation ignored": (
+        accepting(v.WRONG_DIRECTION),
+        ("containment", "of the expected group but passed the wrong way changes nothing"),
+    ),
+    "incomplete groups believed": (accepting(v.INCOMPLETE), ("containment", "incomplete changes nothing")),
+    "contradiction ignored": (accepting(v.CONTRADICTED), ("containment", "contradiction delocalizes")),
+    "contradiction not told": (without("contradiction"), ("contradiction delocalizes",)),
+    "telegram instead of the common part": (
+        changed("expected group resets the position", telegram_alone),
+        ("a reset never widens",),
+    ),
+    "optimistic margin": (changed("run on", less_margin), ("containment", "margins never shrink")),
+    "tolerance forgotten": (without("tolerance exceeded"), ("tolerance",)),
+    "silence forgotten": (without("sensors failed"), ("silence delocalizes",)),
+    "linking accuracy ignored": (
+        taking(lambda own: (own.linking.slots[0].accurate, FALSE)),
+        ("accuracy by precedence",),
+    ),
+    "national value forgotten": (
+        taking(lambda own: (own.national.known, FALSE)),
+        ("a national value stays",),
+    ),
+    "first miss forgotten": (
+        taking(lambda own: (own.memory.missed, minimum(own.memory.missed, 0))),
+        ("two missed brake", "missed groups are counted"),
+    ),
+    "a miss not told": (without("expected group missed"), ("told: expected group missed",)),
+    "detection accuracy taken for none": (
+        changed("expected group resets the position", lambda good: sharper(good)),
+        ("containment", "a reset keeps the truth"),
+    ),
+}
+
+
+def sharper(good: Balise) -> Mapping[Var, Expr]:
+    """A reset that forgets the antenna's detection accuracy."""
+    reader = replace(good.own.config.reader, detection_mm=0)
+    odometer, cycle = good.own.odometer, good.judged
+    fix = reader.fix(good.own.read, cycle.place, cycle.accuracy, odometer.distance, odometer.admitted)
+    return dict(good.own.held.become(cycle.run_on.narrowed(fix)))
+
+
+@pytest.mark.parametrize("way", BROKEN)
+def test_a_broken_machine_is_noticed(way: str) -> None:
+    """What is proved of the machine is not proved of the broken one."""
+    breaking, names = BROKEN[way]
+    broken = rebuilt(model().machine, breaking(model()))
+    assert proved(broken, names) == []
+
+
+def test_what_the_broken_ones_lose_is_proved_of_the_right_one() -> None:
+    """The same engine and limits prove each of those properties of the machine as it is."""
+    wanted = sorted({name for _, names in BROKEN.values() for name in names})
+    assert sorted(proved(model().machine, wanted)) == wanted
+
+
+VARIANTS = {
+    "first group trusted": BaliseConfig(trust_first_group=True),
+    "free references": BaliseConfig(free_references=True),
+    "four groups announced": BaliseConfig(announced_groups=4),
+    "another odometer": BaliseConfig(odometer=EDDY_CURRENT, antenna_mm=0, period_ms=200),
+    "radar": BaliseConfig(odometer=RADAR, tolerance_mm=10_000, detection_mm=0),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", VARIANTS)
+def test_variant_is_proved(name: str) -> None:
+    """RFL-5, RFL-D4: every configuration is proved, not only the default one."""
+    made = build(parts(VARIANTS[name]))
+    findings = prove(lower(made.machine), properties(made), Limits(seconds=60), jobs=2)
+    assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
