@@ -64,7 +64,7 @@ class Disturbance:
     """A strange transmitter: its chirp crosses ours in `samples` samples, this much above noise in each."""
 
     samples: int = 40
-    over_noise_db: float = 60.0
+    over_noise_db: float = 50.0
     sine: float = 0.1
 
 
@@ -86,13 +86,17 @@ def image(
     weather: Weather | None = None,
     bias: Bias | None = None,
     disturbance: Disturbance | None = None,
+    noise_db: float = 0.0,
 ) -> Numbers:
-    """Power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine."""
+    """Power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine.
+
+    `noise_db`: more noise than the receiver's own, from everywhere.
+    """
     weather = weather or Weather()
     seen = _in_view(seen, config)
     ways = _by_the_ground(_biased(seen, config, bias or Bias()), _amplitudes(seen, config, weather, rng), config, rng)
     signal = _tones(*ways, speed_mm_s, config)
-    signal += _noise(signal.shape, rng)
+    signal += _noise(signal.shape, rng) * 10 ** (noise_db / 20)
     if disturbance is not None:
         signal += _burst(signal.shape, disturbance, rng)
     return _transformed(_converted(signal, config), config)

@@ -23,11 +23,12 @@ from safeloc.simulation.radar_track import Arc, Pose, Reflector, corners, pose, 
 
 FaultKind = Literal[
     "missing", "frozen", "duplicate", "late", "not finite", "wrong shape", "negative", "dead",
-    "interference", "overload", "cloudburst", "film",
+    "interference", "jamming", "overload", "cloudburst", "film",
 ]  # fmt: skip
 NM_PER_MM = 1_000_000
 FRONT_SECTION_M2 = 10.0
 PLATE_SECTION_M2 = 10_000.0
+JAMMER_DB = 20.0
 BEAM_STERADIAN = 0.2
 DROPS = 200
 
@@ -200,7 +201,10 @@ def _power(
     if "overload" in kinds:
         found = found.together(points(np.array([4_000.0]), np.array([0.0]), PLATE_SECTION_M2))
     strange = Disturbance(sine=float(rng.uniform(-0.5, 0.5))) if "interference" in kinds else None
-    return image(found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, disturbance=strange)
+    return image(
+        found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, disturbance=strange,
+        noise_db=JAMMER_DB if "jamming" in kinds else 0.0,
+    )  # fmt: skip
 
 
 def _spoilt(power: NDArray[np.float64], kinds: set[FaultKind]) -> NDArray[np.float64]:

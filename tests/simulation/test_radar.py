@@ -91,9 +91,12 @@ def test_the_ground_moves_the_echo() -> None:
 
 
 def test_a_strange_chirp_is_heard_everywhere() -> None:
-    """Its power spreads over all ranges."""
-    power = image(one(500), QUIET, rng(), disturbance=Disturbance())
-    assert np.median(power) > 30
+    """Its power spreads over all ranges, most of it in its direction."""
+    power = image(one(500), QUIET, rng(), disturbance=Disturbance(sine=0.25))
+    columns = np.median(power, axis=0)
+    assert np.argmax(columns) == QUIET.sensor.side_cells + 4
+    assert columns.max() > 1e3
+    assert np.median(power[:100]) == pytest.approx(np.median(power[-100:]), rel=0.5)
 
 
 def test_beyond_the_converter_an_echo_is_cut_off() -> None:

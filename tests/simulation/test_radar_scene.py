@@ -66,8 +66,7 @@ def test_a_sound_run_sees_the_reflector_in_every_frame() -> None:
         ("not finite", Refusal.NOT_FINITE),
         ("wrong shape", Refusal.WRONG_SHAPE),
         ("negative", Refusal.NEGATIVE),
-        ("dead", Refusal.DEAD),
-        ("interference", Refusal.JAMMED),
+        ("jamming", Refusal.JAMMED),
         ("overload", Refusal.OVERLOADED),
     ],
 )
@@ -79,19 +78,26 @@ def test_each_fault_has_its_reason_and_passes(kind: FaultKind, reason: Refusal) 
     assert all(sees(one) for one in found[END:])
 
 
+def test_a_dead_receiver_is_noticed_twice() -> None:
+    """No noise; then, moreover, the same picture again."""
+    found = [one.reason for one in outcomes("dead")[BEGIN:END] if isinstance(one, NoFrame)]
+    assert [Refusal.DEAD, Refusal.FROZEN, Refusal.FROZEN] == found
+
+
+@pytest.mark.parametrize("kind", ["cloudburst", "interference"])
+def test_disturbed_air_makes_no_model(kind: FaultKind) -> None:
+    """Drops and strange chirps are echoes of no model; the frames are frames."""
+    for one in outcomes(kind)[BEGIN:END]:
+        assert isinstance(one, Frame)
+        assert {Model.UNKNOWN, Model.C} >= {echo.model for echo in one.echoes}
+
+
 def test_a_wet_cover_blinds_in_silence() -> None:
     """40 dB less: frames like any other, without the reflector. Only a reference measurement tells this from an empty
     line (RFL-6)."""
     found = outcomes("film")
     assert all(isinstance(one, Frame) and not sees(one) for one in found[BEGIN:END])
     assert all(sees(one) for one in found[END:])
-
-
-def test_a_cloudburst_costs_no_wrong_model() -> None:
-    """Drops are echoes of no model."""
-    for one in outcomes("cloudburst")[BEGIN:END]:
-        assert isinstance(one, Frame)
-        assert {Model.UNKNOWN, Model.C} >= {echo.model for echo in one.echoes}
 
 
 def test_truth_goes_with_every_frame() -> None:
