@@ -40,6 +40,8 @@ class LayoutConfig(Config):
     balise_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m, for groups without an own figure")
     detection_accuracy_mm: int = quantity(1_000, "mm", 0, 10_000, "[S] openETCS: D_tol = Q_LOCACC + 1 m")
     radar_error_mm: int = quantity(200, "mm", 0, 10_000, "[M] FMCW, 1 GHz: 0.15 m, and surveying")
+    radar_range_mm: int = quantity(150_000, "mm", 1_000, 10_000_000, "[M] minimum intensity up to 100 to 200 m")
+    radar_blind_mm: int = quantity(2_000, "mm", 0, 100_000, "[M] nearer, an echo cannot be evaluated (source l. 209)")
     map_accuracy_mm: int = quantity(50, "mm", 0, 10_000, "[M] surveying of one place against another")
     antenna_offset_mm: int = quantity(0, "mm behind the front", 0, 500_000, "[D] none: balise antenna at the front end")
     sensor_offset_mm: int = quantity(0, "mm behind the front", 0, 500_000, "[D] none: radar at the front end")
@@ -127,6 +129,11 @@ def reference_measurement_possible(distance_mm: Num, view_from_mm: Num, view_to_
 def search_starts_in_time(search_from_mm: Num, distance_mm: Num, view_from_mm: Num, layout: LayoutConfig) -> Bool:
     """The telegram lets the search begin by the tolerable error before the view zone, or at the balise (RFL-9)."""
     return search_from_mm <= maximum(distance_mm - view_from_mm - layout.tolerance_mm, 0)
+
+
+def view_zone_in_range(view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
+    """In the whole view zone the vehicle's radar has the minimum intensity and is not too near (RFL-1; source l. 95, 209)."""
+    return (view_from_mm <= layout.radar_range_mm) & (as_num(layout.radar_blind_mm, MM) <= view_to_mm)
 
 
 # ------------------------------------------------------------------ neighbours (RFL-8, RFL-10)

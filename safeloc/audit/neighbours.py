@@ -12,7 +12,13 @@ from safeloc.line.walk import Seen, Walk
 
 
 def check_reflectors(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Every two reflectors near enough, on one route or across tracks, to be taken for each other."""
+    """Every view zone; and every two reflectors near enough, on one route or across tracks, to be taken for each other."""
+    for one in walk.line.reflectors:
+        place, figures = (
+            Place(one.edge, one.position_mm),
+            {"view_from_mm": one.view_from_mm, "view_to_mm": one.view_to_mm},
+        )
+        ledger.check(rules.view_zone, place, name(one), **figures)
     widest = max((reflector.view_from_mm for reflector in walk.line.reflectors), default=0)
     layout = rules.layout
     reach = max(widest + 2 * layout.tolerance_mm, 2 * (layout.tolerance_mm + layout.reflector_fix_mm)) + 1

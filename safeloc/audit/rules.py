@@ -127,6 +127,12 @@ class Rules:
         return Rule("search begins in time", ("RFL-8", "RFL-9"), terms.search_starts_in_time(*figures, self.layout))
 
     @cached_property
+    def view_zone(self) -> Rule:
+        """View zones suit the radar."""
+        term = terms.view_zone_in_range(_mm("view_from_mm"), _mm("view_to_mm"), self.layout)
+        return Rule("view zone in range", ("RFL-1",), term)
+
+    @cached_property
     def neighbours(self) -> Rule:
         """No reflector is taken for its neighbour."""
         figures = (_mm("spacing_mm"), _mm("next_view_from_mm"), _mm("previous_view_to_mm"))

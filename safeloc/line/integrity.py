@@ -242,10 +242,18 @@ def _one_fibre(fibre: Fibre) -> Iterator[str]:
         yield f"fibre {fibre.id!r}: map points must be in order of the cable"
     if max(cable) > fibre.length_mm:
         yield f"fibre {fibre.id!r}: a map point lies beyond its length {fibre.length_mm} mm"
+    for point in fibre.map_points:
+        if not any(_covers(stretch, point.edge, point.position_mm) for stretch in fibre.path):
+            yield f"fibre {fibre.id!r}: its path does not lead by {point.position_mm} mm on edge {point.edge!r}"
     if any(point.fibre_mm > fibre.length_mm for point in fibre.reflecting_points):
         yield f"fibre {fibre.id!r}: a reflecting point lies beyond its length {fibre.length_mm} mm"
     if any(stretch.from_mm == stretch.to_mm for stretch in fibre.path):
         yield f"fibre {fibre.id!r}: a stretch of its path is empty"
+
+
+def _covers(stretch: Stretch, edge: str, position_mm: int) -> bool:
+    low, high = sorted((stretch.from_mm, stretch.to_mm))
+    return stretch.edge == edge and low <= position_mm <= high
 
 
 CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (

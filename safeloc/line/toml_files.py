@@ -32,7 +32,7 @@ def from_toml(text: str, name: str) -> Line:
 def from_json(text: str, name: str) -> Line:
     """A line from JSON. InputError as in `from_toml`, with keys but no lines."""
     try:
-        data = json.loads(text)
+        data = json.loads(text, object_pairs_hook=lambda pairs: _without_double_keys(pairs, name))
     except json.JSONDecodeError as error:
         raise InputError(f"{name}:{error.lineno}: not JSON: {error.msg}.") from error
     return _line(data, name, lambda _: name)
@@ -86,6 +86,16 @@ def _told(error: ValidationError, where: Any) -> str:
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
     got = f" (got {first['input']!r})" if key and not isinstance(first["input"], (dict, list)) else ""
     return f"{told.rstrip('.')}{got}.{more}"
+
+
+def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, Any]:
+    """TOML refuses a key that is given twice; JSON would take the last one."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise InputError(f"{name}: key {twice!r} is given twice.")
+    return found
 
 
 def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:

@@ -52,6 +52,7 @@ def test_every_rule_is_put_to_the_test() -> None:
         "function test",
         "distance from balise to reflector",
         "search begins in time",
+        "view zone in range",
         "reflector after its balise",
         "neighbours told apart",
         "reflectors across tracks",
@@ -100,6 +101,11 @@ BROKEN: dict[str, tuple[Callable[[], Line], str, str]] = {
         "search begins in time",
         "balise group 106, increasing, to reflector 109, on 103 at 400000 mm, km 12.400000: "
         "search from 0.001 m, must be <= 0.000 m",
+    ),
+    "a view zone beyond the radar's range": (
+        lambda: changed("fig1", "reflectors", "111", view_from_mm=200_000),
+        "view zone in range",
+        "reflector 111 (B), on 103 at 860000 mm, km 12.860000: view from 200.000 m, must be <= 150.000 m",
     ),
     "equal models too near": (
         lambda: changed("fig2", "reflectors", "208", model="A", position_mm=510_000),

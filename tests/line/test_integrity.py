@@ -216,6 +216,10 @@ WRONG: dict[str, tuple[Callable[[], Line], str]] = {
         lambda: straight(1_000, fibres=(fibre(map_points=(BACK, LATE)),)),
         "fibre 'f': a map point lies beyond its length 1000 mm",
     ),
+    "a map point off the path": (
+        lambda: straight(1_000, fibres=(fibre(path=(Stretch(edge="e0", from_mm=700, to_mm=0),)),)),
+        "fibre 'f': its path does not lead by 800 mm on edge 'e0'",
+    ),
     "a reflecting point beyond the fibre": (
         lambda: straight(1_000, fibres=(fibre(reflecting_points=(ReflectingPoint(id="p", fibre_mm=2_000),)),)),
         "fibre 'f': a reflecting point lies beyond its length 1000 mm",

@@ -103,6 +103,8 @@ def test_json_mistakes_are_named() -> None:
         from_json("{", "l.json")
     with pytest.raises(InputError, match=r"^l\.json: a line is a table of keys, not list\.$"):
         from_json("[]", "l.json")
+    with pytest.raises(InputError, match=r"^l\.json: key 'name' is given twice\.$"):
+        from_json('{"name": "a", "name": "b"}', "l.json")
 
 
 def test_files_are_found_or_not(tmp_path: Path) -> None:

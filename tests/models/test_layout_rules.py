@@ -58,6 +58,8 @@ BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], La
     ),
     "search start": (rules.search_starts_in_time, (70_000, 200_000, 100_000), (70_001, 200_000, 100_000), LAYOUT),
     "search start at the balise": (rules.search_starts_in_time, (0, 80_000, 100_000), (1, 80_000, 100_000), LAYOUT),
+    "view zone, far": (rules.view_zone_in_range, (150_000, 3_000), (150_001, 3_000), LAYOUT),
+    "view zone, near": (rules.view_zone_in_range, (100_000, 2_000), (100_000, 1_999), LAYOUT),
     "search window": (
         rules.alone_in_search_window,
         (157_001, 100_000, 3_000),
