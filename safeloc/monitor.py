@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NoReturn, TypeAlias
+from typing import NoReturn, TypeAlias, assert_never
 
 from safeloc.errors import TruthValueError
 from safeloc.expr import Var
@@ -81,6 +81,8 @@ class Monitor:
                 return reason.startswith("the assumption")
             case Holds():
                 return self._wanted
+            case _:
+                assert_never(self.status)
 
     def _look(self) -> None:
         if self._settled() or holds(self.goal.good, self._state):

@@ -6,8 +6,10 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.expr import boolean, number, optional
-from safeloc.interpret import run, start
+from safeloc.interpret import evaluate, run, start
 from safeloc.machine import ANY, Machine, Transition, modes
+from safeloc.nodes import Compare
+from safeloc.spec import once
 from safeloc.system import lower, without_ghosts
 from safeloc.units import MM
 
@@ -120,3 +122,11 @@ def test_open_initial_values_may_be_chosen() -> None:
 def test_on_board_there_are_no_ghosts() -> None:
     """without_ghosts leaves what runs in a controller."""
     assert [var.name for var in without_ghosts(SYSTEM).state] == ["mode", "n", "open"]
+
+
+def test_terms_that_no_state_gives_a_value_are_refused() -> None:
+    """An operator about the past has to be observed first; an unknown comparison is a defect, not a value."""
+    with pytest.raises(InputError, match=r"^Past cannot be evaluated here; a property is observed first\.$"):
+        evaluate([once(P)], {P: True})
+    with pytest.raises(AssertionError):
+        evaluate([Compare("<>", X, N)], {X: 1, N: 2})  # type: ignore[arg-type]

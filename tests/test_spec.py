@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.errors import PropertyError
+from safeloc.errors import PropertyError, TruthValueError
 from safeloc.expr import TRUE, Bool, before, boolean, number, was
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
@@ -197,3 +197,9 @@ def test_a_negative_deadline_is_refused() -> None:
     """within() needs 0 or more steps."""
     with pytest.raises(PropertyError, match="must be 0 or more"):
         within("never", -1, P, Q)
+
+
+def test_a_status_has_no_truth_value() -> None:
+    """`if monitor.status` would take a broken property for a kept one."""
+    with pytest.raises(TruthValueError, match=r"^a monitor's status has no truth value: match on Holds, Broken or"):
+        bool(Broken(3))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import assert_never
 from xml.etree import ElementTree
 
 from safeloc.results import Finding
@@ -37,3 +38,5 @@ def _case(suite: ElementTree.Element, finding: Finding) -> None:
             ElementTree.SubElement(case, "error", message=f"undecided: {reason} (clean up to step {depth})")
         case Proved() | Held():
             pass
+        case _:
+            assert_never(finding.result)
