@@ -99,7 +99,7 @@ class Reflectors(Config):
 
     edge_mm: int = quantity(150, "mm", 20, 1_000, "[M] trihedral corner: 140 m2 at 77 GHz")
     unit_mm: int = quantity(600, "mm", 50, 10_000, "[D] marks of a model are whole multiples; four cells of 0.15 m")
-    mark_tolerance_mm: int = quantity(150, "mm", 1, 2_500, "[D] a quarter of the unit")
+    mark_tolerance_mm: int = quantity(100, "mm", 1, 2_500, "[D] two corners at the far end of the view, bounds added")
     balance_cdb: int = quantity(
         900, "cdB", 100, 3_000, "[M] corners of one reflector, with ground and dirt between them"
     )

@@ -24,7 +24,7 @@ def proved(claim: z3.BoolRef) -> bool:
     """Whether no pair of rationals low <= high contradicts it."""
     solver = z3.Solver()
     solver.add(LOW <= HIGH, z3.Not(claim))
-    return solver.check() == z3.unsat
+    return bool(solver.check() == z3.unsat)
 
 
 def test_nothing_inside_is_outside_afterwards() -> None:
