@@ -27,6 +27,7 @@ ROOMS = {
         "models/odometry_streams.py",
         "models/balise_streams.py",
         "models/reflector_streams.py",
+        "models/route_streams.py",
         "models/stop_point_streams.py",
     ),
     "scipy": ("safeloc/signals/",),

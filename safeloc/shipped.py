@@ -1,0 +1,194 @@
+"""The machines that ship, by name: each with its configuration, properties, recorded streams and simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from safeloc.machine import Machine
+from safeloc.models import (
+    balise,
+    delocalized,
+    odometry,
+    reflector,
+    route,
+    stop_point,
+    supervised_odometry,
+    travel_direction,
+    turn_off,
+)
+from safeloc.models.balise_parts.variables import BaliseConfig
+from safeloc.models.balise_parts.variables import parts as balise_parts
+from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.models.reflector_parts.variables import ReflectorConfig
+from safeloc.models.reflector_parts.variables import parts as reflector_parts
+from safeloc.models.route_parts.variables import RouteConfig
+from safeloc.models.route_parts.variables import parts as route_parts
+from safeloc.models.stop_point_parts.variables import StopPointConfig
+from safeloc.models.stop_point_parts.variables import parts as stop_point_parts
+from safeloc.nodes import Value
+from safeloc.properties import balise as balise_properties
+from safeloc.properties import delocalized as delocalized_properties
+from safeloc.properties import odometry as odometry_properties
+from safeloc.properties import reflector as reflector_properties
+from safeloc.properties import route as route_properties
+from safeloc.properties import stop_point as stop_point_properties
+from safeloc.properties import supervised_odometry as supervised_properties
+from safeloc.properties import travel_direction as direction_properties
+from safeloc.properties import turn_off as turn_off_properties
+from safeloc.reported import Reported
+from safeloc.spec import Property
+from safeloc.streams.steps import Cell
+from safeloc.system import lower
+from safeloc.target import Entry, Target
+
+STREAMS = Path(__file__).parent / "models" / "streams"
+
+
+def _shipped(name: str) -> tuple[Path, ...]:
+    return tuple(sorted(STREAMS.glob(f"{name}*.jsonl")))
+
+
+def _odometry(config: BaseModel) -> Target:
+    assert isinstance(config, OdometryConfig)
+    model = odometry.build(parts(config))
+    return Target(
+        "odometry",
+        (model.machine,),
+        lower(model.machine),
+        tuple(odometry_properties.properties(model)),
+        config,
+        model.machine.doc,
+        _shipped("odometry"),
+        Reported(),
+        lambda seed: _simulated(config, seed),
+    )
+
+
+def _simulated(config: OdometryConfig, seed: int) -> Sequence[Mapping[str, Value]]:
+    from safeloc.models.odometry_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+def _delocalized(config: BaseModel) -> Target:
+    assert isinstance(config, delocalized.DelocalizedConfig)
+    machine = delocalized.machine(config)
+    properties = tuple(delocalized_properties.properties(machine, config))
+    reported = Reported(valid="restrictive", valid_is=False)
+    return Target("delocalized", (machine,), lower(machine), properties, config, machine.doc, reported=reported)
+
+
+def _supervised(config: BaseModel) -> Target:
+    assert isinstance(config, OdometryConfig)
+    whole = supervised_odometry.compose_machines(config)
+    machines = (whole.source.machine, whole.guard)
+    properties = tuple(supervised_properties.properties(whole))
+    doc = "Odometry with the delocalized machine behind it, in one step: what the host of a vehicle sees."
+    reported = Reported(
+        position="delocalized.position_mm",
+        under="delocalized.under_mm",
+        over="delocalized.over_mm",
+        valid="delocalized.restrictive",
+        valid_is=False,
+        truth="odometry.truth_nm",
+    )
+    system = whole.composition.system
+    return Target("supervised_odometry", machines, system, properties, config, doc, reported=reported)
+
+
+def _balise(config: BaseModel) -> Target:
+    assert isinstance(config, BaliseConfig)
+    model = balise.build(balise_parts(config))
+    return Target(
+        "balise",
+        (model.machine,),
+        lower(model.machine),
+        tuple(balise_properties.properties(model)),
+        config,
+        model.machine.doc,
+        _shipped("balise"),
+        Reported(),
+        lambda seed: _balise_simulated(config, seed),
+    )
+
+
+def _balise_simulated(config: BaliseConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.balise_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+def _reflector(config: BaseModel) -> Target:
+    assert isinstance(config, ReflectorConfig)
+    model = reflector.build(reflector_parts(config))
+    made = _made(model.machine, reflector_properties.properties(model), config)
+    return replace(made, reported=Reported(), simulate=lambda seed: _reflector_simulated(config, seed))
+
+
+def _reflector_simulated(config: ReflectorConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.reflector_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+def _stop_point(config: BaseModel) -> Target:
+    assert isinstance(config, StopPointConfig)
+    model = stop_point.build(stop_point_parts(config))
+    made = _made(model.machine, stop_point_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: _stop_simulated(config, seed))
+
+
+def _stop_simulated(config: StopPointConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.stop_point_streams import simulate_stop  # numpy is loaded only where something is simulated
+
+    return simulate_stop(config, seed=seed)
+
+
+def _turn_off(config: BaseModel) -> Target:
+    assert isinstance(config, turn_off.TurnOffConfig)
+    model = turn_off.build(turn_off.parts(config))
+    return _made(model.machine, turn_off_properties.properties(model), config)
+
+
+def _travel_direction(config: BaseModel) -> Target:
+    assert isinstance(config, travel_direction.DirectionConfig)
+    model = travel_direction.build(travel_direction.parts(config))
+    return _made(model.machine, direction_properties.properties(model), config)
+
+
+def _route(config: BaseModel) -> Target:
+    assert isinstance(config, RouteConfig)
+    model = route.build(route_parts(config))
+    made = _made(model.machine, route_properties.properties(model), config)
+    return replace(made, reported=Reported())
+
+
+def _made(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
+    """A single machine with the streams that ship under its name."""
+    name = machine.name
+    return Target(name, (machine,), lower(machine), tuple(properties), config, machine.doc, _shipped(name))
+
+
+ENTRIES: Mapping[str, Entry] = {
+    entry.name: entry
+    for entry in (
+        Entry("odometry", "odometry between markers read at the front and at the rear", OdometryConfig, _odometry),
+        Entry("delocalized", "the restrictive state behind any source", delocalized.DelocalizedConfig, _delocalized),
+        Entry("supervised_odometry", "odometry and delocalized in one step", OdometryConfig, _supervised),
+        Entry("balise", "balise groups, supervised by linking, and an odometer between them", BaliseConfig, _balise),
+        Entry("reflector", "radar reflectors, and odometry between them", ReflectorConfig, _reflector),
+        Entry("stop_point", "precise stop at a platform, with repositioning", StopPointConfig, _stop_point),
+        Entry("route", "which route through switches, from models and places of reflectors", RouteConfig, _route),
+        Entry("turn_off", "straight on or turning off, seen by radar", turn_off.TurnOffConfig, _turn_off),
+        Entry(
+            "travel_direction",
+            "direction of travel from reflectors around a balise",
+            travel_direction.DirectionConfig,
+            _travel_direction,
+        ),
+    )
+}

@@ -1,0 +1,48 @@
+"""A system with everything that is to be shown of it, and what makes one from a configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from safeloc.machine import Machine
+from safeloc.reported import Reported
+from safeloc.spec import Property
+from safeloc.streams.steps import Cell
+from safeloc.system import TransitionSystem
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """A system with everything that is to be shown of it.
+
+    streams   recorded step streams that ship with it and are replayed by `verify`
+    reported  which outputs are the reported interval; None for a machine that reports none
+    simulate  seed -> steps of simulated sensors, where there is a simulation
+    """
+
+    name: str
+    machines: tuple[Machine, ...]
+    system: TransitionSystem
+    properties: tuple[Property, ...]
+    config: BaseModel | None = None
+    doc: str = ""
+    streams: tuple[Path, ...] = ()
+    reported: Reported | None = None
+    simulate: Callable[[int], Sequence[Mapping[str, Cell]]] | None = None
+
+
+Maker = Callable[[BaseModel], Target]
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A shipped machine: its configuration class and how to make it."""
+
+    name: str
+    summary: str
+    config: type[BaseModel]
+    make: Maker
