@@ -12,11 +12,13 @@ from safeloc.audit.findings import AuditReport
 from safeloc.audit.stretches import begins_mm, ends_mm, fix_error_mm
 from safeloc.expr import as_num
 from safeloc.interpret import holds
+from safeloc.line.clearance import clear_mm
 from safeloc.line.elements import BaliseGroup, Reflector
 from safeloc.line.model import Line
 from safeloc.line.places import Place
 from safeloc.line.routes import Met, Route, through_routes
 from safeloc.line.topology import Topology
+from safeloc.line.walk import Walk
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.units import MM
@@ -100,6 +102,15 @@ def test_reflectors_without_balise_are_those_of_all_routes(line: Line) -> None:
                 break
             expected.add(Place(element.edge, element.position_mm))
     assert expected <= places(audit(line, LAYOUT), "reflector after its balise")
+
+
+@given(lines())
+def test_an_audited_line_gives_the_reflector_machine_room(line: Line) -> None:
+    """Where both rules on reflectors hold, the clearance that the machine is told keeps its layout rule."""
+    report = audit(line, LAYOUT)
+    if not places(report, "neighbours told apart") | places(report, "reflectors across tracks"):
+        for clear in clear_mm(Walk(line), 1_000_000).values():
+            assert holds(rules.separable_by_distance(as_num(clear, MM), LAYOUT), {})
 
 
 @settings(max_examples=30)
