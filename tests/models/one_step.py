@@ -1,0 +1,40 @@
+"""Whether a machine keeps a property from one step to the next: what breaks when a model is broken on purpose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from safeloc.backends.smtlib import Query
+from safeloc.machine import Machine
+from safeloc.provers.base import ranges_and_lemmas
+from safeloc.provers.implication import unproved
+from safeloc.spec import Property, observe
+from safeloc.system import environment, in_range, lower
+from safeloc.terms import Substitution, variables
+from tests.models.spoilt import rebuilt
+
+
+def not_kept(machine: Machine, prop: Property) -> set[str]:
+    """Names of what does not follow in one step from ranges, lemmas and the property: empty for a sound machine."""
+    goal = observe(lower(machine), prop)
+    ghosts = goal.original.ghosts if prop.unconditional else frozenset()
+    known = {
+        name: term for name, term in ranges_and_lemmas(goal.original).items() if not ghosts & set(variables([term]))
+    }
+    after = Substitution(dict(goal.system.next))
+    wanted = {**known, prop.name: goal.good}
+    given = [environment(goal.system), in_range(goal.system.state), *wanted.values()]
+    later = Query("one step", given, {name: after.bool(term) for name, term in wanted.items()})
+    return set(unproved(later, 60))
+
+
+def changed(machine: Machine, name: str, **fields: object) -> Machine:
+    """The machine with one transition changed; KeyError if it has none of that name."""
+    if name not in {t.name for t in machine.transitions}:
+        raise KeyError(name)
+    return rebuilt(machine, [replace(t, **fields) if t.name == name else t for t in machine.transitions])  # type: ignore[arg-type]
+
+
+def without(machine: Machine, name: str) -> Machine:
+    """The machine without one transition."""
+    return rebuilt(machine, [t for t in machine.transitions if t.name != name])
