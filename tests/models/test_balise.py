@@ -1,110 +1,31 @@
-"""The balise machine: groups of every kind, linking, windows and reactions, margins, and recorded streams."""
+"""The balise machine: windows, telegrams of every kind, the common interval, the first group, the next reflector."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
-from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
-from safeloc.backends.compiled import compile_system
-from safeloc.catalogue import load_target
-from safeloc.cli.replay import replay_stream
-from safeloc.errors import InputError
-from safeloc.interpret import run
-from safeloc.models import balise
-from safeloc.models.balise_parts.variables import BaliseConfig, parts
-from safeloc.models.balise_streams import Cell, Group, GroupFault, announcement, line, simulate, telegram
+from safeloc.models.balise_parts.variables import BaliseConfig
+from safeloc.models.balise_streams import announcement, telegram
 from safeloc.models.odometry_parts.error_law import ErrorLaw
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
-from safeloc.properties.balise import properties
-from safeloc.simulation.motion import Leg
-from safeloc.simulation.sensors import Fault
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
-from safeloc.verdict import Held
-
-PLAIN = BaliseConfig(
-    odometer=ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000),
-    antenna_mm=0,
-    detection_mm=0,
-    measuring_step_mm=0,
-    default_accuracy_mm=2_000,
-    trust_first_group=True,
+from safeloc.streams.steps import Cell
+from tests.models.balise_runs import (
+    LATER,
+    NEXT,
+    PLAIN,
+    START,
+    drive,
+    interval,
+    intervals,
+    label,
+    located,
+    out,
+    read_at,
+    step,
+    until,
 )
-START = Group(1, 0, accuracy_mm=None)
-NEXT = Group(2, 50_000, accuracy_mm=1_000, reaction="NONE")
-LATER = Group(3, 90_000, accuracy_mm=1_000, reaction="NONE")
-Record = dict[str, Cell]
-
-
-@cache
-def on_board(config: BaliseConfig = PLAIN) -> TransitionSystem:
-    """The machine without its environment."""
-    return without_ghosts(lower(balise.machine(config)))
-
-
-def step(distance: int = 1_000, *more: Mapping[str, Cell]) -> Record:
-    """One cycle: a measured distance and whatever else comes."""
-    record: Record = {"odometer_mm": distance}
-    for part in more:
-        record |= part
-    return record
-
-
-def located(*announced: Group) -> list[Record]:
-    """Running at 1 m a cycle, a trusted group at place 0 at the end of the first cycle; then the announcements.
-
-    After k further cycles the estimate is k m, with 2 m and 5 % of the way on either side.
-    """
-    return [step(1_000, telegram(START, since_mm=0)), *(step(1_000, announcement(group)) for group in announced)]
-
-
-def until(cycle: int, stream: list[Record]) -> list[Record]:
-    """The stream, run on to the cycle before the given one."""
-    return [*stream, *(step() for _ in range(cycle - len(stream)))]
-
-
-def read_at(cycle: int, group: Group = NEXT, *announced: Group, **changed: Cell | None) -> Trace:
-    """The group (with changed fields) is read at the end of the given cycle; NEXT is announced, or other groups."""
-    read = {**telegram(group, since_mm=0), **changed}
-    stream = until(cycle, located(*(announced or (NEXT,))))
-    return drive([*stream, step(1_000, {name: value for name, value in read.items() if value is not None})])
-
-
-def drive(stream: Sequence[Record], config: BaliseConfig = PLAIN) -> Trace:
-    """The run of a stream on board."""
-    return run(on_board(config), stream)
-
-
-def label(trace: Trace, name: str, index: int = -1) -> str:
-    """An enumerated output as its member."""
-    unit = trace.system.outputs[name].unit  # type: ignore[union-attr]
-    assert isinstance(unit, Enumeration)
-    return unit.members[int(trace.steps[index].outputs[name])]
-
-
-def out(trace: Trace, index: int = -1) -> Mapping[str, Value]:
-    """The outputs of a step."""
-    return trace.steps[index].outputs
-
-
-def interval(trace: Trace, index: int = -1) -> tuple[int, int, int]:
-    """Position, over and under in mm."""
-    found = out(trace, index)
-    return int(found["position_mm"]), int(found["over_mm"]), int(found["under_mm"])
-
-
-def intervals(trace: Trace) -> list[tuple[int, int, int]]:
-    """Position, over and under of every step."""
-    return [interval(trace, index) for index in range(len(trace.steps))]
-
 
 # ------------------------------------------------------------------ windows and verdicts
 
@@ -277,94 +198,6 @@ def test_a_group_at_the_last_moment_saves_the_position() -> None:
     assert interval(saved) == (560_000, 1_000, 1_000)
 
 
-# ------------------------------------------------------------------ linking and its reactions
-
-
-@pytest.mark.parametrize("reaction", ["NONE", "SERVICE_BRAKE", "TRAIN_TRIP"])
-def test_a_missed_group_has_its_reaction(reaction: str) -> None:
-    """3.16.2.3.1 b: in the step in which the window closes, and only then."""
-    trace = drive(until(58, located(replace(NEXT, reaction=reaction))))  # type: ignore[arg-type]
-    assert [label(trace, "reaction", index) for index in (-3, -2, -1)] == ["NONE", reaction, "NONE"]
-    assert out(trace)["missed_in_row"] == 1
-
-
-def test_two_missed_in_a_row_brake() -> None:
-    """3.16.2.7.1.1: the service brake at the second one, even with reaction none; the train trip stays a trip."""
-    trace = drive(until(100, located(NEXT, LATER)))
-    reactions = [label(trace, "reaction", index) for index in range(len(trace.steps))]
-    assert Counter(reactions) == {"NONE": 99, "SERVICE_BRAKE": 1}
-    assert reactions.index("SERVICE_BRAKE") == 98
-    tripping = drive(until(100, located(NEXT, replace(LATER, reaction="TRAIN_TRIP"))))
-    assert label(tripping, "reaction", 98) == "TRAIN_TRIP"
-
-
-def test_an_accepted_group_between_starts_the_count_again() -> None:
-    """Missed, accepted, missed: no two in a row."""
-    third = Group(4, 130_000, accuracy_mm=1_000, reaction="NONE")
-    stream = [*until(90, located(NEXT, LATER)), step(1_000, telegram(LATER, since_mm=0))]
-    trace = drive([*stream, step(1_000, announcement(third)), *(step() for _ in range(60))])
-    assert {label(trace, "reaction", index) for index in range(len(trace.steps))} == {"NONE"}
-    assert out(trace)["missed_in_row"] == 1
-
-
-def test_a_later_group_found_first() -> None:
-    """3.16.2.3.1 c: the expected group is given up with its reaction; the later one counts inside its own window."""
-    tripping = replace(NEXT, reaction="TRAIN_TRIP")
-    close = Group(3, 54_000, accuracy_mm=2_000, reaction="NONE")
-    trace = read_at(52, close, tripping, close)
-    assert trace.steps[-1].fired["fired"] == "later group resets the position"
-    assert (label(trace, "reaction"), out(trace)["missed_in_row"]) == ("TRAIN_TRIP", 0)
-    early = read_at(40, LATER, tripping, LATER)
-    assert (label(early, "telegram"), label(early, "reaction")) == ("TOO_EARLY", "TRAIN_TRIP")
-    assert (out(early)["expected"], out(early)["missed_in_row"]) == (0, 2)
-
-
-def test_found_in_rear_of_the_window() -> None:
-    """3.16.2.3.1 a: rejected with the linking reaction; the group is expected no longer."""
-    trace = read_at(30, replace(NEXT, reaction="SERVICE_BRAKE"), replace(NEXT, reaction="SERVICE_BRAKE"))
-    assert (label(trace, "telegram"), label(trace, "reaction")) == ("TOO_EARLY", "SERVICE_BRAKE")
-    assert out(trace)["expected"] == 0
-
-
-def test_wrong_direction_trips() -> None:
-    """3.16.2.3.2: reject and trip, whatever the linking reaction."""
-    trace = read_at(50, NEXT, NEXT, telegram_first=2, telegram_last=1)
-    assert label(trace, "reaction") == "TRAIN_TRIP"
-
-
-@pytest.mark.parametrize("identity", [900_001, 1])
-def test_groups_outside_linking_cause_nothing(identity: int) -> None:
-    """3.16.2.4.3: a group of another track, or one that was read before, is rejected without reaction."""
-    trace = read_at(50, NEXT, NEXT, telegram_group=identity)
-    assert (label(trace, "reaction"), out(trace)["expected"]) == ("NONE", 2)
-
-
-@pytest.mark.parametrize(
-    ("order", "verdict", "expected"),
-    [
-        (announcement(LATER), "TAKEN", 2),
-        (announcement(NEXT), "KNOWN", 2),
-        (announcement(replace(LATER, place_mm=40_000)), "OUT_OF_ORDER", 2),
-        (announcement(replace(LATER, place_mm=-90_000)), "BEHIND", 2),
-        (announcement(LATER, order="REPLACE"), "TAKEN", 3),
-        ({"linking_order": "WITHDRAW"}, "WITHDRAWN", 0),
-        ({"linking_order": "WITHDRAW", "linking_group": 2}, "MALFORMED", 2),
-        ({"linking_order": "ADD", "linking_group": 3}, "MALFORMED", 2),
-        ({"linking_group": 3}, "MALFORMED", 2),
-    ],
-)
-def test_announcements(order: Mapping[str, Cell], verdict: str, expected: int) -> None:
-    """What becomes of an announcement while one group is expected."""
-    trace = drive([*located(NEXT), step(1_000, order)])
-    assert (label(trace, "linking"), out(trace)["expected"]) == (verdict, expected)
-
-
-def test_announcements_beyond_what_can_be_held() -> None:
-    """Two groups are held; a third one is refused until there is room, and that is said."""
-    trace = drive([*located(NEXT, LATER), step(1_000, announcement(Group(4, 200_000)))])
-    assert (label(trace, "linking"), out(trace)["wants_linking"]) == ("FULL", False)
-
-
 # ------------------------------------------------------------------ the first group
 
 
@@ -441,104 +274,6 @@ def test_a_rejected_telegram_tells_nothing() -> None:
     assert out(read_at(30, telling, telling))["reflector_known"] is False
 
 
-# ------------------------------------------------------------------ simulated groups
-
-
-@pytest.mark.parametrize("free", [False, True])
-def test_simulated_groups_keep_the_assumption(free: bool) -> None:
-    """The simulation with its ghosts satisfies the assumption in every step, and every property holds on it."""
-    model = balise.build(parts(BaliseConfig(free_references=free, trust_first_group=free)))
-    stream = simulate(model.own.config, seed=int(free), legs=[Leg(35_000, 35)], groups=line(60_000, 80_000))
-    trace = run(lower(model.machine), [{k: v for k, v in record.items() if k != "truth_mm"} for record in stream])
-    assert "ACCEPTED" in {label(trace, "telegram", index) for index in range(len(trace.steps))}
-    for prop, result in zip(properties(model), check_all(trace, properties(model)), strict=True):
-        assert isinstance(result, Held), prop.name
-
-
-FAULTS = {
-    "missed": "NONE",
-    "corrupted": "CORRUPTED",
-    "incomplete": "INCOMPLETE",
-    "wrong way": "WRONG_DIRECTION",
-    "early": "TOO_EARLY",
-    "late": "TOO_LATE",
-    "duplicate": "REPEATED",
-    "stale": "STALE",
-    "malformed": "MALFORMED",
-    "other identity": "NOT_ANNOUNCED",
-}
-
-
-@pytest.mark.parametrize("kind", FAULTS)
-def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
-    """Each named fault is rejected with its reason, and the reported interval holds the truth all the way."""
-    groups = line(60_000, 80_000, 8)
-    faults = [GroupFault(6, kind)]  # type: ignore[arg-type]
-    stream = simulate(BaliseConfig(), seed=3, legs=[Leg(39_000, 37)], groups=groups, missed=0, foreign=0, faults=faults)
-    trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
-    verdicts = [label(trace, "telegram", index) for index in range(len(trace.steps))]
-    assert FAULTS[kind] in verdicts
-    assert verdicts.count("ACCEPTED") >= 4
-    assert wrong(stream, trace) == []
-
-
-def wrong(stream: Sequence[Mapping[str, Cell]], trace: Trace) -> list[int]:
-    """The steps whose reported interval misses the truth by more than its rounding to mm."""
-    found = []
-    for index, record in enumerate(stream):
-        position, over, under = interval(trace, index)
-        holds = position - under <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + over
-        if out(trace, index)["valid"] and not holds:
-            found.append(index)
-    return found
-
-
-def board_only(record: Mapping[str, Cell]) -> Record:
-    """A simulated step without ghosts and remarks."""
-    return {name: value for name, value in record.items() if not name.endswith("_nm") and name != "truth_mm"}
-
-
-def test_a_wheel_that_begins_to_slide_is_not_believed() -> None:
-    """The sudden change is beyond what the vehicle can do: its distances are refused, and the top speed is charged."""
-    stream = simulate(
-        BaliseConfig(), seed=3, legs=[Leg(39_000, 35)], groups=line(60_000, 80_000, 9), missed=0, dropout=0,
-        sensor_faults=[Fault("odometer", "slide", 250, 300)],
-    )  # fmt: skip
-    trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
-    assert out(trace, 249)["valid"] is True
-    assert label(trace, "odometer", 250) == "JUMP"
-    assert out(trace, 260)["valid"] is False
-    assert wrong(stream, trace) == []
-
-
-def test_simulation_refuses_faults_of_unknown_groups() -> None:
-    """A fault of a group that the line does not have would test nothing."""
-    with pytest.raises(InputError, match=r"the line has no such group; it has \[1\]"):
-        simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[GroupFault(9, "missed")])
-
-
-@pytest.mark.parametrize("name", ["balise-service", "balise-faulty-groups", "balise-two-missed"])
-def test_shipped_streams_hold(name: str) -> None:
-    """Every property, and the truth beside it, holds on the shipped streams."""
-    target = load_target("balise")
-    path = next(stream for stream in target.streams if stream.stem == name)
-    _, findings = replay_stream(target, Path(path))
-    assert len(findings) == len(target.properties) + 1
-    assert [finding.id for finding in findings if not isinstance(finding.result, Held)] == []
-
-
-def test_compiled_machine_follows_the_interpreter() -> None:
-    """The whole machine, generated, agrees with the interpreter on a simulated service."""
-    config = BaliseConfig()
-    code, stream = compile_system(on_board(config)), simulate(config, seed=11, seconds=60, foreign=0.02)
-    state = code.first()
-    for record, one in zip(stream, run(on_board(config), [board_only(r) for r in stream]).steps, strict=True):
-        state, fired = code.step(state, code.read(board_only(record)))
-        assert dict(zip(code.state_names, state, strict=True)) == one.state
-        assert code.fired(fired) == one.fired
-        assert code.named_outputs(state) == one.outputs
-
-
 # ------------------------------------------------------------------ configuration
 
 
@@ -561,4 +296,5 @@ def test_every_field_carries_unit_and_source() -> None:
     """Each figure of the configuration says its unit and where it comes from."""
     for name, info in BaliseConfig.model_fields.items():
         if info.annotation is int:
-            assert set(info.json_schema_extra or {}) == {"unit", "source"}, name
+            assert isinstance(info.json_schema_extra, dict), name
+            assert set(info.json_schema_extra) == {"unit", "source"}, name

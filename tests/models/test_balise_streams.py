@@ -1,0 +1,148 @@
+"""Simulated and shipped streams of the balise machine: lawful, faulty, and as generated code runs them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from safeloc.backends.compiled import compile_system
+from safeloc.catalogue import load_target
+from safeloc.cli.replay import replay_stream
+from safeloc.errors import InputError
+from safeloc.expr import TRUE
+from safeloc.interpret import run
+from safeloc.models import balise
+from safeloc.models.balise_parts.variables import BaliseConfig, parts
+from safeloc.models.balise_streams import GroupFault, line, simulate
+from safeloc.monitor import check_all
+from safeloc.properties.balise import properties
+from safeloc.simulation.motion import Leg
+from safeloc.simulation.sensors import Fault
+from safeloc.streams.steps import Cell
+from safeloc.system import lower
+from safeloc.trace import Trace
+from safeloc.verdict import Held
+from tests.models.balise_runs import Record, interval, label, on_board, out
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_simulated_groups_keep_the_assumption(free: bool) -> None:
+    """The simulation with its ghosts satisfies the assumption in every step, and every property holds on it."""
+    model = balise.build(parts(BaliseConfig(free_references=free, trust_first_group=free)))
+    stream = simulate(model.own.config, seed=int(free), legs=[Leg(35_000, 35)], groups=line(60_000, 80_000))
+    trace = run(lower(model.machine), [{k: v for k, v in record.items() if k != "truth_mm"} for record in stream])
+    assert "ACCEPTED" in {label(trace, "telegram", index) for index in range(len(trace.steps))}
+    for prop, result in zip(properties(model), check_all(trace, properties(model)), strict=True):
+        assert isinstance(result, Held), prop.name
+
+
+FAULTS = {
+    "missed": "NONE",
+    "corrupted": "CORRUPTED",
+    "incomplete": "INCOMPLETE",
+    "wrong way": "WRONG_DIRECTION",
+    "early": "TOO_EARLY",
+    "late": "TOO_LATE",
+    "duplicate": "REPEATED",
+    "stale": "STALE",
+    "malformed": "MALFORMED",
+    "other identity": "NOT_ANNOUNCED",
+}
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
+    """Each named fault is rejected with its reason, and the reported interval holds the truth all the way."""
+    groups = line(60_000, 80_000, 8)
+    faults = [GroupFault(6, kind)]  # type: ignore[arg-type]
+    stream = simulate(BaliseConfig(), seed=3, legs=[Leg(39_000, 37)], groups=groups, missed=0, foreign=0, faults=faults)
+    trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
+    verdicts = [label(trace, "telegram", index) for index in range(len(trace.steps))]
+    assert FAULTS[kind] in verdicts
+    assert verdicts.count("ACCEPTED") >= 4
+    assert wrong(stream, trace) == []
+
+
+def wrong(stream: Sequence[Mapping[str, Cell]], trace: Trace) -> list[int]:
+    """The steps whose reported interval misses the truth by more than its rounding to mm."""
+    found = []
+    for index, record in enumerate(stream):
+        position, over, under = interval(trace, index)
+        holds = position - under <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + over
+        if out(trace, index)["valid"] and not holds:
+            found.append(index)
+    return found
+
+
+def board_only(record: Mapping[str, Cell]) -> Record:
+    """A simulated step without ghosts and remarks."""
+    return {name: value for name, value in record.items() if not name.endswith("_nm") and name != "truth_mm"}
+
+
+@given(
+    seed=st.integers(0, 2**16),
+    faults=st.dictionaries(st.integers(1, 8), st.sampled_from(list(FAULTS)), max_size=6),
+    speed=st.sampled_from([5_000, 20_000, 39_000]),
+    national=st.sampled_from([None, 0, 2_000, 63_000]),
+    groups=st.integers(2, 4),
+)
+@settings(max_examples=5, deadline=None, derandomize=True, database=None)
+def test_any_mixture_of_faulty_groups_keeps_every_property(
+    seed: int, faults: dict[int, str], speed: int, national: int | None, groups: int
+) -> None:
+    """Any groups faulty in any way, at any speed and accuracy: the assumption is kept, and all properties hold."""
+    model = balise.build(parts(BaliseConfig(announced_groups=groups, trust_first_group=seed % 2 == 0)))
+    named = [GroupFault(group, kind) for group, kind in faults.items()]  # type: ignore[arg-type]
+    stream = simulate(
+        model.own.config, seed=seed, legs=[Leg(speed, 36)], groups=line(20_000, 60_000, 8), missed=0.1, foreign=0.02,
+        faults=named, national_accuracy_mm=national,
+    )  # fmt: skip
+    trace = run(lower(model.machine), [{k: v for k, v in record.items() if k != "truth_mm"} for record in stream])
+    every = [prop for prop in properties(model) if prop.given is TRUE]  # groups 60 m apart do not pass the audit
+    for prop, result in zip(every, check_all(trace, every), strict=True):
+        assert isinstance(result, Held), prop.name
+
+
+def test_a_wheel_that_begins_to_slide_is_not_believed() -> None:
+    """The sudden change is beyond what the vehicle can do: its distances are refused, and the top speed is charged."""
+    stream = simulate(
+        BaliseConfig(), seed=3, legs=[Leg(39_000, 35)], groups=line(60_000, 80_000, 9), missed=0, dropout=0,
+        sensor_faults=[Fault("odometer", "slide", 250, 300)],
+    )  # fmt: skip
+    trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
+    assert out(trace, 249)["valid"] is True
+    assert label(trace, "odometer", 250) == "JUMP"
+    assert out(trace, 260)["valid"] is False
+    assert wrong(stream, trace) == []
+
+
+def test_simulation_refuses_faults_of_unknown_groups() -> None:
+    """A fault of a group that the line does not have would test nothing."""
+    with pytest.raises(InputError, match=r"the line has no such group; it has \[1\]"):
+        simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[GroupFault(9, "missed")])
+
+
+@pytest.mark.parametrize("name", ["balise-service", "balise-faulty-groups", "balise-two-missed"])
+def test_shipped_streams_hold(name: str) -> None:
+    """Every property, and the truth beside it, holds on the shipped streams."""
+    target = load_target("balise")
+    path = next(stream for stream in target.streams if stream.stem == name)
+    _, findings = replay_stream(target, Path(path))
+    assert len(findings) == len(target.properties) + 1
+    assert [finding.id for finding in findings if not isinstance(finding.result, Held)] == []
+
+
+def test_compiled_machine_follows_the_interpreter() -> None:
+    """The whole machine, generated, agrees with the interpreter on a simulated service."""
+    config = BaliseConfig()
+    code, stream = compile_system(on_board(config)), simulate(config, seed=11, seconds=60, foreign=0.02)
+    state = code.first()
+    for record, one in zip(stream, run(on_board(config), [board_only(r) for r in stream]).steps, strict=True):
+        state, fired = code.step(state, code.read(board_only(record)))
+        assert dict(zip(code.state_names, state, strict=True)) == one.state
+        assert code.fired(fired) == one.fired
+        assert code.named_outputs(state) == one.outputs
