@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import Rules
 from safeloc.audit.stretches import name
@@ -47,27 +50,41 @@ def _pair(pair: Pair, rules: Rules, ledger: Ledger) -> None:
 
 def check_balises(walk: Walk, rules: Rules, ledger: Ledger) -> None:
     """Every two linked groups near enough on some route for their expectation windows to meet."""
-    layout = rules.layout
     accuracies = [_accuracy_mm(rules, group) for group in walk.line.balise_groups if group.linked]
-    reach = 2 * (max(accuracies, default=0) + layout.tolerance_mm + layout.detection_accuracy_mm) + 1
-    nearest: dict[tuple[str, str], tuple[int, BaliseGroup, BaliseGroup, Seen]] = {}
-    for seen in walk.everywhere():
-        if isinstance(seen.element, BaliseGroup) and seen.element.linked:
-            for other in walk.ahead(seen.run, seen.offset_mm, reach):
-                if isinstance(other.element, BaliseGroup) and other.element.linked and other.element != seen.element:
-                    key = (min(seen.element.id, other.element.id), max(seen.element.id, other.element.id))
-                    found = (other.distance_mm, seen.element, other.element, other)
-                    if key not in nearest or found[0] < nearest[key][0]:
-                        nearest[key] = found
-    for distance, first, second, seen in nearest.values():
+    reach = 2 * (max(accuracies, default=0) + rules.layout.tolerance_mm + rules.layout.detection_accuracy_mm) + 1
+    nearest: dict[frozenset[str], _Linked] = {}
+    for found in _linked_pairs(walk, reach):
+        pair = frozenset((found.first.id, found.second.id))
+        if pair not in nearest or found.seen.distance_mm < nearest[pair].seen.distance_mm:
+            nearest[pair] = found
+    for found in nearest.values():
         ledger.check(
             rules.balise_windows,
-            walk.place(seen.run, seen.offset_mm),
-            f"balise groups {first.id} and {second.id}",
-            spacing_mm=distance,
-            first_accuracy_mm=_accuracy_mm(rules, first),
-            second_accuracy_mm=_accuracy_mm(rules, second),
+            walk.place(found.seen.run, found.seen.offset_mm),
+            f"balise groups {found.first.id} and {found.second.id}",
+            spacing_mm=found.seen.distance_mm,
+            first_accuracy_mm=_accuracy_mm(rules, found.first),
+            second_accuracy_mm=_accuracy_mm(rules, found.second),
         )
+
+
+@dataclass(frozen=True)
+class _Linked:
+    """Two linked groups, the second seen from the first."""
+
+    first: BaliseGroup
+    second: BaliseGroup
+    seen: Seen
+
+
+def _linked_pairs(walk: Walk, reach_mm: int) -> Iterator[_Linked]:
+    for here in walk.everywhere():
+        first = here.element
+        if isinstance(first, BaliseGroup) and first.linked:
+            for seen in walk.ahead(here.run, here.offset_mm, reach_mm):
+                second = seen.element
+                if isinstance(second, BaliseGroup) and second.linked and second is not first:
+                    yield _Linked(first, second, seen)
 
 
 def _accuracy_mm(rules: Rules, group: BaliseGroup) -> int:

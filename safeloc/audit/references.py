@@ -68,6 +68,8 @@ class References:
     ) -> None:
         place = self.walk.place(seen.run, seen.offset_mm)
         subject = f"{name(group)}, {seen.run.direction}, to reflector {reflector}"
+        if found is None and self.walk.line.part and reflector not in {one.id for one in self.walk.line.reflectors}:
+            return  # on another part of the map, that was not loaded
         if found is None:
             self.ledger.add(self.rules.reference_distance, place, f"{subject}: it is not ahead on any route")
             return

@@ -158,19 +158,24 @@ def _grown(walk: Walk, runs: tuple[Run, ...], length_mm: int, horizon_mm: int) -
 
 
 def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[Way, Way]:
+    """Both ways up to where they meet and on to the next reference, which comes later on the longer way."""
     met = next((run for run in left if run in right), None)
-    ways = [
-        _seen_along(walk, " > ".join(run.edge for run in part), part)
-        for part in (_before(left, met), _before(right, met))
-    ]
-    if met is not None:
-        return ways[0], ways[1]
-    common = min(way.length_mm for way in ways) - _gate_mm(rules)
-    return _shortened(ways[0], common), _shortened(ways[1], common)
+    if met is None:
+        ways = _named(walk, left), _named(walk, right)
+        common = min(way.length_mm for way in ways) - _gate_mm(rules)
+        return _shortened(ways[0], common), _shortened(ways[1], common)
+    together = left[left.index(met) :]
+    last = next((index for index, run in enumerate(together) if walk.references[run]), len(together) - 1)
+    tail = together[: last + 1]
+    return _named(walk, (*_before(left, met), *tail)), _named(walk, (*_before(right, met), *tail))
 
 
-def _before(runs: Sequence[Run], met: Run | None) -> Sequence[Run]:
-    return runs if met is None else runs[: runs.index(met)]
+def _named(walk: Walk, runs: Sequence[Run]) -> Way:
+    return _seen_along(walk, " > ".join(run.edge for run in runs), runs)
+
+
+def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:
+    return runs[: runs.index(met)]
 
 
 def _shortened(way: Way, length_mm: int) -> Way:

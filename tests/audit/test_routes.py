@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from benchmarks.long_line import ELEMENTS_PER_BLOCK, long_line
-from safeloc.audit import audit
+from safeloc.audit import audit, routes
 from safeloc.audit.findings import Likeness, RoutePair
 from safeloc.audit.routes import route_count
 from safeloc.line.elements import Node, Switch, TrackEdge
@@ -83,6 +85,28 @@ def test_a_siding_much_longer_is_told_by_distance() -> None:
     """Where the one way is 70 m longer, the reflector behind comes 70 m later, and that shows."""
     line = siding(second_mm=370_000, reflectors=(reflector("r", "after", 50_000),))
     assert [(0, None)] == route_faults(line)
+
+
+def many(line: Line, monkeypatch: pytest.MonkeyPatch) -> list[tuple[int | None, int | None]]:
+    """The same faults, compared as on a line of too many routes."""
+    monkeypatch.setattr(routes, "MOST_ROUTES", 0)
+    return route_faults(line)
+
+
+@pytest.mark.parametrize("longer_mm", [0, 30_000, 70_000])
+def test_few_and_many_routes_are_compared_alike(longer_mm: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind a choice, what comes after the ways have met again still comes later on the longer one."""
+    line = siding(second_mm=300_000 + longer_mm, reflectors=(reflector("r", "after", 50_000),))
+    whole = route_faults(line)
+    expected = [] if whole == [(0, None)] else whole
+    assert expected == many(line, monkeypatch)
+
+
+def test_figure_3_compared_behind_its_switches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where 302 and 304 part, three misread or missed reflectors confuse; at 306 one."""
+    monkeypatch.setattr(routes, "MOST_ROUTES", 0)
+    found = {pair.place.edge: pair.by_all.least for pair in audit(find_line("fig3")).route_pairs}
+    assert {"301": 2, "302-304": 1, "304-306": 1} == found
 
 
 def test_balises_tell_tracks_apart() -> None:

@@ -19,6 +19,7 @@ from safeloc.line.elements import (
     LocalizationSection,
     SpeedLimit,
     Stretch,
+    TelegramReflector,
     Tunnel,
 )
 from safeloc.line.model import Line, sealed
@@ -130,6 +131,16 @@ def test_the_audit_knows_seams() -> None:
     rules = {finding.rule for finding in audit(middle).findings}
     assert "reflector after its balise" not in rules
     assert "reflector after its balise" in {finding.rule for finding in audit(whole()).findings}
+
+
+def test_the_audit_of_a_part_does_not_judge_what_lies_beyond() -> None:
+    """A stop point and a telegram whose reflector is on the next part: nothing is known, nothing is found."""
+    west, _, _ = three()
+    told = TelegramReflector(direction="increasing", reflector="r", distance_mm=1_003_995)
+    west = changed(west, balise_groups=(west.balise_groups[0].model_copy(update={"telegram_reflectors": (told,)}),))
+    report = audit(west)
+    assert {"standstill distance", "distance from balise to reflector"}.isdisjoint(report.cases)
+    assert {"odometry stretch"} == {finding.rule for finding in report.findings}
 
 
 def kilometre_off(part: LinePart) -> LinePart:
