@@ -68,9 +68,9 @@ def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ranges, lemmas and the property itself all go through cvc5: each text of the verdict was decided."""
     decided: list[str] = []
 
-    def listening(file: str, text: str, *, seconds: float) -> list[str]:
+    def listening(file: str, text: str, **how: object) -> list[str]:
         decided.append(file)
-        return decide(file, text, seconds=seconds)
+        return decide(file, text, **how)  # type: ignore[arg-type]
 
     monkeypatch.setattr(module, "decide", listening)
     certificates = _proof().certificates
@@ -106,3 +106,16 @@ def test_a_question_broken_off_is_unknown() -> None:
 def test_file_names_are_plain() -> None:
     """Whatever a property is called, its certificate has a portable file name."""
     assert file_name("odometry: M1/M2 after 5 %") == "odometry--M1-M2-after-5--.smt2"
+
+
+def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What cvc5 leaves undecided among other goals is asked once more, alone and with other options."""
+    asked: list[tuple[int, bool]] = []
+
+    def answers(file: str, text: str, expected: int, **how: object) -> list[str]:
+        asked.append((expected, how.get("options") == module.ALONE))
+        return ["unsat", "unknown"] if expected == 2 else recheck(file, text, expected, **how)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "recheck", answers)
+    assert certify(SOUND, seconds=10.0).undecided == ()
+    assert asked == [(2, False), (1, True)]
