@@ -1,0 +1,122 @@
+"""Radar images to position: the front end reads them, the reflector machine believes what it should, the truth is held."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from safeloc.backends.compiled import compile_system
+from safeloc.models.reflector import machine
+from safeloc.models.reflector_parts.step_inputs import completed
+from safeloc.models.reflector_parts.variables import ReflectorConfig
+from safeloc.models.reflector_streams import Balise as RouteBalise
+from safeloc.models.reflector_streams import Reflector as MapReflector
+from safeloc.models.reflector_streams import Route, board, simulate
+from safeloc.models.reflector_streams import Scene as RouteScene
+from safeloc.signals.along_track import Delay
+from safeloc.signals.figures import RadarConfig
+from safeloc.signals.images import RadarImage
+from safeloc.signals.radar import FrontEnd
+from safeloc.signals.reflector_inputs import StepValues, step_inputs
+from safeloc.signals.signature import Model
+from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+from safeloc.simulation.radar import image
+from safeloc.simulation.radar_scene import Clutter, World, seen, world
+from safeloc.simulation.radar_track import Reflector
+from safeloc.streams.steps import Cell
+from safeloc.system import lower, without_ghosts
+
+RADAR = RadarConfig()
+CONFIG = ReflectorConfig(echo_slots=3, frame_latency_ms=0)
+AGE_MS = 50
+STANDING = (("A", 180_000), ("B", 400_000))
+ROUTE = Route(
+    (RouteBalise(106, 100_000),), tuple(MapReflector(place, model, 100_000, 8_000) for model, place in STANDING)
+)
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What was true, what the machine was given by the radar, and what it reported."""
+
+    truth_mm: float
+    radar: StepValues
+    outputs: dict[str, int]
+
+
+def drive() -> Motion:
+    """From 60 m on, at 25 m/s, past both reflectors."""
+    motion = move(VehicleConfig(), [Leg(25_000, 45.0)], CONFIG.period_ms)
+    fast = motion.speed_mm_s > 24_000
+    position = motion.position_nm[fast] - motion.position_nm[fast][0]
+    return Motion(CONFIG.period_ms, position[:150], motion.speed_mm_s[fast][:150], 0)
+
+
+def line() -> World:
+    """Both reflectors among masts."""
+    reflectors = [Reflector(Model[model], place) for model, place in STANDING]
+    return world(RADAR, reflectors, np.random.default_rng(3), length_mm=500_000, clutter=Clutter(stones_per_m=0))
+
+
+def radar_inputs(scene: World, motion: Motion) -> Iterator[StepValues]:
+    """A frame in the middle of every cycle; the front end brings it to the cycle's end, the speed known to 3 %."""
+    rng, front = np.random.default_rng(4), FrontEnd(RADAR, max_age_ms=100)
+    middle = (motion.position_nm - motion.step_nm // 2) / 1e6
+    for number, (along_mm, speed) in enumerate(zip(middle, motion.speed_mm_s, strict=True)):
+        power = image(seen(scene, max(0.0, float(along_mm))), RADAR, rng, speed_mm_s=float(speed))
+        now = (number + 1) * motion.period_ms
+        outcome = front.receive(RadarImage(power, now - AGE_MS, number), now)
+        delay = Delay(AGE_MS, AGE_MS, int(0.97 * speed), int(1.03 * speed))
+        yield step_inputs(outcome, RADAR, delay, CONFIG.echo_slots).inputs
+
+
+@pytest.fixture(scope="module")
+def run() -> list[Cycle]:
+    """Odometer, balise and map as the simulation of the machine has them; the radar from images."""
+    motion = drive()
+    steps = simulate(CONFIG, seed=5, scene=RouteScene(ROUTE, clutter=0.0, pauses=0.0, dropout=0.0), motion=motion)
+    code = compile_system(without_ghosts(lower(machine(CONFIG))))
+    state, cycles = code.first(), []
+    for step, radar, position_nm in zip(steps, radar_inputs(line(), motion), motion.position_nm, strict=True):
+        other: dict[str, Cell] = {
+            name: value for name, value in board(step).items() if not name.startswith(("echo_", "frame_"))
+        }
+        state, _ = code.step(state, code.read(completed(CONFIG, {**other, **radar})))
+        cycles.append(Cycle(int(position_nm) / 1e6, radar, dict(code.named_outputs(state))))
+    return cycles
+
+
+def test_the_front_end_keeps_the_law_that_the_machine_assumes(run: list[Cycle]) -> None:
+    """Every echo of a model comes from the reflector of that model, within its bound."""
+    places = dict(STANDING)
+    known = 0
+    for cycle in run:
+        for slot in range(1, CONFIG.echo_slots + 1):
+            model = cycle.radar.get(f"echo_{slot}_model", "NONE")
+            if model != "NONE":
+                true = places[str(model)] - cycle.truth_mm
+                assert abs(int(cycle.radar[f"echo_{slot}_range_mm"]) - true) <= int(
+                    cycle.radar[f"echo_{slot}_error_mm"]
+                )
+                known += 1
+    assert known > 60
+
+
+def test_the_truth_is_held(run: list[Cycle]) -> None:
+    """In every cycle with a position."""
+    valid = [cycle for cycle in run if cycle.outputs["valid"]]
+    assert len(valid) > 100
+    for cycle in valid:
+        position, over, under = (cycle.outputs[name] for name in ("position_mm", "over_mm", "under_mm"))
+        assert position - under <= cycle.truth_mm <= position + over
+
+
+def test_in_view_the_position_is_that_of_the_radar(run: list[Cycle]) -> None:
+    """Both reflectors are measured, at 25 m/s to a quarter of a metre; between them odometry has metres."""
+    precise = [cycle.outputs for cycle in run if cycle.outputs["precise"]]
+    assert len(precise) > 40
+    assert max(out["over_mm"] for out in precise) < 250
+    assert max(cycle.outputs["over_mm"] for cycle in run if cycle.outputs["valid"]) > 5_000
