@@ -8,7 +8,7 @@ out, for here the field is the environment.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -17,6 +17,7 @@ from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of
 from safeloc.machine import Machine
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry_parts.distance_device import Device, Unit
+from safeloc.models.odometry_parts.environment import on_board
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.odometry_parts.field import (
     LONGEST_VEHICLE_MM,
@@ -28,7 +29,7 @@ from safeloc.models.odometry_parts.field import (
     world,
 )
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
-from safeloc.terms import Substitution, variables
+from safeloc.terms import Substitution
 from safeloc.units import COUNT, MM, NM, PPM
 
 ONE_LAW = OdometryConfig(
@@ -68,11 +69,19 @@ class MarkerField:
         return self.own.num(self.arrangement.lead_mm(self.field.length, self.field.spacing))
 
 
-def compose_field(arrangement: Arrangement = SHORTER, config: OdometryConfig = ONE_LAW) -> MarkerField:
-    """The field wired to the odometry machine: exact distances, and every reading."""
+def compose_field(
+    arrangement: Arrangement = SHORTER,
+    config: OdometryConfig = ONE_LAW,
+    change: Callable[[Machine], Machine] | None = None,
+) -> MarkerField:
+    """The field wired to the odometry machine: exact distances, and every reading.
+
+    change  what runs in the field instead of the machine itself, to show that a wrong one is noticed
+    """
     field = field_over(config.limits)
     model = build(parts(config, length=number("length_mm", MM, 0, LONGEST_VEHICLE_MM)))
-    source = replace(model, machine=_on_board(model.machine))
+    board = on_board(model.machine)
+    source = replace(model, machine=board if change is None else change(board))
     wires: dict[Var, Expr] = dict.fromkeys(source.own.train_data, field.length)
     for unit in source.own.units:
         wires |= {unit.step.present: TRUE, unit.step.value: field.step}
@@ -82,13 +91,6 @@ def compose_field(arrangement: Arrangement = SHORTER, config: OdometryConfig = O
     whole = MarkerField(field, arrangement, around, source, joined)
     system = replace(joined.system, lemmas={**joined.system.lemmas, **dict(_lemmas(whole))})
     return replace(whole, composition=replace(joined, system=system))
-
-
-def _on_board(machine: Machine) -> Machine:
-    """The machine without its ghosts: here the field is the environment."""
-    ghosts = {*machine.ghosts, *machine.ghost_inputs}
-    lemmas = {name: term for name, term in machine.lemmas.items() if ghosts.isdisjoint(variables([term]))}
-    return replace(machine, ghosts={}, ghost_inputs=(), ghost_moves={}, assumption=TRUE, lemmas=lemmas)
 
 
 # ------------------------------------------------------------------ what helps to prove

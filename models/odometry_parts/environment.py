@@ -7,9 +7,10 @@ Without `single_fault_safe` a fault too small to be seen is not charged: what it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from safeloc.expr import (
+    TRUE,
     Bool,
     Expr,
     Lit,
@@ -26,10 +27,11 @@ from safeloc.expr import (
     maximum,
     with_unit,
 )
-from safeloc.machine import ANY, Initial
+from safeloc.machine import ANY, Initial, Machine
 from safeloc.models.odometry_parts.cycle import Judged
 from safeloc.models.odometry_parts.distance_device import Cycle, Device, Unit
 from safeloc.models.odometry_parts.variables import Parts, unseen_at_reading_nm, unseen_in_a_cycle_nm
+from safeloc.terms import variables
 from safeloc.units import NM
 
 
@@ -88,6 +90,13 @@ def _checked(own: Parts, cycle: Judged) -> list[Bool]:
 
 def _owners(own: Parts) -> list[Device]:
     return [device for device in own.devices for _ in device.units]
+
+
+def on_board(machine: Machine) -> Machine:
+    """The machine without its ghosts and assumption: where something else is the environment."""
+    ghosts = {*machine.ghosts, *machine.ghost_inputs}
+    kept = {name: term for name, term in machine.lemmas.items() if ghosts.isdisjoint(variables([term]))}
+    return replace(machine, ghosts={}, ghost_inputs=(), ghost_moves={}, assumption=TRUE, lemmas=kept)
 
 
 # ------------------------------------------------------------------ faults too small to be seen

@@ -1,0 +1,64 @@
+"""With both readers never worse than with the front reader alone: proved as a product of two machines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.machine import Machine
+from safeloc.models.odometry_front_only import compose_comparison
+from safeloc.models.odometry_line_ahead import compose_line
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.properties.odometry_front_only import line_properties, properties
+from safeloc.provers.kinduction import kinduction
+from safeloc.provers.limits import Limits
+from safeloc.provers.obligations import assumption_kept
+from safeloc.provers.portfolio import prove
+from safeloc.spec import observe, reachable
+from safeloc.verdict import Proved, word
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("trusted", [False, True])
+def test_never_worse_than_the_front_reader_alone(trusted: bool) -> None:
+    """MRK-1, MRK-D3: on every stream of the assumption, valid where the other is, and with no greater margin."""
+    whole = compose_comparison(OdometryConfig(trust_first_marker=trusted))
+    findings = prove(whole.composition.system, properties(whole), Limits(seconds=150), jobs=2)
+    assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("devices", [1, 2])
+def test_no_true_reading_is_refused(devices: int) -> None:
+    """What the comparison asks of a stream holds on every line whose markers come in order and are read truly."""
+    whole = compose_line(OdometryConfig(devices=devices))  # type: ignore[arg-type]
+    findings = prove(whole.composition.system, line_properties(whole), Limits(seconds=90), jobs=2)
+    assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
+
+
+def test_the_comparison_is_not_empty() -> None:
+    """Some run keeps its assumption, and comes where the front reader alone reports and the other one is better."""
+    whole = compose_comparison(OdometryConfig(trust_first_marker=True))
+    [found] = assumption_kept(whole.composition.system, Limits(seconds=30))
+    assert isinstance(found.verdict, Proved)
+    other = whole.of_alone.bool(whole.alone.machine.flag("valid"))
+    better = whole.of_both.num(whole.both.lead.margin) < whole.of_alone.num(whole.alone.lead.margin)
+    goal = reachable("better", other & better, trace=())
+    [finding] = [one for one in prove(whole.composition.system, [goal], Limits(seconds=60)) if one.kind == "property"]
+    assert isinstance(finding.result, Proved)
+
+
+@pytest.mark.slow
+def test_a_forgotten_hand_over_to_the_front_is_noticed() -> None:
+    """Without the hand-over to the smaller margin the machine with both readers is not proved as good."""
+
+    def without(machine: Machine) -> Machine:
+        kept = [
+            t for t in machine.transitions if t.name not in ("hand over to front device", "leading reading at front")
+        ]
+        return replace(machine, transitions=kept)
+
+    whole = compose_comparison(OdometryConfig(trust_first_marker=True), change=without)
+    goal = observe(whole.composition.system, properties(whole)[1])
+    assert not isinstance(kinduction(goal, Limits(seconds=60, induction=1)), Proved)
