@@ -10,7 +10,7 @@ from safeloc.expr import Bool, Num, NumVar, Var, boolean, number
 from safeloc.interpret import Program, evaluate
 from safeloc.models import layout_rules as terms
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.nodes import And, ChooseBool, Compare, Or, Value
+from safeloc.nodes import And, Compare, Or, Value
 from safeloc.terms import variables
 from safeloc.units import COUNT, MM
 
@@ -84,8 +84,6 @@ def _failing(term: Bool, values: Mapping[Var, Value]) -> Compare | None:
         case Or(parts):
             found = [failing for part in parts if (failing := _failing(part, values)) is not None]
             return found[-1] if found else None
-        case ChooseBool(condition, then, other):
-            return _failing(then if evaluate([condition], values)[0] else other, values)
         case _:
             return None
 

@@ -98,7 +98,7 @@ def _seams(parts: tuple[LinePart, ...]) -> Iterator[str]:
 
 def _seam(first: LinePart, second: LinePart, here: Node, there: Node) -> Iterator[str]:
     told = f"parts {first.part!r} and {second.part!r} share node {here.id!r}"
-    if "seam" not in (here.kind, there.kind) or here.kind != there.kind:
+    if (here.kind, there.kind) != ("seam", "seam"):
         yield f"{told}, which must be a seam in both"
         return
     if (here.longitude_deg, here.latitude_deg) != (there.longitude_deg, there.latitude_deg):

@@ -105,10 +105,6 @@ class Topology:
         """Runs that lead nowhere: where vehicles leave the map or the track ends."""
         return (run for run in self.graph if self.graph.out_degree(run) == 0)
 
-    def leads_off(self, run: Run) -> bool:
-        """Whether the run ends where another part of the map, or an unmapped track, goes on."""
-        return self._kinds[self.end(run)] in ("seam", "border")
-
     def comes_over_seam(self, run: Run) -> bool:
         """Whether the run begins where another part of the map ends."""
         return self._kinds[self.start(run)] == "seam"

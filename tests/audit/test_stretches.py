@@ -115,3 +115,13 @@ def test_a_ring_with_reflectors_but_no_balise() -> None:
     )
     ring = Line(name="ring", version="1", nodes=nodes, edges=edges, reflectors=(reflector("r", "ab", 100_000),))
     assert ["reflector after its balise"] == [finding.rule for finding in audit(ring).violated]
+
+
+def test_odometry_that_does_not_grow_reaches_any_distance() -> None:
+    """With a constant error only, the coarsest fix decides."""
+    line = straight(10**9, balise_groups=(group(1, "e0", 500_000_000),))
+    assert [] == stretches(line, LayoutConfig(odometry_rate_ppm=0))
+    coarse = straight(10**9, balise_groups=(group(1, "e0", 500_000_000, location_accuracy_mm=63_000),))
+    assert ["from balise group g1 to the end of the map, increasing: 64000 > 25000"] == stretches(
+        coarse, LayoutConfig(odometry_rate_ppm=0)
+    )
