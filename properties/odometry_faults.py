@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from safeloc.errors import PropertyError
 from safeloc.expr import Bool, Num, all_of, as_num, between, exact_to
 from safeloc.models.odometry import Odometry
 from safeloc.spec import Property, always
@@ -18,7 +19,8 @@ SOURCES = ("MRK-4", "MRK-D1")
 def properties(model: Odometry) -> list[Property]:
     """Containment with one faulty unit: of the reported interval, or, without `single_fault_safe`, of a wider one."""
     if model.own.faulty is None:
-        raise ValueError("a machine without the ghost of a faulty unit; make its parts with with_fault=True.")
+        name, src = model.machine.name, model.machine.src
+        raise PropertyError(f"{src}: {name} has no ghost of a faulty unit; make its parts with with_fault=True.")
     if model.own.config.single_fault_safe:
         return [containment(model)]
     return [

@@ -14,8 +14,8 @@ from safeloc.properties.marker_field import properties
 from safeloc.provers.base import base
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import assumption_kept
 from safeloc.provers.portfolio import prove
+from safeloc.provers.reachability import assumption_kept
 from safeloc.spec import observe
 from safeloc.verdict import Proved, Violated, word
 

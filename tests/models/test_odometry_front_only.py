@@ -13,8 +13,8 @@ from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.properties.odometry_front_only import line_properties, properties
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import assumption_kept
 from safeloc.provers.portfolio import prove
+from safeloc.provers.reachability import assumption_kept
 from safeloc.spec import observe, reachable
 from safeloc.verdict import Proved, word
 
