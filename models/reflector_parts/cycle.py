@@ -87,7 +87,8 @@ class Judged:
     def reference_over(self) -> Bool:
         """The reference reflector would have been seen by now."""
         limit, search = self.own.config.reference_run_mm, self.own.config.search_run_mm
-        return (self.reflector.over(self.held, search) & (self.run > search)) | ~between(-limit, self.run, limit)
+        searched = self.run > self.own.search_from + search
+        return (self.reflector.over(self.held, search) & searched) | ~between(-limit, self.run, limit)
 
     # ------------------------------------------------------------------ search and view zone
 
