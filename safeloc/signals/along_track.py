@@ -37,8 +37,17 @@ class Delay:
     most_mm_s: int
 
     def __post_init__(self) -> None:
+        figures = (self.least_ms, self.most_ms, self.least_mm_s, self.most_mm_s)
+        if any(type(one) is not int for one in figures):
+            raise InputError(f"{self}: ages and speeds are whole ms and mm/s.")
         if not 0 <= self.least_ms <= self.most_ms or self.least_mm_s > self.most_mm_s:
             raise InputError(f"{self}: needs 0 <= least_ms <= most_ms and least_mm_s <= most_mm_s.")
+
+    @classmethod
+    def since(cls, taken_ms: int, now_ms: int, least_mm_s: int, most_mm_s: int) -> Delay:
+        """From a frame's time to now, both whole ms of one clock: each may be rounded by half of one."""
+        age = now_ms - taken_ms
+        return cls(max(0, age - 1), age + 1, least_mm_s, most_mm_s)
 
     @property
     def speed(self) -> Interval:

@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-import numpy as np
-
 from safeloc.signals.figures import RadarConfig
 from safeloc.signals.images import in_cdb
 from safeloc.signals.interpolation import Points
@@ -58,7 +56,7 @@ def spots_of(found: Points, config: RadarConfig) -> Spots:
     sensor = config.sensor
     range_mm = (found.peaks.row + found.range.best) * float(sensor.cell_mm)
     sine = (found.peaks.column - sensor.side_cells + found.angle.best) * float(sensor.sine_cell)
-    return Spots(range_mm, np.clip(sine, -1.0, 1.0), found.power)
+    return Spots(range_mm, sine, found.power)
 
 
 def _echo(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Echo:

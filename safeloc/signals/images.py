@@ -5,6 +5,7 @@ A refused image tells nothing about reflectors: to the machines it is a missing 
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass
 from enum import Enum
@@ -12,23 +13,17 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.border import Deliveries, Raw, Reason
 from safeloc.signals.figures import Sensor
 
 Power = NDArray[np.float64]
 
 
 class Refusal(Enum):
-    """Why there is no frame."""
+    """Why an image is refused that came in time: what only images can have. The rest has the border's reasons."""
 
-    MISSING = "nothing was delivered"
-    WRONG_TYPE = "not an array of 64-bit floating-point power, or not numbered by whole numbers"
     WRONG_SHAPE = "not range cells x angle cells of this sensor"
-    NOT_FINITE = "NaN or infinite power"
     NEGATIVE = "negative power"
-    FUTURE = "from after now"
-    STALE = "older than allowed"
-    DUPLICATE = "delivered before"
-    OUT_OF_ORDER = "older than one delivered before"
     FROZEN = "the same picture as before under a new number"
     DEAD = "less noise than the receiver's own"
     JAMMED = "noise everywhere: interference"
@@ -52,7 +47,7 @@ class RadarImage:
 class NoFrame:
     """No picture, and why."""
 
-    reason: Refusal
+    reason: Reason | Refusal
     detail: str = ""
 
 
@@ -60,11 +55,11 @@ def admitted(sensor: Sensor, image: RadarImage) -> Power | NoFrame:
     """The image's power, or why it cannot be used on its own account (`Order` judges its place in the stream)."""
     power = image.power
     if not isinstance(power, np.ndarray) or power.dtype != np.float64:
-        return NoFrame(Refusal.WRONG_TYPE, type(power).__name__)
+        return NoFrame(Reason.WRONG_TYPE, type(power).__name__)
     if power.shape != sensor.shape:
         return NoFrame(Refusal.WRONG_SHAPE, f"{power.shape}, not {sensor.shape}")
     if not np.isfinite(power).all():
-        return NoFrame(Refusal.NOT_FINITE, f"{int((~np.isfinite(power)).sum())} cells")
+        return NoFrame(Reason.NOT_FINITE, f"{int((~np.isfinite(power)).sum())} cells")
     if power.min() < 0:
         return NoFrame(Refusal.NEGATIVE, f"{int((power < 0).sum())} cells")
     return _receiver(sensor, power) or power
@@ -95,29 +90,24 @@ def in_cdb(power: float) -> int:
 
 
 class Order:
-    """Judges the place of images in their stream and remembers the last one, as the border does for single values."""
+    """Judges the place of images in their stream: when they come, as the border does, and whether they change."""
 
     def __init__(self, max_age_ms: int) -> None:
         self._max_age_ms = max_age_ms
-        self._last: RadarImage | None = None
+        self._deliveries = Deliveries()
+        self._last: bytes | None = None
 
     def judge(self, image: RadarImage, now_ms: int) -> NoFrame | None:
-        """None when the image is newer than all before and fresh. An image from after now is not remembered."""
-        if type(image.time_ms) is not int or type(image.sequence) is not int:
-            return NoFrame(Refusal.WRONG_TYPE, "time or sequence")
-        if image.time_ms > now_ms:
-            return NoFrame(Refusal.FUTURE, f"{image.time_ms - now_ms} ms ahead")
-        last = self._last
-        if last is not None and not (image.time_ms > last.time_ms and image.sequence > last.sequence):
-            same = (image.time_ms, image.sequence) == (last.time_ms, last.sequence)
-            return NoFrame(Refusal.DUPLICATE if same else Refusal.OUT_OF_ORDER, f"number {image.sequence}")
-        self._last = image
-        if now_ms - image.time_ms > self._max_age_ms:
-            return NoFrame(Refusal.STALE, f"{now_ms - image.time_ms} ms old, {self._max_age_ms} ms allowed")
-        if last is not None and _same_picture(last.power, image.power):
+        """None when the image is newer than all before, fresh, and another picture. Buffers may be used again."""
+        raw = Raw(None, image.time_ms, image.sequence)
+        fault = self._deliveries.fault("frame", raw, now_ms, self._max_age_ms)
+        if fault is not None:
+            return NoFrame(fault.reason, fault.detail)
+        before, self._last = self._last, _digest(image.power)
+        if before is not None and before == self._last:
             return NoFrame(Refusal.FROZEN, f"number {image.sequence}")
         return None
 
 
-def _same_picture(one: object, other: object) -> bool:
-    return isinstance(one, np.ndarray) and isinstance(other, np.ndarray) and np.array_equal(one, other)
+def _digest(power: object) -> bytes | None:
+    return hashlib.blake2b(power.tobytes()).digest() if isinstance(power, np.ndarray) else None

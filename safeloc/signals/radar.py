@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.border import Reason
 from safeloc.signals.detection import peaks
 from safeloc.signals.echoes import Echo, echoes
 from safeloc.signals.figures import RadarConfig
@@ -52,5 +53,5 @@ class FrontEnd:
     def receive(self, image: RadarImage | None, now_ms: int) -> Outcome:
         """What was delivered for this cycle; None: nothing."""
         if image is None:
-            return NoFrame(Refusal.MISSING)
+            return NoFrame(Reason.MISSING)
         return self._order.judge(image, now_ms) or read(image, self._config)

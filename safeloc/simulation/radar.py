@@ -17,6 +17,8 @@ from safeloc.config import Config, quantity
 from safeloc.signals.figures import LIGHT_MM_S, MILLION, RadarConfig
 from safeloc.signals.range_law import REFERENCE_MM
 
+NEAREST_MM = 500
+
 Complex = NDArray[np.complex128]
 Numbers = NDArray[np.float64]
 
@@ -103,9 +105,9 @@ def image(
 
 
 def _in_view(seen: Points, config: RadarConfig) -> Points:
-    """Ahead, and not filtered out before the converter for being beyond the last range cell."""
+    """Ahead, beyond the antenna's cover, and not filtered out before the converter for being beyond the last range cell."""
     last = float(config.sensor.cell_mm) * (config.sensor.samples - 1)
-    return seen.only((seen.range_mm > 500) & (seen.range_mm < last))
+    return seen.only((seen.range_mm > NEAREST_MM) & (seen.range_mm < last))
 
 
 def _biased(seen: Points, config: RadarConfig, bias: Bias) -> Points:

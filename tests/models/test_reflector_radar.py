@@ -69,7 +69,7 @@ def radar_inputs(scene: World, motion: Motion) -> Iterator[StepValues]:
         power = image(seen(scene, max(0.0, float(along_mm))), RADAR, rng, speed_mm_s=float(speed))
         now = (number + 1) * motion.period_ms
         outcome = front.receive(RadarImage(power, now - AGE_MS, number), now)
-        delay = Delay(AGE_MS, AGE_MS, int(0.97 * speed), int(1.03 * speed))
+        delay = Delay.since(now - AGE_MS, now, int(0.97 * speed), int(1.03 * speed))
         yield step_inputs(outcome, RADAR, delay, CONFIG.echo_slots).inputs
 
 

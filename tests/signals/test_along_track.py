@@ -92,6 +92,21 @@ def test_a_delay_the_wrong_way_round_is_refused(wrong: tuple[int, int, int, int]
         Delay(*wrong)
 
 
+@pytest.mark.parametrize("wrong", [1.0, True, float("nan"), None], ids=str)
+def test_figures_of_a_delay_are_whole(wrong: object) -> None:
+    """Nothing else is taken for a number, NaN least of all."""
+    with pytest.raises(InputError, match=r": ages and speeds are whole ms and mm/s\.$"):
+        Delay(0, 0, 0, wrong)  # type: ignore[arg-type]
+
+
+def test_times_in_whole_ms_are_charged_for_rounding() -> None:
+    """Half a ms at either end; an age is never below 0, and never from after now."""
+    assert Delay.since(1_000, 1_050, -5, 5) == Delay(49, 51, -5, 5)
+    assert Delay.since(1_000, 1_000, 0, 0) == Delay(0, 1, 0, 0)
+    with pytest.raises(InputError, match="needs 0 <= least_ms <= most_ms"):
+        Delay.since(1_050, 1_000, 0, 0)
+
+
 def test_lateral_is_range_times_sine() -> None:
     """On the left positive; with both errors."""
     held = lateral(echo(100_000, 50, 30_000, 1_000), CONFIG, NO_DELAY)

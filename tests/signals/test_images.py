@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from safeloc.border import Reason
 from safeloc.signals.images import NoFrame, Order, RadarImage, Refusal, admitted, floor_cdb, in_cdb
 from tests.signals.scenes import CONFIG
 
@@ -25,17 +26,17 @@ def with_cell(value: float) -> np.ndarray:
     return power
 
 
-SPOILT: dict[str, tuple[Refusal, Callable[[], object]]] = {
-    "a list": (Refusal.WRONG_TYPE, lambda: noise().tolist()),
-    "nothing": (Refusal.WRONG_TYPE, lambda: None),
-    "single precision": (Refusal.WRONG_TYPE, lambda: noise().astype(np.float32)),
-    "whole numbers": (Refusal.WRONG_TYPE, lambda: np.ones(SENSOR.shape, dtype=np.int64)),
-    "complex": (Refusal.WRONG_TYPE, lambda: noise() * 1j),
+SPOILT: dict[str, tuple[Reason | Refusal, Callable[[], object]]] = {
+    "a list": (Reason.WRONG_TYPE, lambda: noise().tolist()),
+    "nothing": (Reason.WRONG_TYPE, lambda: None),
+    "single precision": (Reason.WRONG_TYPE, lambda: noise().astype(np.float32)),
+    "whole numbers": (Reason.WRONG_TYPE, lambda: np.ones(SENSOR.shape, dtype=np.int64)),
+    "complex": (Reason.WRONG_TYPE, lambda: noise() * 1j),
     "a row less": (Refusal.WRONG_SHAPE, lambda: noise()[:-1]),
     "turned": (Refusal.WRONG_SHAPE, lambda: noise().T),
     "a cube": (Refusal.WRONG_SHAPE, lambda: noise()[None]),
-    "NaN": (Refusal.NOT_FINITE, lambda: with_cell(float("nan"))),
-    "infinite": (Refusal.NOT_FINITE, lambda: with_cell(float("inf"))),
+    "NaN": (Reason.NOT_FINITE, lambda: with_cell(float("nan"))),
+    "infinite": (Reason.NOT_FINITE, lambda: with_cell(float("inf"))),
     "below zero": (Refusal.NEGATIVE, lambda: with_cell(-1e-300)),
     "all zero": (Refusal.DEAD, lambda: np.zeros(SENSOR.shape)),
     "too quiet": (Refusal.DEAD, lambda: noise() / 10),
@@ -82,7 +83,7 @@ def image(time_ms: object, sequence: object, seed: int = 0) -> RadarImage:
     return RadarImage(noise(seed), time_ms, sequence)  # type: ignore[arg-type]
 
 
-def reasons(*deliveries: tuple[RadarImage, int]) -> list[Refusal | None]:
+def reasons(*deliveries: tuple[RadarImage, int]) -> list[Reason | Refusal | None]:
     """How each of a stream is judged, given with its instant; images may be 100 ms old."""
     order = Order(100)
     judged = [order.judge(one, now_ms) for one, now_ms in deliveries]
@@ -97,27 +98,38 @@ def test_new_images_are_taken() -> None:
 @pytest.mark.parametrize(
     ("reason", "second", "now_ms"),
     [
-        (Refusal.DUPLICATE, image(1_000, 5, 1), 1_050),
-        (Refusal.OUT_OF_ORDER, image(950, 4, 1), 1_050),
-        (Refusal.OUT_OF_ORDER, image(1_050, 5, 1), 1_050),
-        (Refusal.OUT_OF_ORDER, image(1_000, 6, 1), 1_050),
-        (Refusal.FUTURE, image(1_051, 6, 1), 1_050),
-        (Refusal.STALE, image(1_001, 6, 1), 1_102),
+        (Reason.DUPLICATE, image(1_000, 5, 1), 1_050),
+        (Reason.OUT_OF_ORDER, image(950, 4, 1), 1_050),
+        (Reason.OUT_OF_ORDER, image(1_050, 5, 1), 1_050),
+        (Reason.OUT_OF_ORDER, image(1_000, 6, 1), 1_050),
+        (Reason.FUTURE, image(1_051, 6, 1), 1_050),
+        (Reason.STALE, image(1_001, 6, 1), 1_102),
         (Refusal.FROZEN, image(1_050, 6, 0), 1_050),
-        (Refusal.WRONG_TYPE, image(1_050.0, 6, 1), 1_050),
-        (Refusal.WRONG_TYPE, image(1_050, True, 1), 1_050),
-        (Refusal.WRONG_TYPE, image(None, 6, 1), 1_050),
+        (Reason.WRONG_TYPE, image(1_050.0, 6, 1), 1_050),
+        (Reason.WRONG_TYPE, image(1_050, True, 1), 1_050),
+        (Reason.WRONG_TYPE, image(None, 6, 1), 1_050),
     ],
     ids=["duplicate", "older", "number again", "time again", "future", "stale", "frozen", "float", "flag", "none"],
 )
-def test_what_is_out_of_place_is_refused(reason: Refusal, second: RadarImage, now_ms: int) -> None:
+def test_what_is_out_of_place_is_refused(reason: Reason | Refusal, second: RadarImage, now_ms: int) -> None:
     """After a first image of time 1000 and number 5."""
     assert [None, reason] == reasons((image(1_000, 5, 0), 1_000), (second, now_ms))
+
+
+def test_a_buffer_may_be_used_again() -> None:
+    """What counts is what stood in it: other content is new, the same content is frozen."""
+    order, power = Order(100), noise(0)
+    assert order.judge(RadarImage(power, 0, 0), 0) is None
+    power[:] = noise(1)
+    assert order.judge(RadarImage(power, 50, 1), 50) is None
+    frozen = order.judge(RadarImage(power, 100, 2), 100)
+    assert frozen is not None
+    assert frozen.reason is Refusal.FROZEN
 
 
 def test_one_wrong_clock_silences_nothing() -> None:
     """An image from after now is not remembered; a stale one is: what is older than it stays old."""
     first, ahead = (image(0, 0, 0), 0), (image(10_000, 1, 1), 50)
-    assert [None, Refusal.FUTURE, None] == reasons(first, ahead, (image(100, 2, 2), 100))
+    assert [None, Reason.FUTURE, None] == reasons(first, ahead, (image(100, 2, 2), 100))
     stale = (image(100, 2, 1), 900)
-    assert [None, Refusal.STALE, Refusal.OUT_OF_ORDER] == reasons(first, stale, (image(90, 1, 2), 901))
+    assert [None, Reason.STALE, Reason.OUT_OF_ORDER] == reasons(first, stale, (image(90, 1, 2), 901))

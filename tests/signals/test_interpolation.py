@@ -19,14 +19,14 @@ def spectrum(place: float, samples: int) -> np.ndarray:
     """Amplitudes of a tone at this place, in cells, through a Hann window; 1 at its top."""
     turn = np.arange(samples) / samples
     window = 0.5 - 0.5 * np.cos(2 * np.pi * turn)
-    return np.abs(np.fft.fft(window * np.exp(2j * np.pi * place * turn))) / window.sum()
+    return np.asarray(np.abs(np.fft.fft(window * np.exp(2j * np.pi * place * turn))) / window.sum())
 
 
 def picture(row: float, column: float, amplitude: float = 1_000.0) -> np.ndarray:
     """The image of one point without noise, over a floor of next to nothing."""
     side = CONFIG.sensor.side_cells
     across = np.roll(spectrum(column - side, ANTENNAS), side)[: 2 * side + 1]
-    return (amplitude * spectrum(row, SAMPLES)[:, None] * across[None, :]) ** 2
+    return np.asarray((amplitude * spectrum(row, SAMPLES)[:, None] * across[None, :]) ** 2)
 
 
 def peak(power: np.ndarray, background: float = 1e-12) -> Peaks:

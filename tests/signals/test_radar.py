@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from safeloc.border import Reason
 from safeloc.signals.echoes import Echo
 from safeloc.signals.figures import Detection, RadarConfig, Reflectors, Sensor
 from safeloc.signals.images import NoFrame, RadarImage, Refusal
@@ -173,11 +174,11 @@ def test_the_stream_is_judged_before_the_picture() -> None:
     power = image(seen(bare([Reflector(Model.A, PLACE_MM)]), 150_000), CONFIG, np.random.default_rng(0))
     sound = RadarImage(power, 50, 1)
     outcomes = [front.receive(one, 60) for one in (None, sound, sound)]
-    assert outcomes[0] == NoFrame(Refusal.MISSING)
+    assert outcomes[0] == NoFrame(Reason.MISSING)
     assert isinstance(outcomes[1], Frame)
     assert [Model.A] == models(outcomes[1])
     assert isinstance(outcomes[2], NoFrame)
-    assert outcomes[2].reason is Refusal.DUPLICATE
+    assert outcomes[2].reason is Reason.DUPLICATE
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from safeloc.border import Reason
 from safeloc.errors import InputError
 from safeloc.signals.figures import RadarConfig
 from safeloc.signals.images import NoFrame, Refusal
@@ -59,11 +60,11 @@ def test_a_sound_run_sees_the_reflector_in_every_frame() -> None:
 @pytest.mark.parametrize(
     ("kind", "reason"),
     [
-        ("missing", Refusal.MISSING),
+        ("missing", Reason.MISSING),
         ("frozen", Refusal.FROZEN),
-        ("duplicate", Refusal.DUPLICATE),
-        ("late", Refusal.STALE),
-        ("not finite", Refusal.NOT_FINITE),
+        ("duplicate", Reason.DUPLICATE),
+        ("late", Reason.STALE),
+        ("not finite", Reason.NOT_FINITE),
         ("wrong shape", Refusal.WRONG_SHAPE),
         ("negative", Refusal.NEGATIVE),
         ("jamming", Refusal.JAMMED),
