@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -36,7 +37,18 @@ def _faults(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: in
     if not believed:
         return len(truth)
     shifts = {one.position_mm - believed[0].position_mm for one in truth}
-    return min((_aligned(truth, believed, gate_mm, shift) for shift in shifts), default=NEVER)
+    places = sorted(one.position_mm for one in truth)
+    fitting = [shift for shift in shifts if _all_near(places, believed, gate_mm, shift)]
+    return min((_aligned(truth, believed, gate_mm, shift) for shift in fitting), default=NEVER)
+
+
+def _all_near(places: list[int], believed: Sequence[Sighting], gate_mm: int, shift_mm: int) -> bool:
+    """Whether every believed sighting has a true one near enough to be it: else no alignment need be tried."""
+    for one in believed:
+        first = bisect_left(places, one.position_mm + shift_mm - gate_mm)
+        if first == len(places) or places[first] > one.position_mm + shift_mm + gate_mm:
+            return False
+    return True
 
 
 def _without_common_ends(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations, islice
+from itertools import combinations, product
 
 import networkx as nx
 
@@ -23,8 +23,11 @@ from safeloc.line.topology import Run, Topology
 from safeloc.line.walk import Reference, Walk
 
 MOST_ROUTES = 24
-WAYS_ON = 16
+MOST_WORK = 2_000_000
+"""Comparisons of two sightings that all pairs of routes may take; beyond, ways are compared behind choices."""
+WAYS_ON = 32
 HORIZON_STRETCHES = 3
+LONGEST_COMPARED_MM = 10_000_000
 KEPT_PAIRS = 100
 
 
@@ -46,8 +49,8 @@ class Way:
 def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, tuple[RoutePair, ...]]:
     """The number of routes, None where they are too many to compare one by one, and the pairs that were compared."""
     count = route_count(walk.topology)
-    few = count is not None and count <= MOST_ROUTES
-    pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules))]
+    few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
+    pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules, ledger))]
     for pair in pairs:
         subject = f"{pair.first} and {pair.second}"
         ledger.check(rules.routes, pair.place, subject, faults_to_confuse=_faults(pair))
@@ -55,6 +58,10 @@ def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, 
         return count, tuple(pairs)
     close = sorted((pair for pair in pairs if pair.by_all.least is not None), key=_faults)
     return None, tuple(close[:KEPT_PAIRS])
+
+
+def _references(walk: Walk) -> int:
+    return sum(len(there) for there in walk.references.values())
 
 
 def _faults(pair: RoutePair) -> int:
@@ -130,31 +137,37 @@ def _likeness(first: Sequence[Sighting], second: Sequence[Sighting], gate_mm: in
 # ------------------------------------------------------------------ many routes
 
 
-def _behind_choices(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
-    horizon = HORIZON_STRETCHES * min(longest(0, rules.layout), 10_000_000)
+def _behind_choices(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RoutePair]:
+    horizon = HORIZON_STRETCHES * min(longest(0, rules.layout), LONGEST_COMPARED_MM)
     for run in walk.runs:
-        after = walk.topology.after(run)
-        for one, other in combinations(after, 2):
-            place = walk.place(run, walk.topology.length_mm(run))
+        place = walk.place(run, walk.topology.length_mm(run))
+        ways = [_ways_on(walk, branch, horizon) for branch in _branches(walk, run)]
+        if any(len(one) > WAYS_ON for one in ways):
+            ledger.add(rules.all_ways, place, f"more than {WAYS_ON} ways lead on from {walk.topology.end(run)}")
+        for one, other in combinations(ways, 2):
             pairs = [
                 _pair(*_until_they_meet(walk, left, right, rules), rules, True, place)
-                for left in _ways_on(walk, one, horizon)
-                for right in _ways_on(walk, other, horizon)
+                for left, right in product(one[:WAYS_ON], other[:WAYS_ON])
             ]
             yield min(pairs, key=_faults)
 
 
+def _branches(walk: Walk, run: Run) -> list[Run]:
+    after = walk.topology.after(run)
+    return after if len(after) > 1 else []
+
+
 def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
-    return list(islice(_grown(walk, (run,), walk.topology.length_mm(run), horizon_mm), WAYS_ON))
-
-
-def _grown(walk: Walk, runs: tuple[Run, ...], length_mm: int, horizon_mm: int) -> Iterator[tuple[Run, ...]]:
-    after = [run for run in walk.topology.after(runs[-1]) if run not in runs]
-    if length_mm >= horizon_mm or not after:
-        yield runs
-        return
-    for run in after:
-        yield from _grown(walk, (*runs, run), length_mm + walk.topology.length_mm(run), horizon_mm)
+    """The ways on from the start of a run, as far as the horizon; one more than are compared, if there are so many."""
+    found: list[tuple[Run, ...]] = []
+    open_ways: list[tuple[tuple[Run, ...], int]] = [((run,), walk.topology.length_mm(run))]
+    while open_ways and len(found) <= WAYS_ON:
+        runs, length = open_ways.pop()
+        after = [] if length >= horizon_mm else [one for one in walk.topology.after(runs[-1]) if one not in runs]
+        open_ways += [((*runs, one), length + walk.topology.length_mm(one)) for one in reversed(after)]
+        if not after:
+            found.append(runs)
+    return found
 
 
 def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[Way, Way]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import Bool, Num, NumVar, Var, boolean, number
+from safeloc.expr import TRUE, Bool, Num, NumVar, Var, boolean, number
 from safeloc.interpret import Program, evaluate
 from safeloc.models import layout_rules as terms
 from safeloc.models.layout_rules import LayoutConfig
@@ -164,6 +164,11 @@ class Rules:
         """Routes are distinguishable."""
         faults = number("faults_to_confuse", COUNT, 0, REACH_MM)
         return Rule("routes told apart", ("RFL-D6",), terms.routes_told_apart(faults, self.layout))
+
+    @cached_property
+    def all_ways(self) -> Rule:
+        """Where ways are compared behind a choice, all of them are; told where there are too many."""
+        return Rule("ways compared", ("RFL-D6",), TRUE, advice=True)
 
     @cached_property
     def balise_windows(self) -> Rule:

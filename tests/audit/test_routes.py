@@ -13,7 +13,7 @@ from safeloc.line.model import Line
 from safeloc.line.places import Place
 from safeloc.line.toml_files import find_line
 from safeloc.line.topology import Topology
-from tests.line.made import fork, group, reflector
+from tests.line.made import fork, group, reflector, straight
 
 
 def test_routes_are_counted_without_walking_them() -> None:
@@ -143,3 +143,53 @@ def test_likeness_in_words() -> None:
     nameless = RoutePair("a > b", "a > c", "", "", Likeness(0, 0), Likeness(3, 2), 0, Place("a", 0))
     assert "a > b / a > c: by models alone not distinguishable; with distances and balises a > c looks like a > b " \
         "after 2" == nameless.as_text()  # fmt: skip
+
+
+def test_very_short_edges_are_walked() -> None:
+    """Thousands of edges of a metre are no depth problem."""
+    assert 1 == audit(straight(*[1_000] * 2_000)).routes
+
+
+def test_many_references_are_compared_behind_choices(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where comparing end to end takes too much work, two routes are compared as many are."""
+    seen = tuple(
+        reflector(f"r{place}", "main", place, "AB"[place // 10_000 % 2]) for place in range(0, 300_000, 10_000)
+    )
+    line = siding(second_mm=300_000, reflectors=seen)
+    assert (2, [(30, 30)]) == (audit(line).routes, route_faults(line))
+    monkeypatch.setattr(routes, "MOST_WORK", 2_000)
+    assert (None, [(30, 30)]) == (audit(line).routes, route_faults(line))
+
+
+def ladder(steps: int) -> Line:
+    """Two tracks with a crossover every 20 m, so that ways double."""
+    nodes, edges, switches = [Node(id="a0"), Node(id="b0")], [], []
+    for step in range(steps):
+        shape = (("p", f"a{step}", f"x{step}"), ("q", f"b{step}", f"y{step}"), ("l", f"x{step}", f"y{step}"))
+        shape += (("m", f"x{step}", f"u{step}"), ("n", f"y{step}", f"v{step}"), ("k", f"v{step}", f"u{step}"))
+        shape += (("r", f"u{step}", f"a{step + 1}"), ("s", f"v{step}", f"b{step + 1}"))
+        nodes += [Node(id=f"{kind}{step}") for kind in "xyuv"]
+        nodes += [Node(id=f"{kind}{step + 1}") for kind in "ab"]
+        edges += [
+            TrackEdge(id=f"{kind}{step}", from_node=start, to_node=end, length_mm=10_000, travel="increasing")
+            for kind, start, end in shape
+        ]
+        joints = (("x", "p", "m", "l"), ("y", "n", "q", "l"), ("v", "n", "s", "k"), ("u", "r", "m", "k"))
+        switches += [
+            Switch(
+                id=f"{node}{step}",
+                node=f"{node}{step}",
+                stem=f"{stem}{step}",
+                left=f"{left}{step}",
+                right=f"{right}{step}",
+            )
+            for node, stem, left, right in joints
+        ]
+    return Line(name="ladder", version="1", nodes=tuple(nodes), edges=tuple(edges), switches=tuple(switches))
+
+
+def test_too_many_ways_are_told() -> None:
+    """Where not all ways behind a choice are compared, the audit says so."""
+    found = [finding for finding in audit(ladder(8)).findings if finding.rule == "ways compared"]
+    assert {"advice"} == {finding.severity for finding in found}
+    assert any("more than 32 ways lead on from x0, on p0 at 10000 mm" in finding.as_text() for finding in found)
