@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from safeloc.expr import all_of, between, exact_to
 from safeloc.models.stop_point import BRAKE, CREEP, HOLD, NO_ORDER, PROCEED, REVERSE, StopPoint
-from safeloc.models.stop_point_parts.variables import NO_REASON
+from safeloc.models.stop_point_parts.variables import NO_REASON, TOO_COARSE
 from safeloc.properties.reflector import in_step
 from safeloc.spec import Property, always, earlier_bool, earlier_num, never, once, reachable
 from safeloc.units import NM
@@ -96,8 +96,9 @@ def _stopping(model: StopPoint) -> Iterator[Property]:
     window = between(exact_to(own.stop - own.before, NM), own.truth, exact_to(own.stop + own.after, NM))
     yield always(
         "in position within the window",
-        (place & own.precise).implies(window),
-        statement="a vehicle that is said to be in position, on a measured distance, stands within the stop window",
+        (place & own.precise & own.reason.ne(TOO_COARSE)).implies(window),
+        statement="a vehicle that is said to be in position stands within the stop window, whenever the measurement is fine "
+        "enough to tell",
         trace=TRACE,
         assumption=LAW,
     )

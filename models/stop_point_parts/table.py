@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Expr, Lit, Var, as_num
+from safeloc.expr import Expr, Lit, Var, as_num, ite
 from safeloc.machine import Transition
 from safeloc.models.stop_point_parts.cycle import Judged
 from safeloc.models.stop_point_parts.variables import (
@@ -89,18 +89,8 @@ def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tra
     yield Transition("found short", (stopped, overrun), short, measured & cycle.short & ~cycle.beyond, near, TRACE, 5)
     far = {**near, own.reason: TOO_FAR}
     yield Transition("too far to reposition", overrun, held, measured & cycle.too_far, far, TRACE, 5)
-    coarse = {**near, own.reason: TOO_COARSE}
-    yield Transition(
-        "wider than the window",
-        (stopped, short, overrun),
-        held,
-        measured & cycle.short & cycle.beyond,
-        coarse,
-        TRACE,
-        6,
-    )
     yield Transition("not beyond after all", overrun, braking, own.precise & ~cycle.beyond, near, TRACE, 7)
-    yield Transition("found beyond", (stopped, short), overrun, measured & cycle.beyond, near, TRACE, 7)
+    yield Transition("found beyond", (stopped, short), overrun, measured & cycle.beyond & ~cycle.short, near, TRACE, 7)
 
 
 def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -108,14 +98,14 @@ def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
     _, _, braking, _, short, creeping, overrun, repositioning, _ = table
     near, may = _near(cycle), cycle.standing & own.precise & own.permitted
     yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, TRACE, 8)
-    yield Transition("repositions", overrun, repositioning, may & cycle.beyond, near, TRACE, 8)
+    yield Transition("repositions", overrun, repositioning, may & cycle.beyond & ~cycle.short, near, TRACE, 8)
     unsafe = ~own.precise | ~own.permitted
     again = own.valid & own.precise & cycle.standing & own.reason.eq(NO_POSITION)
     yield Transition("stops creeping", creeping, braking, unsafe | cycle.forwards_too_fast, near, TRACE, 8)
     yield Transition("stops reversing", repositioning, overrun, unsafe | cycle.backwards_too_fast, near, TRACE, 8)
     yield Transition("creeps into the window", creeping, braking, ~cycle.short | (cycle.to_go <= 0), near, TRACE, 9)
     yield Transition("backs into the window", repositioning, braking, ~cycle.beyond, near, TRACE, 9)
-    yield Transition("measured again", table[8], braking, again, {**near, own.reason: NO_REASON}, TRACE, 9)
+    yield Transition("measured again", table[8], braking, again, near, TRACE, 9)
 
 
 def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -132,8 +122,11 @@ def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tran
 
 
 def _near(cycle: Judged) -> Updates:
-    """The distance to the stop is shown."""
-    return {cycle.own.distance: cycle.pending.stop - cycle.own.position}
+    """The distance to the stop is shown, and whether the interval fits into the window."""
+    return {
+        cycle.own.distance: cycle.pending.stop - cycle.own.position,
+        cycle.own.reason: ite(cycle.short & cycle.beyond, TOO_COARSE, NO_REASON),
+    }
 
 
 def _no_stop(own: Parts) -> Updates:
