@@ -102,6 +102,31 @@ def test_side_lobes_across_are_not_underrated(column: float, away: float) -> Non
     assert (across[far] <= 2 * side_lobes(np.abs(cells - column))[far] + 1e-12).all()
 
 
+def tone(place: float, samples: int) -> np.ndarray:
+    """A tone's transform through a Hann window, with its phase; 1 at its top."""
+    turn = np.arange(samples) / samples
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * turn)
+    return np.asarray(np.fft.fft(window * np.exp(2j * np.pi * place * turn)) / window.sum())
+
+
+@given(st.floats(200.0, 201.0), st.floats(4.0, 12.0), st.floats(0.0, 1.0), st.floats(0.3, 3.0))
+def test_a_neighbour_keeps_the_place_within_its_bounds(row: float, away: float, phase: float, ratio: float) -> None:
+    """Two echoes without noise, four cells apart or more, at any phase: both places are within their bounds."""
+    side = CONFIG.sensor.side_cells
+    across = np.roll(spectrum(0.0, ANTENNAS), side)[: 2 * side + 1]
+    both = tone(row, SAMPLES) + ratio * np.exp(2j * np.pi * phase) * tone(row + away, SAMPLES)
+    power = 1e6 * np.abs(both[:, None] * across[None, :]) ** 2
+    strip = power[:, side]
+    rows = [
+        int(np.argmax(np.where(np.abs(np.arange(SAMPLES) - place) < 1.0, strip, 0.0))) for place in (row, row + away)
+    ]
+    found = points(power, Peaks(np.array(rows), np.array([side, side]), np.full(2, 1e-12)), CONFIG)
+    assert len(found.power) == 2
+    for index, place in enumerate((row, row + away)):
+        low, high = found.range.low[index], found.range.high[index]
+        assert found.peaks.row[index] + low <= place <= found.peaks.row[index] + high
+
+
 def test_a_side_lobe_is_no_echo() -> None:
     """Next to a strong echo, what is weaker than its side lobes is left out, and the strong one stays."""
     found = Peaks(np.array([100, 103]), np.array([8, 8]), np.array([1.0, 1.0]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -106,6 +107,18 @@ def test_the_minimum_intensity_is_a_condition_on_range() -> None:
     assert [] == models(found)
     assert Doubt.WEAK in {echo.doubt for echo in found.echoes}
     assert [Model.C] == models(frame(near, config=asked))
+
+
+@pytest.mark.parametrize("bent", range(3))
+def test_a_bent_corner_is_charged(bent: int) -> None:
+    """One corner 60 mm too far: the bound grows by about as much, and holds what the two others say."""
+    reflector = Reflector(Model.B, PLACE_MM)
+    sound = seen(bare([reflector]), PLACE_MM - 50_000)
+    off = sound.range_mm.copy()
+    off[bent] += 60.0
+    right, wrong = of(frame(sound), Model.B), of(frame(replace(sound, range_mm=off)), Model.B)
+    assert abs(wrong.range_mm - sound.range_mm[0]) <= wrong.range_error_mm
+    assert wrong.range_error_mm - right.range_error_mm == pytest.approx(30, abs=5)
 
 
 @pytest.mark.parametrize("lost", range(3))

@@ -136,6 +136,17 @@ def test_the_sum_of_two_ranges_is_a_ghost(model: Model, ahead_mm: int) -> None:
     assert len(found) > 1
 
 
+@pytest.mark.parametrize("model", MARKS)
+@pytest.mark.parametrize("by_corner", range(3))
+def test_a_ghost_by_way_of_one_corner_is_told_too(model: Model, by_corner: int) -> None:
+    """Where only one corner sends the vehicle's own echo back, the shape stands alone: at twice the range."""
+    twice = 2 * 60_000 + MARKS[model][by_corner] * UNIT
+    found = told(spots(*corners(model, 60_000), *corners(model, twice, (-6, -6, -6)), left_mm=0.0))
+    assert [(model, None), (model, Doubt.GHOST)] == found
+    elsewhere = told(spots(*corners(model, 60_000), *corners(model, 100_000, (-6, -6, -6)), left_mm=0.0))
+    assert [(model, None), (model, None)] == elsewhere
+
+
 def test_no_echo_no_group() -> None:
     """An empty frame is a frame."""
     nothing = np.zeros(0)
