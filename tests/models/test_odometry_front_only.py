@@ -24,7 +24,7 @@ from safeloc.verdict import Proved, word
 def test_never_worse_than_the_front_reader_alone(trusted: bool) -> None:
     """MRK-1, MRK-D3: on every stream of the assumption, valid where the other is, and with no greater margin."""
     whole = compose_comparison(OdometryConfig(trust_first_marker=trusted))
-    findings = prove(whole.composition.system, properties(whole), Limits(seconds=150), jobs=2)
+    findings = prove(whole.composition.system, properties(whole), Limits(seconds=400), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 
