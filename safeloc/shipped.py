@@ -33,6 +33,7 @@ from safeloc.nodes import Value
 from safeloc.properties import balise as balise_properties
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
+from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import reflector as reflector_properties
 from safeloc.properties import route as route_properties
 from safeloc.properties import stop_point as stop_point_properties
@@ -54,12 +55,13 @@ def _shipped(name: str) -> tuple[Path, ...]:
 
 def _odometry(config: BaseModel) -> Target:
     assert isinstance(config, OdometryConfig)
-    model = odometry.build(parts(config))
+    model = odometry.build(parts(config, with_fault=config.single_fault_safe))
+    with_fault = odometry_fault_properties.properties(model) if config.single_fault_safe else []
     return Target(
         "odometry",
         (model.machine,),
         lower(model.machine),
-        tuple(odometry_properties.properties(model)),
+        (*odometry_properties.properties(model), *with_fault),
         config,
         model.machine.doc,
         _shipped("odometry"),
