@@ -126,7 +126,7 @@ class Installation(Config):
     offset_error_mm: int = quantity(100, "mm", 0, 5_000, "[M] survey, track position and sway of the vehicle")
     height_difference_mm: int = quantity(500, "mm", 0, 5_000, "[M] at most, between antenna and reflector")
     least_radius_mm: int = quantity(
-        3_000_000, "mm", 150_000, 10_000_000_000, "[M] sharpest curve inside a view zone that gives positions"
+        190_000, "mm", 150_000, 10_000_000_000, "[M, sure] turnout 1:9; sharpest curve in view of a reflector"
     )
 
 

@@ -17,7 +17,7 @@ from safeloc.models.reflector_streams import Reflector as MapReflector
 from safeloc.models.reflector_streams import Route, board, simulate
 from safeloc.models.reflector_streams import Scene as RouteScene
 from safeloc.signals.along_track import Delay
-from safeloc.signals.figures import RadarConfig
+from safeloc.signals.figures import Installation, RadarConfig
 from safeloc.signals.images import RadarImage
 from safeloc.signals.radar import FrontEnd
 from safeloc.signals.reflector_inputs import StepValues, step_inputs
@@ -29,7 +29,7 @@ from safeloc.simulation.radar_track import Reflector
 from safeloc.streams.steps import Cell
 from safeloc.system import lower, without_ghosts
 
-RADAR = RadarConfig()
+RADAR = RadarConfig(installation=Installation(least_radius_mm=3_000_000))
 CONFIG = ReflectorConfig(echo_slots=3, frame_latency_ms=0)
 AGE_MS = 50
 STANDING = (("A", 180_000), ("B", 400_000))

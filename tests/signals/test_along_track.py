@@ -42,9 +42,12 @@ def test_every_track_is_held(
 
 
 def test_on_a_straight_the_bounds_are_tight() -> None:
-    """A reflector 50 m ahead, 3 m aside, with the default figures: 90 mm wide; no curve, no tolerance: 2 mm."""
+    """A reflector 50 m ahead, 3 m aside, curves of 3 km at most: 90 mm wide; with turnouts ten times as much; and where
+    neither curve nor tolerance has to be reckoned with, 2 mm."""
     slant = Interval(Fraction(math.hypot(50_000, 3_000)), Fraction(math.hypot(50_000, 3_000)))
-    assert 60 < along_track(slant, CONFIG.installation).high - along_track(slant, CONFIG.installation).low < 90
+    wide, turnout = along_track(slant, Installation(least_radius_mm=3_000_000)), along_track(slant, CONFIG.installation)
+    assert 60 < wide.high - wide.low < 90
+    assert 600 < turnout.high - turnout.low < 1_000
     exact = Installation(offset_error_mm=0, height_difference_mm=0, least_radius_mm=10_000_000_000)
     assert along_track(slant, exact).high - along_track(slant, exact).low <= 2
 

@@ -161,6 +161,17 @@ def test_turning_off_shows_in_the_sine() -> None:
     assert after[0] - after[1] < -90_000
 
 
+@pytest.mark.parametrize("model", MARKS)
+def test_a_reflector_is_known_while_the_vehicle_turns_off(model: Model) -> None:
+    """Through the first 20 m of a turnout of 190 m, and within the bounds: long enough to see where it goes."""
+    reflector = Reflector(model, 130_000)
+    turnout = [Arc(60_000), Arc(21_000, 190_000)]
+    scene = world(CONFIG, [reflector], np.random.default_rng(0), track=turnout, length_mm=1.0)
+    for along in (50_000, 65_000, 72_000, 80_000):
+        echo = of(frame_at(scene, along), model)
+        assert abs(echo.range_mm - slant_mm(scene, reflector, along)) <= echo.range_error_mm
+
+
 # ------------------------------------------------------------------ frames, and none
 
 

@@ -7,12 +7,14 @@ import pytest
 from safeloc.errors import InputError
 from safeloc.signals.along_track import Delay
 from safeloc.signals.echoes import Echo
+from safeloc.signals.figures import Installation
 from safeloc.signals.images import NoFrame, Refusal
 from safeloc.signals.radar import Frame
 from safeloc.signals.reflector_inputs import step_inputs
 from safeloc.signals.signature import Doubt, Model
 from tests.signals.scenes import CONFIG
 
+STRAIGHT = CONFIG.model_copy(update={"installation": Installation(least_radius_mm=3_000_000)})
 STILL = Delay(0, 0, 0, 0)
 
 
@@ -33,7 +35,7 @@ def frame(*echoes: Echo) -> Frame:
 
 def test_a_slot_has_all_its_inputs() -> None:
     """Range along the track, error, model, intensity below full scale, place aside to the left."""
-    given = step_inputs(frame(NEAR), CONFIG, STILL)
+    given = step_inputs(frame(NEAR), STRAIGHT, STILL)
     assert given.inputs == {
         "frame_present": True,
         "echo_1_range_mm": 39_885,
