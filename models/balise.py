@@ -40,6 +40,7 @@ from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, mod
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.balise_parts.judgement import Judged
+from safeloc.models.balise_parts.reckoning import as_reckoned
 from safeloc.models.balise_parts.telegram import LINKED
 from safeloc.models.balise_parts.variables import BaliseConfig, Parts, parts
 from safeloc.models.odometry_parts.variables import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
@@ -199,6 +200,8 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
         "position_mm": ite(valid, position, 0),
         "over_mm": ite(valid, ceil_to(interval.high, MM) - position, 0),
         "under_mm": ite(valid, position - floor_to(interval.low, MM), 0),
+        "distance_run_mm": ite(valid, memory.run, 0),
+        "run_measured": valid & memory.measured,
         "reference_accepted": valid & memory.verdict.eq(v.ACCEPTED),
         "reason": memory.reason,
         "odometer": own.odometer.judged,
@@ -299,5 +302,6 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
     return {
         "the interval holds the truth": current.eq(located).implies(inside),
         "an interval is usable wherever there is one": current.ne(lost).implies(usable),
+        "the margin is at most what the audit reckons": as_reckoned(own),
         "nothing is announced while nothing is reported": current.ne(located).implies(own.linking.slots[0].group.eq(0)),
     }

@@ -11,6 +11,7 @@ from safeloc.models.balise_parts.linking import Record
 from safeloc.models.balise_parts.telegram import FAILED
 from safeloc.models.odometry_parts.distance_device import ADMITTED
 from safeloc.models.odometry_parts.variables import LOCATED
+from safeloc.properties.balise_layout import layout_properties
 from safeloc.properties.balise_linking import linking_properties
 from safeloc.properties.balise_step import LAW, Step
 from safeloc.spec import Property, always, earlier_bool, earlier_num, within
@@ -19,7 +20,7 @@ from safeloc.units import MM, NM
 
 def properties(model: Balise) -> list[Property]:
     """Every property of the balise machine."""
-    makers = (_safety, _references, _resets, _rejection, linking_properties, _sensors)
+    makers = (_safety, _references, _resets, _rejection, linking_properties, layout_properties, _sensors)
     return [prop for maker in makers for prop in maker(model)]
 
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 
 from safeloc.expr import Bool, Num, all_of, ite, minimum
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
-from safeloc.models.balise_parts.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW, Record
-from safeloc.models.layout_rules import LayoutConfig, expectation_windows_apart
+from safeloc.models.balise_parts.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW
 from safeloc.properties.balise_step import Step
 from safeloc.spec import Property, always, earlier_bool, earlier_num
 
 
 def linking_properties(model: Balise) -> Iterator[Property]:
     """Every property of linking."""
-    for maker in (_windows, _layout, _reactions):
-        yield from maker(model)
+    yield from _windows(model)
+    yield from _reactions(model)
 
 
 def _windows(model: Balise) -> Iterator[Property]:
@@ -60,46 +58,6 @@ def _given_up(model: Balise) -> Bool:
 def _relinked(model: Balise) -> Bool:
     order = model.own.linking.offered.order
     return order.present & order.value.one_of(REPLACE, WITHDRAW)
-
-
-# ------------------------------------------------------------------ on a line that passes the audit
-
-
-def _layout(model: Balise) -> Iterator[Property]:
-    valid, slots = model.machine.flag("valid"), model.own.linking.slots
-    for number, (nearer, farther) in enumerate(pairwise(slots), 1):
-        yield always(
-            f"one window at a time: groups {number} and {number + 1} ahead",
-            (valid & farther.held).implies(~(_open(model, nearer) & _open(model, farther))),
-            given=_audited(model),
-            statement="on a line whose expectation windows the audit found apart, no two announced groups can be read "
-            "at the same place (3.4.4.4.5)",
-            trace=("RFL-D4",),
-            assumption="layout rule expectation_windows_apart, at the location accuracies in force",
-        )
-
-
-def _open(model: Balise, slot: Record) -> Bool:
-    """The window of the group in a slot is open, after the step."""
-    step, interval = Step(model), model.own.held.interval
-    first, last = model.own.config.reader.window(slot.place, slot.accuracy_or(step.accuracy_in_force))
-    return (interval.high >= first) & (interval.low <= last)
-
-
-def _audited(model: Balise) -> Bool:
-    """The groups announced after the step keep the layout rule, each with the next."""
-    cycle, config = model.judged, model.own.config
-    layout = LayoutConfig(
-        tolerance_mm=config.tolerance_mm,
-        odometry_constant_mm=config.odometer.constant_mm,
-        detection_accuracy_mm=config.detection_mm,
-    )
-    records = model.own.linking.after(cycle.left, cycle.announcement)
-    accuracies = [one.accuracy_or(model.own.national.accuracy) for one in records]
-    return all_of(
-        b.held.implies(expectation_windows_apart(b.place - a.place, accuracy_a, accuracy_b, layout))
-        for (a, accuracy_a), (b, accuracy_b) in pairwise(zip(records, accuracies, strict=True))
-    )
 
 
 # ------------------------------------------------------------------ reactions

@@ -14,7 +14,7 @@ from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.balise_parts.linking import NO_REACTION, NOT_LOCATED, NOTHING, SERVICE_BRAKE, TRAIN_TRIP, Record
 from safeloc.models.balise_parts.telegram import UNKNOWN, UNLINKED
 from safeloc.models.odometry_parts.marker_reading import first_of
-from safeloc.units import COUNT, NM
+from safeloc.units import COUNT, MM, NM
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,6 +301,8 @@ class Judged:
             memory.group: own.read.group.value,
             memory.place: here,
             memory.accuracy: self.accuracy,
+            memory.run: abs_(own.read.since.value_or(as_num(0, MM))),
+            memory.measured: own.read.since.present,
             memory.direction: self.direction,
             **own.reflector.become(own.read.reflector.present, here + own.read.reflector.value),
             **own.search.become(own.read.search.present, here + own.read.search.value),
@@ -317,8 +319,11 @@ class Judged:
         return ite(oriented | beyond, v.ALONG, memory.direction)
 
     def carry_on(self) -> dict[Var, Expr]:
-        """Updates of what an earlier telegram said of the next reflector."""
-        return {**self.own.reflector.keep(self.run_on.low), **self.own.search.keep(self.run_on.low)}
+        """Updates of what an earlier telegram said, in a cycle without one that counts."""
+        run = minimum(self.own.memory.run + abs_(self.own.odometer.distance), v.FARTHEST_MM)
+        told = {**self.own.reflector.keep(self.run_on.low), **self.own.search.keep(self.run_on.low)}
+        measured = self.own.memory.measured & self.own.odometer.admitted
+        return {**told, self.own.memory.run: run, self.own.memory.measured: measured}
 
     def unsupervised(self) -> dict[Var, Expr]:
         """Updates of linking in a mode that reports nothing: no group is announced, so none can be missed."""
@@ -335,5 +340,10 @@ class Judged:
         own, memory = self.own, self.own.memory
         nowhere = Interval(*(as_num(0, NM) for _ in range(3)))
         told = {**own.reflector.become(FALSE, own.reflector.place), **own.search.become(FALSE, own.search.place)}
-        group: dict[Var, Expr] = {memory.group: as_num(0, COUNT), memory.direction: v.DIRECTION_UNKNOWN}
+        group: dict[Var, Expr] = {
+            memory.group: as_num(0, COUNT),
+            memory.run: as_num(0, MM),
+            memory.measured: FALSE,
+            memory.direction: v.DIRECTION_UNKNOWN,
+        }
         return {**own.held.become(nowhere), **group, **told}

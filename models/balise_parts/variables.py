@@ -87,6 +87,9 @@ READ = members(
     OUT_OF_PLACE,
     TOO_COARSE,
 ) = READ
+MOST_RATE_PPM = 900_000
+FARTHEST_MM = 10**12
+"""Where the count of measured distance ends: a million kilometres."""
 DIRECTION = members("direction", "UNKNOWN", "ALONG")
 DIRECTION_UNKNOWN, ALONG = DIRECTION
 
@@ -120,6 +123,10 @@ class BaliseConfig(Config):
             raise ValueError(
                 f"tolerance_mm {self.tolerance_mm} is not above the odometer's one-off constant, the detection accuracy and "
                 f"one measuring step, {least} mm together: no group can locate within it; raise the tolerance."
+            )
+        if self.odometer.rate_ppm > MOST_RATE_PPM:
+            raise ValueError(
+                f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance."
             )
         if self.odometer.drift_mm_s2:
             raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")
@@ -157,7 +164,9 @@ class Memory:
     given_up         the last announced group whose expectation ended without it being accepted; 0: none
     missed           announced groups in a row that were given up, at most 2
     ended            announced groups given up in this cycle
-    accuracy         location accuracy that the last accepted group was charged with
+    accuracy         location accuracy that the last group that counted was charged with
+    run              distance measured since that group
+    measured         that is the whole way: the group came with a latched counter, and no distance was missing since
     """
 
     group: NumVar
@@ -166,6 +175,8 @@ class Memory:
     missed: NumVar
     ended: NumVar
     accuracy: NumVar
+    run: NumVar
+    measured: BoolVar
     direction: NumVar
     verdict: NumVar
     reaction: NumVar
@@ -173,10 +184,10 @@ class Memory:
 
     def state(self) -> dict[Var, Initial]:
         """State variables with initial values: nothing was read."""
-        zeros = (self.group, self.place, self.given_up, self.missed, self.ended, self.accuracy)
+        zeros = (self.group, self.place, self.given_up, self.missed, self.ended, self.accuracy, self.run)
         counts: dict[Var, Initial] = dict.fromkeys(zeros, 0)
         said: dict[Var, Initial] = {self.verdict: NONE, self.reaction: NO_REACTION, self.reason: NO_REFERENCE}
-        return {**counts, self.direction: DIRECTION_UNKNOWN, **said}
+        return {**counts, self.measured: False, self.direction: DIRECTION_UNKNOWN, **said}
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,6 +311,8 @@ def _memory(config: BaliseConfig) -> Memory:
         missed=number("missed_in_row", COUNT, 0, 2),
         ended=number("given_up_now", COUNT, 0, config.announced_groups),
         accuracy=number("charged_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM),
+        run=number("run_mm", MM, 0, FARTHEST_MM),
+        measured=boolean("whole_run_measured"),
         direction=choice("known_direction", enumeration(DIRECTION)),
         verdict=choice("telegram_judged", enumeration(READ)),
         reaction=choice("linking_reaction_now", enumeration(REACTION)),

@@ -274,6 +274,18 @@ def test_a_rejected_telegram_tells_nothing() -> None:
     assert out(read_at(30, telling, telling))["reflector_known"] is False
 
 
+# ------------------------------------------------------------------ what the audit reckons with
+
+
+def test_the_audited_stretch_is_run_without_loss() -> None:
+    """RFL-D4: 560 m at 5 % and 2 m use up the audit's 30 m; up to there nothing is lost, and the run says so."""
+    trace = drive(until(580, located()))
+    kept = next(index for index, one in enumerate(trace.steps) if not one.outputs["valid"]) - 1
+    assert out(trace, kept)["distance_run_mm"] == 559_000  # one millimetre of the tolerance goes to rounding
+    assert out(trace, kept)["run_measured"] is True
+    assert out(drive([*located(), {}, step()]))["run_measured"] is False
+
+
 # ------------------------------------------------------------------ configuration
 
 
@@ -282,6 +294,7 @@ def test_a_rejected_telegram_tells_nothing() -> None:
     [
         ({"tolerance_mm": 6_000}, "no group can locate within it"),
         ({"odometer": ErrorLaw(kind="accelerometer", drift_mm_s2=5)}, "takes a unit that counts distance"),
+        ({"odometer": ErrorLaw(kind="wheel", rate_ppm=950_000)}, "such an odometer measures no distance"),
         ({"announced_groups": 1}, "greater than or equal to 2"),
         ({"tolerance_m": 5}, "Extra inputs are not permitted"),
     ],

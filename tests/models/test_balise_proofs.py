@@ -140,6 +140,10 @@ BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
         ("a reset never widens",),
     ),
     "optimistic margin": (changed("run on", less_margin), ("containment", "margins never shrink")),
+    "distance run not counted": (
+        changed("run on", lambda good: {good.own.memory.run: good.own.memory.run}),
+        ("margin as the audit reckons it",),
+    ),
     "tolerance forgotten": (without("tolerance exceeded"), ("tolerance",)),
     "silence forgotten": (without("sensors failed"), ("silence delocalizes",)),
     "linking accuracy ignored": (
