@@ -6,6 +6,7 @@ answer to its `check-sat` is `unsat`. Shared sub-terms become definitions, so th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import assert_never
@@ -29,6 +30,11 @@ from safeloc.nodes import (
     Truth,
 )
 from safeloc.terms import in_order
+
+_TAKEN = re.compile(
+    r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"
+    r"|divisible|int\..*|real\..*|t\d+|[^A-Za-z0-9]+"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +74,16 @@ def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:
         names[node] = _text(node, names)
         return []
     if isinstance(node, (NumVar, BoolVar)):
-        names[node] = f"|{node.name}|"
-        return [f"(declare-const |{node.name}| {_sort(node)})"]
+        names[node] = _symbol(node.name)
+        return [f"(declare-const {_symbol(node.name)} {_sort(node)})"]
     names[node] = f"t{number}"
     return [f"(define-fun t{number} () {_sort(node)} {_text(node, names)})"]
+
+
+def _symbol(name: str) -> str:
+    """A variable's name in the text. `|true|` would be true itself and `|t5|` a term of ours: those end in an apostrophe."""
+    taken = _TAKEN.fullmatch(name.rstrip("'"))
+    return f"|{name}'|" if taken else f"|{name}|"
 
 
 def _sort(node: Expr) -> str:
@@ -85,7 +97,7 @@ def _text(node: Node, of: Mapping[Expr, str]) -> str:
         case Truth(value):
             return "true" if value else "false"
         case NumVar() | BoolVar():
-            return f"|{node.name}|"
+            return _symbol(node.name)
         case Add(a, b):
             return f"(+ {of[a]} {of[b]})"
         case Sub(a, b):

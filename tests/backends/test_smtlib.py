@@ -106,6 +106,14 @@ def test_past_operators_are_refused() -> None:
         to_smtlib(Query("past", [], {"once": Past("once", (boolean("flag"),))}))
 
 
+@pytest.mark.parametrize("name", ["true", "true'", "not", "abs", "div", "t3", "t4", "t7", "t8", "t8'", "int.pow2", "_"])
+def test_names_that_the_language_takes_are_free_for_variables(name: str) -> None:
+    """A variable may be called like a word of SMT-LIB or like a term of the text, and two alike stay two."""
+    x, y = number(name, COUNT, 0, 9), number("t8", COUNT, 0, 9) if name != "t8" else number("true", COUNT, 0, 9)
+    text = to_smtlib(Query("names", [x > 3, y > x], {"sum": x + y > 8, "one": x + 1 > 5}))
+    assert ["unsat", "sat"] == answers(text)
+
+
 @pytest.mark.parametrize("name", ["x@1", "x|y", "x\\", "", "x\n"])
 def test_names_that_would_be_misread_are_refused(name: str) -> None:
     """A name that could be taken for another one, or end its own quotes, never comes to a proof."""
