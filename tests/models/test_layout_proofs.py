@@ -1,0 +1,159 @@
+"""What the layout rules are for, proved for all lengths by z3 and again by cvc5; a looser rule does not suffice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import pytest
+
+from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.expr import FALSE, Bool, Lit, Num, abs_, as_num, between, exact_to, number
+from safeloc.models import layout_rules as rules
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.provers.implication import Refuted, unproved
+from safeloc.provers.recheck import recheck
+from safeloc.units import MM, NM, PPM
+
+LAYOUTS = {
+    "default": LayoutConfig(),
+    "fine": LayoutConfig(
+        tolerance_mm=10_000, odometry_constant_mm=1_000, odometry_rate_ppm=20_000, sensor_offset_mm=1_500
+    ),
+    "coarse": LayoutConfig(
+        tolerance_mm=90_000, odometry_rate_ppm=300_000, antenna_offset_mm=7_000, map_accuracy_mm=900
+    ),
+}
+REACH = 10**9
+
+
+def mm(name: str, low: int = 0) -> Num:
+    """A length."""
+    return number(name, MM, low, REACH)
+
+
+SPACING, VIEW_FROM, VIEW_TO = mm("spacing"), mm("view_from"), mm("view_to")
+TRUE_MM, ESTIMATE = mm("true", -REACH), mm("estimate", -REACH)
+MEASURED, FIX, OTHER, STATED = mm("measured"), mm("fix_error"), mm("other", -REACH), mm("stated")
+POSITIVE = [one >= 0 for one in (SPACING, VIEW_FROM, VIEW_TO, MEASURED, FIX, STATED)]
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """Under `given`, and a rule of the layout, the goal holds; with `loose` in the rule's place it does not."""
+
+    given: Sequence[Bool]
+    rule: Bool
+    loose: Bool
+    goal: Bool
+
+
+def near(first: Num, second: Num, bound: int) -> Bool:
+    """Two lengths differ by at most so much."""
+    return abs_(first - second) <= bound
+
+
+def stretch(layout: LayoutConfig) -> Claim:
+    """However a stretch is measured, within the law, its charged error keeps the tolerance; 1 mm more and it may not."""
+    law = exact_to(MEASURED - SPACING - layout.odometry_constant_mm, NM) <= MEASURED * Lit(
+        layout.odometry_rate_ppm, PPM
+    )
+    goal = rules.odometry_error_nm(MEASURED, FIX, layout) <= exact_to(as_num(layout.tolerance_mm, MM), NM)
+    bare = exact_to(FIX + layout.odometry_constant_mm, NM) + SPACING * Lit(layout.odometry_rate_ppm, PPM)
+    loose = bare <= exact_to(as_num(layout.tolerance_mm, MM), NM)
+    return Claim([law], rules.stretch_is_tolerable(SPACING, FIX, layout), loose, goal)
+
+
+def next_is_searched(layout: LayoutConfig) -> Claim:
+    """While the next reflector is searched, by any estimate, the previous one (at 0) is out of view."""
+    searching = ESTIMATE >= SPACING - VIEW_FROM - layout.tolerance_mm
+    rule = rules.alone_in_search_window(SPACING, VIEW_FROM, VIEW_TO, layout)
+    loose = VIEW_FROM - VIEW_TO + layout.tolerance_mm < SPACING
+    return Claim([near(ESTIMATE, TRUE_MM, layout.tolerance_mm), searching], rule, loose, TRUE_MM > -VIEW_TO)
+
+
+def previous_is_searched(layout: LayoutConfig) -> Claim:
+    """While the previous reflector (at 0) is searched, by any estimate, the next one is not yet in view."""
+    searching = ESTIMATE <= -VIEW_TO + layout.tolerance_mm
+    rule = rules.alone_in_search_window(SPACING, VIEW_FROM, VIEW_TO, layout)
+    loose = VIEW_FROM - VIEW_TO + layout.tolerance_mm < SPACING
+    return Claim([near(ESTIMATE, TRUE_MM, layout.tolerance_mm), searching], rule, loose, TRUE_MM < SPACING - VIEW_FROM)
+
+
+def separable(layout: LayoutConfig) -> Claim:
+    """An echo of the one, placed by estimate and measurement, does not fall on the place of the other (at 0)."""
+    placed, fix = SPACING + ESTIMATE - TRUE_MM + OTHER, layout.reflector_fix_mm
+    given = [near(ESTIMATE, TRUE_MM, layout.tolerance_mm), between(-fix, OTHER, fix)]
+    loose = SPACING > 2 * layout.tolerance_mm
+    return Claim(given, rules.separable_by_distance(SPACING, layout), loose, abs_(placed) > layout.tolerance_mm + fix)
+
+
+def windows(layout: LayoutConfig) -> Claim:
+    """No place lies in the expectation windows of both groups."""
+    either = layout.tolerance_mm + layout.detection_accuracy_mm
+    given = [abs_(OTHER) <= FIX + either]
+    rule = rules.expectation_windows_apart(SPACING, FIX, STATED, layout)
+    loose = FIX + STATED + layout.tolerance_mm < SPACING
+    return Claim(given, rule, loose, abs_(OTHER - SPACING) > STATED + either)
+
+
+def stop(layout: LayoutConfig) -> Claim:
+    """Stopped anywhere in the window, the radar has the reflector in view."""
+    before, after = mm("before"), mm("after")
+    seen = SPACING - OTHER + layout.sensor_offset_mm
+    given = [before >= 0, after >= 0, between(-before, OTHER, after)]
+    rule = rules.stop_reflector_in_view(SPACING, before, after, VIEW_FROM, VIEW_TO, layout)
+    loose = rules.stop_reflector_in_view(SPACING, as_num(0, MM), after, VIEW_FROM, VIEW_TO, layout)
+    return Claim(given, rule, loose, between(VIEW_TO, seen, VIEW_FROM))
+
+
+def function_test(layout: LayoutConfig) -> Claim:
+    """Wherever the balise is read and whatever the survey, the radar has the reflector in view then."""
+    most = layout.detection_accuracy_mm + layout.map_accuracy_mm
+    seen = SPACING + OTHER - (layout.antenna_offset_mm - layout.sensor_offset_mm)
+    rule = rules.reference_measurement_possible(SPACING, VIEW_FROM, VIEW_TO, layout)
+    loose = between(VIEW_TO, SPACING, VIEW_FROM)
+    return Claim([between(-most, OTHER, most)], rule, loose, between(VIEW_TO, seen, VIEW_FROM))
+
+
+def search_start(layout: LayoutConfig) -> Claim:
+    """When the view zone begins, the telegram has let the search begin, by any estimate of the way since the balise."""
+    begins = TRUE_MM >= SPACING - VIEW_FROM
+    given = [near(ESTIMATE, TRUE_MM, layout.tolerance_mm), begins, ESTIMATE >= 0]
+    rule = rules.search_starts_in_time(STATED, SPACING, VIEW_FROM, layout)
+    return Claim(given, rule, STATED <= SPACING - VIEW_FROM, ESTIMATE >= STATED)
+
+
+CLAIMS: dict[str, Callable[[LayoutConfig], Claim]] = {
+    claim.__name__: claim
+    for claim in (
+        stretch,
+        next_is_searched,
+        previous_is_searched,
+        separable,
+        windows,
+        stop,
+        function_test,
+        search_start,
+    )
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("name", CLAIMS)
+def test_the_rule_suffices(name: str, layout: str) -> None:
+    """For every length: proved by z3, confirmed by cvc5; the rule itself can be kept."""
+    claim = CLAIMS[name](LAYOUTS[layout])
+    kept = [*POSITIVE, *claim.given, claim.rule]
+    assert {} == unproved(Query(name, kept, {"goal": claim.goal}), 30)
+    assert ["unsat"] == recheck(f"{name}.smt2", to_smtlib(Query(name, kept, {"goal": claim.goal})), 1)
+    assert isinstance(unproved(Query(name, kept, {"nothing": FALSE}), 30)["nothing"], Refuted)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("name", CLAIMS)
+def test_a_looser_rule_does_not_suffice(name: str, layout: str) -> None:
+    """With the obvious but looser rule there is a counterexample."""
+    claim = CLAIMS[name](LAYOUTS[layout])
+    kept = [*POSITIVE, *claim.given, claim.loose]
+    assert isinstance(unproved(Query(name, kept, {"goal": claim.goal}), 30).get("goal"), Refuted)
