@@ -111,6 +111,7 @@ def simulate(
     foreign: float = 0.002,
     national_accuracy_mm: int | None = 5_000,
     legs: Sequence[Leg] | None = None,
+    motion: Motion | None = None,
     faults: Sequence[GroupFault] = (),
     sensor_faults: Sequence[Fault] = (),
 ) -> Steps:
@@ -118,6 +119,7 @@ def simulate(
 
     missed   the share of groups that are not read; foreign: the share of cycles with a group of another track
     national_accuracy_mm  told in the first cycle; None: the default counts
+    motion   how the vehicle runs; instead of it legs to drive, a random service by default
     faults   named faults of groups; none of them breaks the assumption
     sensor_faults  named faults of `odometer`; while one is active the assumption may be broken
     InputError for a fault of a group that the line does not have.
@@ -125,7 +127,8 @@ def simulate(
     rng = np.random.default_rng(seed)
     known = list(groups) if groups is not None else line()
     vehicle = vehicle_of(config)
-    motion = move(vehicle, legs or plan(vehicle, seconds, rng, reversals=False), config.period_ms)
+    if motion is None:
+        motion = move(vehicle, legs or plan(vehicle, seconds, rng, reversals=False), config.period_ms)
     check_faults(sensor_faults, ["odometer"], len(motion.position_nm))
     _check_group_faults(faults, known)
     law = Law(
@@ -154,13 +157,13 @@ def _spots(
 ) -> list[Passage]:
     """Where the front end really is when each group is read: off by up to nine tenths of all accuracies."""
     kinds = {fault.group: fault.kind for fault in faults}
-    shifts = {"early": -DISPLACED_MM, "late": DISPLACED_MM}
+    shifts: dict[GroupFaultKind | None, int] = {"early": -DISPLACED_MM, "late": DISPLACED_MM}
     spots = []
     for group in groups:
         fault = kinds.get(group.identity)
         accuracy = national_mm if group.accuracy_mm is None else min(national_mm, group.accuracy_mm)
         error = rng.uniform(-0.9, 0.9) * accuracy + rng.uniform(-0.9, 0.9) * config.detection_mm
-        place = group.place_mm + config.antenna_mm + shifts.get(fault or "", 0)
+        place = group.place_mm + config.antenna_mm + shifts.get(fault, 0)
         spots.append(Passage(group, 0.0, int((place + error) * NM_PER_MM), fault))
     return spots
 
