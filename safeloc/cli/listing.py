@@ -1,4 +1,4 @@
-"""`safeloc list`: machines, properties, and requirements with what carries and shows them, both ways."""
+"""`safeloc list`: machines, properties, shipped lines, and requirements with what carries and shows them, both ways."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import typer
 
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.show import out, print_json
+from safeloc.line.toml_files import load_line, shipped_lines
 from safeloc.requirements import Item, Link, traceability
 
 
 def list_(
-    what: Annotated[str, typer.Argument(help="machines, properties or requirements")] = "machines",
+    what: Annotated[str, typer.Argument(help="machines, properties, requirements or lines")] = "machines",
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only")] = False,
 ) -> None:
-    """List machines, properties, or requirements with the transitions and properties that answer for them."""
-    kinds = {"machines": _machines, "properties": _properties, "requirements": _requirements}
+    """List machines, properties, requirements with the transitions and properties that answer for them, or lines."""
+    kinds = {"machines": _machines, "properties": _properties, "requirements": _requirements, "lines": _shipped_lines}
     if what not in kinds:
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
     data, lines = kinds[what]()
@@ -40,6 +41,12 @@ def _properties() -> tuple[Any, Sequence[str]]:
         for name in ENTRIES
         for prop in load_target(name).properties
     ]
+    return rows, _lines(rows)
+
+
+def _shipped_lines() -> tuple[Any, Sequence[str]]:
+    lines = [load_line(path) for path in shipped_lines().values()]
+    rows = [{"name": line.name, "version": line.version, "source": line.source} for line in lines]
     return rows, _lines(rows)
 
 

@@ -76,3 +76,8 @@ def test_wrong_input_ends_in_2(call: Call, tmp_path: Path) -> None:
         called = call("audit", *arguments)
         assert (2, "") == (called.code, called.out)
         assert told in called.err
+
+
+def test_shipped_lines_are_listed(call: Call) -> None:
+    """Names that `audit` takes, with where the lines come from."""
+    assert "fig3  1  ES 2 657 990 T3, Fig. 3; lengths chosen" in call("list", "lines").out.splitlines()
