@@ -34,7 +34,7 @@ def test_run_between_resets_is_proved(case: str) -> None:
     """MRK-D5: the worst run is max(L, D - L) for every 0 < L < D, and attained; no gain at L = 0, L = D and, with one
     identity that waits, beyond."""
     whole = compose_field(*CASES[case])
-    findings = prove(whole.composition.system, properties(whole), Limits(seconds=90), jobs=2)
+    findings = prove(whole.composition.system, properties(whole), Limits(seconds=200), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 

@@ -40,7 +40,7 @@ def test_containment_with_one_faulty_unit_is_proved(devices: int) -> None:
 def test_a_hidden_fault_adds_no_more_than_twice_the_law() -> None:
     """Without `single_fault_safe`, what a fault too small to be seen can add is bounded, and the bound is proved."""
     made = model(OdometryConfig())
-    findings = prove(lower(made.machine), properties(made), Limits(seconds=90), jobs=2)
+    findings = prove(lower(made.machine), properties(made), Limits(seconds=200), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 

@@ -33,7 +33,7 @@ def test_never_worse_than_the_front_reader_alone(trusted: bool) -> None:
 def test_no_true_reading_is_refused(devices: int) -> None:
     """What the comparison asks of a stream holds on every line whose markers come in order and are read truly."""
     whole = compose_line(OdometryConfig(devices=devices))  # type: ignore[arg-type]
-    findings = prove(whole.composition.system, line_properties(whole), Limits(seconds=90), jobs=2)
+    findings = prove(whole.composition.system, line_properties(whole), Limits(seconds=200), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 
