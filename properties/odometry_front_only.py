@@ -7,7 +7,7 @@ from safeloc.models.odometry_front_only import Comparison
 from safeloc.models.odometry_line_ahead import LineAhead
 from safeloc.models.odometry_parts.marker_reading import OUT_OF_ORDER, OUT_OF_WINDOW, REPEATED
 from safeloc.properties.odometry import LAW
-from safeloc.spec import Property, always, never
+from safeloc.spec import Property, always
 
 GIVEN = (
     "neither machine turns about, refuses a reading of the front reader, or finds its devices excluding each other; while "
@@ -50,7 +50,7 @@ def line_properties(whole: LineAhead) -> list[Property]:
     """What the comparison asks of a stream holds on every line ahead."""
     source, says = whole.source, whole.says
     verdict = says.num(source.own.readers[0].verdict)
-    found = [
+    return [
         always(
             "no true reading is refused",
             ~verdict.one_of(REPEATED, OUT_OF_ORDER, OUT_OF_WINDOW),
@@ -59,15 +59,3 @@ def line_properties(whole: LineAhead) -> list[Property]:
             assumption=ON_A_LINE,
         )
     ]
-    if len(source.own.devices) == 2:
-        contradiction = says.bool(source.machine.fired("devices contradict each other"))
-        found.append(
-            never(
-                "devices agree",
-                contradiction,
-                statement="on a line ahead the two devices never exclude each other",
-                trace=SOURCES,
-                assumption=ON_A_LINE,
-            )
-        )
-    return found
