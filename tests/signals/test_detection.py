@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 
@@ -62,3 +64,11 @@ def test_nothing_on_the_rim_or_in_the_blind_range() -> None:
     image = with_echoes((300, 0), (300, SHAPE[1] - 1), (SHAPE[0] - 1, 8), (0, 8), (blind, 8))
     assert len(peaks(image, CONFIG)) == 0
     assert len(peaks(with_echoes((blind + 2, 8)), CONFIG)) == 1
+
+
+def test_without_scipy_the_message_says_what_to_install() -> None:
+    """The extra is named where the import fails."""
+    code = "import sys; sys.modules['scipy'] = None; import safeloc.signals.detection"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "EngineError: radar images are read with scipy: pip install 'safeloc[signals]'." in done.stderr
