@@ -38,6 +38,7 @@ def test_run_between_resets_is_proved(case: str) -> None:
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_every_field_can_be_run_over(case: str) -> None:
     """The assumption of each case is kept by some run that moves."""
@@ -75,6 +76,7 @@ def test_a_wrong_worst_run_is_violated() -> None:
     assert isinstance(finding.result, Violated)
 
 
+@pytest.mark.slow
 def test_nothing_of_the_field_is_taken_on_trust() -> None:
     """Every lemma of the field is proved; what is dropped are ranges that only the line's end keeps."""
     known = base(compose_field(WITHOUT_LENGTH).composition.system, seconds=60)

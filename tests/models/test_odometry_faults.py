@@ -27,7 +27,8 @@ def model(config: OdometryConfig) -> odometry.Odometry:
     return odometry.build(parts(config, with_fault=True))
 
 
-@pytest.mark.parametrize("devices", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("devices", [1, 2])
 def test_containment_with_one_faulty_unit_is_proved(devices: int) -> None:
     """MRK-4: with `single_fault_safe`, whichever unit is faulty, the reported interval holds the truth: unbounded."""
     made = model(SAFE.model_copy(update={"devices": devices}))
@@ -61,6 +62,7 @@ def test_a_hidden_fault_can_make_the_plain_interval_wrong() -> None:
     assert result.trace.steps[0].state["faulty_unit"] != 0
 
 
+@pytest.mark.slow
 def test_a_missing_charge_is_noticed() -> None:
     """A margin that grows by one nanometre a cycle less than it must is not proved to hold the truth."""
     made = model(SAFE.model_copy(update={"devices": 1}))

@@ -37,6 +37,7 @@ def test_no_true_reading_is_refused(devices: int) -> None:
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
 
 
+@pytest.mark.slow
 def test_the_comparison_is_not_empty() -> None:
     """Some run keeps its assumption, and comes where the front reader alone reports and the other one is better."""
     whole = compose_comparison(OdometryConfig(trust_first_marker=True))
