@@ -23,9 +23,6 @@ class Interval:
         if self.low > self.high:
             raise InputError(f"an interval from {self.low} to {self.high} holds nothing; give the lower bound first.")
 
-    def __add__(self, other: Interval) -> Interval:
-        return Interval(self.low + other.low, self.high + other.high)
-
     def __mul__(self, other: Interval) -> Interval:
         corners = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
         return Interval(min(corners), max(corners))
