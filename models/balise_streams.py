@@ -16,6 +16,7 @@ import numpy as np
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.models.balise import machine
+from safeloc.models.balise_parts.groups import Group, Orientation, Reaction, announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
@@ -24,8 +25,6 @@ from safeloc.system import lower, without_ghosts
 
 DISPLACED_MM = 100_000
 Steps = list[dict[str, Cell]]
-Orientation = Literal["NOMINAL", "REVERSE"]
-Reaction = Literal["NONE", "SERVICE_BRAKE", "TRAIN_TRIP"]
 GroupFaultKind = Literal[
     "missed",
     "corrupted",
@@ -38,25 +37,6 @@ GroupFaultKind = Literal[
     "malformed",
     "other identity",
 ]
-
-
-@dataclass(frozen=True)
-class Group:
-    """A balise group of the line: `place_mm` is that of balise 1 along the route.
-
-    accuracy_mm   location accuracy that linking gives; None: the national or default value counts
-    reflector_mm  from balise 1 to the next reflector, told by the telegram; None: it says nothing
-    """
-
-    identity: int
-    place_mm: int
-    balises: int = 2
-    orientation: Orientation = "NOMINAL"
-    accuracy_mm: int | None = 3_000
-    reaction: Reaction = "SERVICE_BRAKE"
-    linked: bool = True
-    reflector_mm: int | None = None
-    search_mm: int | None = None
 
 
 @dataclass(frozen=True)
@@ -156,7 +136,7 @@ def _spots(
     faults: Sequence[GroupFault],
 ) -> list[Passage]:
     """Where the front end really is when each group is read: off by up to nine tenths of all accuracies."""
-    kinds = {fault.group: fault.kind for fault in faults}
+    kinds: dict[int, GroupFaultKind] = {fault.group: fault.kind for fault in faults}
     shifts: dict[GroupFaultKind | None, int] = {"early": -DISPLACED_MM, "late": DISPLACED_MM}
     spots = []
     for group in groups:
@@ -274,39 +254,6 @@ class _Run:
             read["telegram_since_mm"] = since
             ghosts["reading_wander_nm"] = wander
         return read, ghosts
-
-
-def announcement(group: Group, *, order: Literal["ADD", "REPLACE"] = "ADD") -> dict[str, Cell]:
-    """The inputs that announce a group."""
-    inputs: dict[str, Cell] = {
-        "linking_order": order,
-        "linking_group": group.identity,
-        "linking_position_mm": group.place_mm,
-        "linking_reaction": group.reaction,
-        "linking_orientation": group.orientation if group.balises > 1 else "UNKNOWN",
-    }
-    return inputs if group.accuracy_mm is None else {**inputs, "linking_accuracy_mm": group.accuracy_mm}
-
-
-def telegram(group: Group, *, age_ms: int = 0, since_mm: int | None = None, place: bool = True) -> dict[str, Cell]:
-    """The inputs of a whole and undamaged reading, passed as the route has it; `place`: the map knows the group."""
-    nominal = group.orientation == "NOMINAL"
-    inputs: dict[str, Cell | None] = {
-        "telegram_group": group.identity,
-        "telegram_link": "LINKED" if group.linked else "UNLINKED",
-        "telegram_check": "PASSED",
-        "telegram_total": group.balises,
-        "telegram_read": group.balises,
-        "telegram_first": 1 if nominal else group.balises,
-        "telegram_last": group.balises if nominal else 1,
-        "telegram_age_ms": age_ms,
-        "telegram_position_mm": group.place_mm if place else None,
-        "telegram_orientation": group.orientation if place else None,
-        "telegram_since_mm": since_mm,
-        "telegram_reflector_mm": group.reflector_mm,
-        "telegram_search_mm": group.search_mm,
-    }
-    return {name: value for name, value in inputs.items() if value is not None}
 
 
 def _with_fault(read: dict[str, Cell], fault: GroupFaultKind | None) -> dict[str, Cell]:

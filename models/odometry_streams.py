@@ -32,22 +32,26 @@ def simulate(
     seed: int,
     seconds: float = 300.0,
     markers: Sequence[tuple[int, int]] | None = None,
-    marker_accuracy_mm: int = 1_000,
+    marker_accuracy_mm: int | Mapping[int, int] = 1_000,
     dropout: float = 0.01,
     missed: float = 0.05,
     foreign: float = 0.002,
     legs: Sequence[Leg] | None = None,
+    motion: Motion | None = None,
     faults: Sequence[Fault | ReaderFault] = (),
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
     markers  (identity, place in mm) in order of place; every 250 m by default
+    marker_accuracy_mm  of all markers, or of each by its identity
+    motion   how the vehicle runs; instead of it legs to drive, a random service by default
     faults   named faults of `front_wheel`, `front_radar`, ... (Fault) and of `front_marker`, `rear_marker` (ReaderFault);
              while one is active the assumption may be broken
     """
     rng = np.random.default_rng(seed)
     vehicle = vehicle_of(config)
-    motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
+    if motion is None:
+        motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
     ends = ("front", "rear")[: config.devices]
     laws = (config.first_unit, config.second_unit)
     names, cycles = [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm)

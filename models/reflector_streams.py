@@ -19,7 +19,7 @@ from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import NM_PER_MM, Distances, Law, measure
+from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
 from safeloc.streams.steps import Cell
 from safeloc.system import lower, without_ghosts
 
@@ -31,12 +31,16 @@ NOWHERE = "NONE"
 
 @dataclass(frozen=True)
 class Reflector:
-    """A reflector of the line; lengths in mm along the route."""
+    """A reflector of the line; lengths in mm along the route.
+
+    clear_mm  distance to the nearest other one of its model on any track; None: by the reflectors of this route
+    """
 
     position_mm: int
     model: str
     view_from_mm: int = 120_000
     view_to_mm: int = 5_000
+    clear_mm: int | None = None
 
 
 @dataclass(frozen=True)
@@ -55,14 +59,18 @@ class Route:
     """Balises and reflectors along one route, as the map has them and as they stand.
 
     missing  positions of reflectors that the map has and the track has not
+    beside   reflectors of other tracks that are seen from this one, each where it would stand along this route
     """
 
     balises: tuple[Balise, ...]
     reflectors: tuple[Reflector, ...]
     missing: frozenset[int] = frozenset()
+    beside: tuple[Reflector, ...] = ()
 
     def clear_mm(self, one: Reflector) -> int:
         """The distance to the nearest other reflector of the same model; the whole line's length where there is none."""
+        if one.clear_mm is not None:
+            return one.clear_mm
         others = [abs(other.position_mm - one.position_mm) for other in self.reflectors
                   if other is not one and other.model == one.model]  # fmt: skip
         return min(others, default=1_000_000)
@@ -110,7 +118,7 @@ class Disturbance:
 
 @dataclass(frozen=True)
 class Scene:
-    """What one run is made of."""
+    """What one run is made of. `sensor_faults` are those of the odometer `wheel`; only a drop-out keeps the assumption."""
 
     route: Route = FIGURE_1
     error_mm: int = 200
@@ -118,6 +126,7 @@ class Scene:
     pauses: float = 0.02
     dropout: float = 0.005
     disturbances: tuple[Disturbance, ...] = field(default=())
+    sensor_faults: tuple[Fault, ...] = ()
 
 
 def simulate(
@@ -139,7 +148,8 @@ def simulate(
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )
-    odometer = measure("wheel", motion, law, rng, dropout=scene.dropout)
+    check_faults(scene.sensor_faults, ["wheel"], len(motion.position_nm))
+    odometer = measure("wheel", motion, law, rng, dropout=scene.dropout, faults=scene.sensor_faults)
     return _Run(config, scene, motion, odometer, rng).steps()
 
 
@@ -242,7 +252,7 @@ class _Run:
         if self._hit("blind", cycle):
             return []
         seen = []
-        for one in self._scene.route.reflectors:
+        for one in sorted((*self._scene.route.reflectors, *self._scene.route.beside), key=_position):
             range_mm = round(one.position_mm - at_frame / NM_PER_MM) + self._config.radar_offset_mm
             if one.position_mm not in self._scene.route.missing and one.view_to_mm <= range_mm < 2 * one.view_from_mm:
                 seen.append(self._echo(one, range_mm, cycle))

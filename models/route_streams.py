@@ -19,7 +19,7 @@ from safeloc.models.route import machine
 from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.nodes import Value
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import NM_PER_MM, Law, measure
+from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
 from safeloc.streams.steps import Cell
 from safeloc.system import lower, without_ghosts
 
@@ -88,7 +88,10 @@ def simulate(
     taken: int,
     *,
     seed: int,
-    legs: Sequence[Leg],
+    legs: Sequence[Leg] = (),
+    motion: Motion | None = None,
+    sensor_faults: Sequence[Fault] = (),
+    authorised: int = 0,
     start_error_mm: int = 4_000,
     radar_error_mm: int = 200,
     missed: Collection[str] = (),
@@ -96,6 +99,9 @@ def simulate(
 ) -> Steps:
     """One run along the way numbered `taken`: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
+    legs, motion   how the vehicle runs: one of the two
+    sensor_faults  named faults of `odometer`; only a drop-out keeps the assumption
+    authorised     number of the route that the movement authority names; 0: none
     missed   identities of reflectors that are never seen
     misread  identity of a reflector -> the model it is taken for; this breaks the assumption
     InputError for a way that is none of `ways`, or more ways than the configuration has routes.
@@ -104,24 +110,29 @@ def simulate(
     if true is None or not {one.number for one in ways} <= set(range(1, config.routes + 1)):
         raise InputError(f"route {taken} of {config.routes}: the ways are numbered {[one.number for one in ways]}.")
     rng = np.random.default_rng(seed)
-    vehicle = VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
-    motion = move(vehicle, legs, config.period_ms)
-    run = _Run(config, ways, true, motion, rng, start_error_mm, radar_error_mm, set(missed), dict(misread or {}))
-    return [run.start(), *(run.step(number) for number in range(len(motion.position_nm)))]
+    if motion is None:
+        vehicle = VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
+        motion = move(vehicle, legs, config.period_ms)
+    check_faults(sensor_faults, ["odometer"], len(motion.position_nm))
+    law = Law(
+        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
+    )
+    distances = measure("odometer", motion, law, rng, dropout=0.01, faults=sensor_faults)
+    run = _Run(
+        config, ways, true, motion, distances, rng, start_error_mm, radar_error_mm, set(missed), dict(misread or {})
+    )
+    steps = [run.start(), *(run.step(number) for number in range(len(motion.position_nm)))]
+    return [{**step, "authorised_route": authorised} for step in steps]
 
 
 class _Run:
     """A run under way: the machine on board, and the world it runs in."""
 
     def __init__(
-        self, config: RouteConfig, ways: Sequence[Way], true: Way, motion: Motion, rng: np.random.Generator,
-        start_error_mm: int, radar_error_mm: int, missed: set[str], misread: dict[str, str],
+        self, config: RouteConfig, ways: Sequence[Way], true: Way, motion: Motion, distances: Distances,
+        rng: np.random.Generator, start_error_mm: int, radar_error_mm: int, missed: set[str], misread: dict[str, str],
     ) -> None:  # fmt: skip
-        law = config.odometer
-        self._ways, self._true, self._motion, self._rng = ways, true, motion, rng
-        self._distances = measure(
-            "odometer", motion, Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s), rng, dropout=0.01
-        )
+        self._ways, self._true, self._motion, self._distances, self._rng = ways, true, motion, distances, rng
         self._start_error_mm, self._radar_error_mm = start_error_mm, radar_error_mm
         self._missed, self._misread, self._wander = missed, misread, 0
         self._offset = int(rng.uniform(-0.9, 0.9) * start_error_mm) * NM_PER_MM - motion.start_nm

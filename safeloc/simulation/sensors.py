@@ -10,7 +10,7 @@ Both parts are returned, so that a monitor can check the law exactly. Faults bre
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, assert_never
 
@@ -78,14 +78,17 @@ def measure(
     severity: float = 0.9,
     faults: Sequence[Fault] = (),
 ) -> Distances:
-    """Distances of one unit. `severity` is the part of the law that is used up (1: its ends)."""
+    """Distances of one unit. `severity` is the part of the law that is used up (1: its ends).
+
+    Of the faults, a drop-out keeps the law: a unit that is silent says nothing wrong.
+    """
     true, period = motion.step_nm, motion.period_ms
     cycles = len(true)
     bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
     slipping = _episodes(cycles, _slip_nm(law, severity), rng)
     step = np.zeros(cycles, dtype=np.int64)
     wander = np.zeros(cycles, dtype=np.int64)
-    present = rng.random(cycles) >= dropout
+    present = (rng.random(cycles) >= dropout) & ~_silenced(name, cycles, faults)
     last = 0
     for number in range(cycles):
         drift = int(np.clip(bias[number], -1, 1) * severity * _drift_nm(law, int(true[number]), period))
@@ -97,8 +100,15 @@ def measure(
         step[number] = round(raw / NM_PER_MM)
         wander[number] = last = target + raw - int(step[number]) * NM_PER_MM
     _check_wander(name, law, wander)
-    step, present = _faulty(name, step, present, faults)
-    return Distances(name, step, present, wander)
+    return Distances(name, _faulty(name, step, faults), present, wander)
+
+
+def _silenced(name: str, cycles: int, faults: Sequence[Fault]) -> NDArray[np.bool_]:
+    silent = np.zeros(cycles, dtype=np.bool_)
+    for fault in faults:
+        if fault.sensor == name and fault.kind == "drop-out":
+            silent[fault.begin : fault.end] = True
+    return silent
 
 
 def _slip_nm(law: Law, severity: float) -> float:
@@ -161,10 +171,8 @@ def check_faults(faults: Sequence[Timed], sensors: Sequence[str], cycles: int) -
             raise InputError(f"{fault}: needs 0 <= begin < end, and to begin within the run's {cycles} cycles.")
 
 
-def _faulty(
-    name: str, step: NDArray[np.int64], present: NDArray[np.bool_], faults: Sequence[Fault]
-) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    step, present = step.copy(), present.copy()
+def _faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDArray[np.int64]:
+    step = step.copy()
     for fault in faults:
         if fault.sensor != name:
             continue
@@ -177,7 +185,7 @@ def _faulty(
             case "jump":
                 step[fault.begin] += 50_000
             case "drop-out":
-                present[part] = False
+                pass  # absent already when it was measured
             case "slip":
                 step[part] = step[part] * 5 // 4
             case "slide":
@@ -186,7 +194,7 @@ def _faulty(
                 step[part] = step[fault.begin]
             case _:
                 assert_never(fault.kind)
-    return step, present
+    return step
 
 
 def read_markers(
@@ -194,7 +202,7 @@ def read_markers(
     end: int,
     offset_mm: int,
     markers: Sequence[tuple[int, int]],
-    accuracy_mm: int,
+    accuracy_mm: int | Mapping[int, int],
     rng: np.random.Generator,
     *,
     missed: float = 0.0,
@@ -202,7 +210,7 @@ def read_markers(
 ) -> list[Reading]:
     """Readings of the reader `offset_mm` behind end A. `markers` holds (identity, place in mm), in order of place.
 
-    A reading is off by up to nine tenths of the accuracy. `foreign` is the share of cycles with a marker of another
+    A reading is off by up to nine tenths of the accuracy, one for all markers or one each. `foreign` is the share of cycles with a marker of another
     track in them, whose identity the map does not have.
     """
     readings = []
@@ -212,9 +220,10 @@ def read_markers(
         passed = [(m, p) for m, p in markers if low < p * NM_PER_MM <= high]
         if passed and rng.random() >= missed:
             marker, spot = passed[-1]
-            error = float(rng.uniform(-0.9, 0.9)) * accuracy_mm
-            readings.append(Reading(cycle, end, marker, spot, accuracy_mm, round(place / NM_PER_MM - spot + error)))
+            own = accuracy_mm if isinstance(accuracy_mm, int) else accuracy_mm[marker]
+            error = float(rng.uniform(-0.9, 0.9)) * own
+            readings.append(Reading(cycle, end, marker, spot, own, round(place / NM_PER_MM - spot + error)))
         elif rng.random() < foreign:
-            readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, accuracy_mm, 0))
+            readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, 0, 0))
         before = int(place)
     return readings
