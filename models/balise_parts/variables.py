@@ -112,7 +112,7 @@ class BaliseConfig(Config):
     telegram_age_limit_ms: int = quantity(1_000, "ms", 1, 10_000, "[S] EUG 22E126: no data older than 1 s")
     reflector_reach_mm: int = quantity(10_000_000, "mm", 1, 100_000_000, "[D] a reflector within 10 km of its balise")
     announced_groups: int = quantity(2, "count", 2, 8, "[D] the expected group and the one after it")
-    last_group_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
+    last_group_identity: int = quantity(16_777_216, "count", 1, 1_000_000_000, "[S] NID_C 10 bits, NID_BG 14 bits")
     trust_first_group: bool = False
     free_references: bool = False
 

@@ -7,8 +7,8 @@ from functools import cache
 
 from safeloc.interpret import run
 from safeloc.models import balise
+from safeloc.models.balise_parts.groups import Group, announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
-from safeloc.models.balise_streams import Group, announcement, telegram
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.nodes import Value
 from safeloc.streams.steps import Cell
@@ -90,3 +90,19 @@ def interval(trace: Trace, index: int = -1) -> tuple[int, int, int]:
 def intervals(trace: Trace) -> list[tuple[int, int, int]]:
     """Position, over and under of every step."""
     return [interval(trace, index) for index in range(len(trace.steps))]
+
+
+def wrong(stream: Sequence[Mapping[str, Cell]], trace: Trace) -> list[int]:
+    """The steps whose reported interval misses the truth by more than its rounding to mm."""
+    found = []
+    for index, record in enumerate(stream):
+        position, over, under = interval(trace, index)
+        holds = position - under <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + over
+        if out(trace, index)["valid"] and not holds:
+            found.append(index)
+    return found
+
+
+def board_only(record: Mapping[str, Cell]) -> Record:
+    """A simulated step without ghosts and remarks."""
+    return {name: value for name, value in record.items() if not name.endswith("_nm") and name != "truth_mm"}

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
+from safeloc.models.balise_parts.groups import announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
-from safeloc.models.balise_streams import announcement, telegram
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.streams.steps import Cell
 from tests.models.balise_runs import (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -21,11 +20,9 @@ from safeloc.monitor import check_all
 from safeloc.properties.balise import properties
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
-from safeloc.streams.steps import Cell
 from safeloc.system import lower
-from safeloc.trace import Trace
 from safeloc.verdict import Held
-from tests.models.balise_runs import Record, interval, label, on_board, out
+from tests.models.balise_runs import board_only, label, on_board, out, wrong
 
 
 @pytest.mark.parametrize("free", [False, True])
@@ -65,22 +62,6 @@ def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
     assert FAULTS[kind] in verdicts
     assert verdicts.count("ACCEPTED") >= 4
     assert wrong(stream, trace) == []
-
-
-def wrong(stream: Sequence[Mapping[str, Cell]], trace: Trace) -> list[int]:
-    """The steps whose reported interval misses the truth by more than its rounding to mm."""
-    found = []
-    for index, record in enumerate(stream):
-        position, over, under = interval(trace, index)
-        holds = position - under <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + over
-        if out(trace, index)["valid"] and not holds:
-            found.append(index)
-    return found
-
-
-def board_only(record: Mapping[str, Cell]) -> Record:
-    """A simulated step without ghosts and remarks."""
-    return {name: value for name, value in record.items() if not name.endswith("_nm") and name != "truth_mm"}
 
 
 @given(
