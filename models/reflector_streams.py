@@ -18,6 +18,7 @@ from safeloc.errors import InputError
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
+from safeloc.nodes import Value
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
 from safeloc.streams.steps import Cell
@@ -314,6 +315,16 @@ def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
     """A simulated step without ghosts and remarks: what the vehicle itself gets."""
     left_out = ("true_step_nm", "next_wander_nm", "truth_mm")
     return {name: value for name, value in step.items() if not _is_ghost(name) and name not in left_out}
+
+
+def said(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
+    """What the machine on board reports after each step of a simulated stream."""
+    code = compile_system(without_ghosts(lower(machine(config))))
+    state, outputs = code.first(), list[Mapping[str, Value]]()
+    for record in stream:
+        state, _ = code.step(state, code.read(board(record)))
+        outputs.append(code.named_outputs(state))
+    return outputs
 
 
 def lawful(step: Mapping[str, Cell]) -> dict[str, Cell]:

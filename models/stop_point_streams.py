@@ -1,4 +1,4 @@
-"""Simulated stops at the platform of source fig. 2 as step streams of the stop-point machine, its ghosts included.
+"""Simulated stops at a platform, by default that of source fig. 2, as step streams of the stop-point machine with ghosts.
 
 Position and its bounds are those that the reflector machine reports on a simulated run; speed comes with its error.
 The vehicle's driving is given beforehand, well or badly: the machine's orders are what is looked at.
@@ -6,19 +6,19 @@ The vehicle's driving is given beforehand, well or badly: the machine's orders a
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from safeloc.backends.compiled import compile_system
-from safeloc.models.reflector import machine
+from safeloc.errors import InputError
 from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.models.reflector_streams import FIGURE_2, STOPS_MM, Scene, board, simulate, stopping
+from safeloc.models.reflector_streams import FIGURE_2, STOPS_MM, Scene, said, simulate, stopping
 from safeloc.models.stop_point_parts.variables import StopPointConfig
+from safeloc.nodes import Value
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import NM_PER_MM
 from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 WINDOW_MM = 500
 SPEED_MM_S, BRAKE_MM_S2, STAND_S = 20_000, 800, 6.0
@@ -38,6 +38,16 @@ class Stop:
     moves: tuple[int, ...] = ()
 
 
+@dataclass(frozen=True)
+class StopPlace:
+    """A stop point of the platform: where end A stands when stopped, and its window to either side; mm."""
+
+    position_mm: int
+    before_mm: int = WINDOW_MM
+    after_mm: int = WINDOW_MM
+
+
+FIGURE_2_STOPS = tuple(StopPlace(place) for place in STOPS_MM)
 IN_PLACE, OVERRUN, SHORT = Stop(), Stop(off_mm=3_000, moves=(-3_000,)), Stop(number=2, off_mm=-2_000, moves=(2_000,))
 
 
@@ -45,9 +55,34 @@ def simulate_stop(
     config: StopPointConfig, *, seed: int, stop: Stop = IN_PLACE, reduced_mm_s: int = 600
 ) -> list[dict[str, Cell]]:
     """One drive as steps: inputs, ghost inputs, and the remark `truth_mm`. The last cycles are a departure order."""
+    source = ReflectorConfig()
+    motion = _motion(stop, reduced_mm_s, source.period_ms)
+    given = Platform(FIGURE_2_STOPS, stop.number, bool(stop.moves))
+    return simulate_platform(config, given, motion, source=source, scene=Scene(FIGURE_2), seed=seed)
+
+
+@dataclass(frozen=True)
+class Platform:
+    """The stop points of a platform in order, the selected one (from 1 on), and whether repositioning is permitted."""
+
+    stops: tuple[StopPlace, ...]
+    selected: int
+    permitted: bool
+
+
+def simulate_platform(
+    config: StopPointConfig, platform: Platform, motion: Motion, *, source: ReflectorConfig, scene: Scene, seed: int
+) -> list[dict[str, Cell]]:
+    """A given motion along a platform as steps; the position is what the reflector machine `source` reports on `scene`.
+
+    InputError for more stop points than the configuration has.
+    """
+    if not 1 <= platform.selected <= len(platform.stops) <= config.stop_points:
+        raise InputError(
+            f"stop {platform.selected} of {len(platform.stops)}: the machine is configured for {config.stop_points} stops."
+        )
     rng = np.random.default_rng(seed)
-    motion = _motion(stop, reduced_mm_s, ReflectorConfig().period_ms)
-    seen = _reported(motion, seed)
+    seen = [_position(one) for one in said(source, simulate(source, seed=seed, scene=scene, motion=motion))]
     speeds = np.clip(motion.speed_mm_s, -config.max_speed_mm_s, config.max_speed_mm_s)
     steps = []
     for cycle, reported in enumerate(seen):
@@ -56,9 +91,9 @@ def simulate_stop(
             {
                 **reported,
                 "speed_mm_s": true_speed if true_speed == 0 else true_speed + _error(rng, config),
-                **_platform(config),
-                "selected_stop": stop.number,
-                "reposition_permitted": bool(stop.moves),
+                **_places(config, platform.stops),
+                "selected_stop": platform.selected,
+                "reposition_permitted": platform.permitted,
                 "departure": cycle >= len(seen) - 1,
                 "released": False,
                 "next_truth_nm": int(motion.position_nm[cycle]),
@@ -80,28 +115,23 @@ def _motion(stop: Stop, reduced_mm_s: int, period_ms: int) -> Motion:
     return stopping(period_ms, moves)
 
 
-def _platform(config: StopPointConfig) -> dict[str, Cell]:
-    known = dict(enumerate(STOPS_MM[: config.stop_points], 1))
-    places: dict[str, Cell] = {f"stop_{number}_position_mm": place for number, place in known.items()}
-    sides = [f"stop_{number}_{side}_mm" for number in range(1, config.stop_points + 1) for side in ("before", "after")]
-    return {**places, **dict.fromkeys(sides, WINDOW_MM)}
+def _places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Cell]:
+    """The map's inputs; the window of a stop point that the platform does not have is that of the first one."""
+    inputs: dict[str, Cell] = {}
+    for number in range(1, config.stop_points + 1):
+        known = number <= len(stops)
+        stop = stops[number - 1] if known else stops[0]
+        inputs |= {f"stop_{number}_position_mm": stop.position_mm} if known else {}
+        inputs |= {f"stop_{number}_before_mm": stop.before_mm, f"stop_{number}_after_mm": stop.after_mm}
+    return inputs
 
 
-def _reported(motion: Motion, seed: int) -> list[dict[str, Cell]]:
-    """What the reflector machine says on the way."""
-    config = ReflectorConfig()
-    code = compile_system(without_ghosts(lower(machine(config))))
-    state, said = code.first(), list[dict[str, Cell]]()
-    for record in simulate(config, seed=seed, scene=Scene(FIGURE_2), motion=motion):
-        state, _ = code.step(state, code.read(board(record)))
-        out = code.named_outputs(state)
-        said.append(
-            {
-                "position_valid": out["valid"],
-                "position_precise": out["precise"],
-                "position_mm": out["position_mm"],
-                "over_mm": out["over_mm"],
-                "under_mm": out["under_mm"],
-            }
-        )
-    return said
+def _position(outputs: Mapping[str, Value]) -> dict[str, Cell]:
+    """The reflector machine's report as inputs of this one."""
+    return {
+        "position_valid": outputs["valid"],
+        "position_precise": outputs["precise"],
+        "position_mm": outputs["position_mm"],
+        "over_mm": outputs["over_mm"],
+        "under_mm": outputs["under_mm"],
+    }
