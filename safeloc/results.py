@@ -5,9 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from safeloc.trace import Trace
 from safeloc.verdict import Result
 
 Kind = Literal["property", "obligation", "lemma", "test", "replay"]
+
+
+@dataclass(frozen=True, eq=False)
+class Replayed:
+    """A whole recorded run through a machine; findings of one replay share it.
+
+    name      of the recording, without the ending of its file
+    truth_mm  the recorded truth after each step, None where it is not known
+    """
+
+    name: str
+    trace: Trace
+    truth_mm: tuple[int | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +34,7 @@ class Finding:
     requirements  requirement ids it answers for
     assumption    the assumption it was shown under, in words ("" for none)
     truth_mm      of a recording that holds it: the truth after each step of the violated run, None where it is not known
+    replayed      the recorded run that it was found on
     """
 
     id: str
@@ -32,3 +47,4 @@ class Finding:
     requirements: tuple[str, ...] = ()
     assumption: str = ""
     truth_mm: tuple[int | None, ...] = ()
+    replayed: Replayed | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from pydantic import BaseModel
@@ -23,10 +24,13 @@ from safeloc.models import (
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.balise_parts.variables import parts as balise_parts
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.models.reflector_parts.picture import picture as reflector_picture
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.reflector_parts.variables import parts as reflector_parts
+from safeloc.models.route_parts.picture import picture as route_picture
 from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.models.route_parts.variables import parts as route_parts
+from safeloc.models.stop_point_parts.picture import picture as stop_picture
 from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_parts.variables import parts as stop_point_parts
 from safeloc.nodes import Value
@@ -128,7 +132,8 @@ def _reflector(config: BaseModel) -> Target:
     assert isinstance(config, ReflectorConfig)
     model = reflector.build(reflector_parts(config))
     made = _made(model.machine, reflector_properties.properties(model), config)
-    return replace(made, reported=Reported(), simulate=lambda seed: _reflector_simulated(config, seed))
+    simulate = partial(_reflector_simulated, config)
+    return replace(made, reported=Reported(), simulate=simulate, pictures=(reflector_picture(config),))
 
 
 def _reflector_simulated(config: ReflectorConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
@@ -141,7 +146,7 @@ def _stop_point(config: BaseModel) -> Target:
     assert isinstance(config, StopPointConfig)
     model = stop_point.build(stop_point_parts(config))
     made = _made(model.machine, stop_point_properties.properties(model), config)
-    return replace(made, simulate=lambda seed: _stop_simulated(config, seed))
+    return replace(made, simulate=partial(_stop_simulated, config), pictures=(stop_picture(config),))
 
 
 def _stop_simulated(config: StopPointConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
@@ -166,7 +171,7 @@ def _route(config: BaseModel) -> Target:
     assert isinstance(config, RouteConfig)
     model = route.build(route_parts(config))
     made = _made(model.machine, route_properties.properties(model), config)
-    return replace(made, reported=Reported())
+    return replace(made, reported=Reported(), pictures=(route_picture(config),))
 
 
 def _made(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:

@@ -9,6 +9,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from safeloc.machine import Machine
+from safeloc.pictures import Picture
 from safeloc.reported import Reported
 from safeloc.spec import Property
 from safeloc.streams.steps import Cell
@@ -22,6 +23,7 @@ class Target:
     streams   recorded step streams that ship with it and are replayed by `verify`
     reported  which outputs are the reported interval; None for a machine that reports none
     simulate  seed -> steps of simulated sensors, where there is a simulation
+    pictures  how a report draws its recorded runs
     """
 
     name: str
@@ -33,6 +35,7 @@ class Target:
     streams: tuple[Path, ...] = ()
     reported: Reported | None = None
     simulate: Callable[[int], Sequence[Mapping[str, Cell]]] | None = None
+    pictures: tuple[Picture, ...] = ()
 
 
 Maker = Callable[[BaseModel], Target]

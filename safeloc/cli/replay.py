@@ -6,7 +6,7 @@ import difflib
 import json
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from safeloc.border import Fault
@@ -17,7 +17,7 @@ from safeloc.expr import Num, Var
 from safeloc.interpret import read_inputs, run
 from safeloc.monitor import check_all
 from safeloc.nodes import Value
-from safeloc.results import Finding
+from safeloc.results import Finding, Replayed
 from safeloc.spec import Property
 from safeloc.streams.steps import StepStream, read_steps
 from safeloc.system import TransitionSystem, without_ghosts
@@ -90,7 +90,8 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
         findings.append(_containment(target, path, rows, trace, truth, started))
     if faults is not None:
         findings.append(_border(target, path, len(rows), faults, started))
-    return rows, findings
+    replayed = Replayed(path.stem, trace, tuple(truth))
+    return rows, [replace(finding, replayed=replayed) for finding in findings]
 
 
 def whole_run(target: Target, path: Path) -> Trace | None:

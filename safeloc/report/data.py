@@ -16,6 +16,7 @@ from typing import Any, assert_never
 
 from safeloc.catalogue import Target
 from safeloc.report.machines import machine_data
+from safeloc.report.pictures import pictures_data
 from safeloc.requirements import Link, traceability
 from safeloc.results import Finding
 from safeloc.trace import Trace, present_inputs
@@ -42,7 +43,7 @@ def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[
         "made": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "verdict": worst(word(finding.result) for finding in findings),
         "versions": versions(),
-        "machines": [machine_data(target) for target in targets],
+        "machines": [{**machine_data(target), "pictures": pictures_data(target, findings)} for target in targets],
         "results": [result_data(finding) for finding in findings],
         "requirements": [_requirement(link, findings) for link in traced.links],
         "items": [{**asdict(item), "requirements": list(item.requirements)} for item in traced.items],

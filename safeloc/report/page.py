@@ -82,6 +82,7 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
         **machine,
         "rows": [row for row in own if row["kind"] == "property"],
         "evidence": runs_table(evidence),
+        "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
         "counts": [(name, _counted(own, kinds)) for name, kinds in SUMMARY.items()],

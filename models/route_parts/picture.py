@@ -1,0 +1,36 @@
+"""How a run of the route machine is drawn: as source 001, fig. 3."""
+
+from __future__ import annotations
+
+from safeloc.models.route_parts.variables import RouteConfig
+from safeloc.pictures import Hypothesis, Recognition, Sighting, TrackPlan
+
+FIGURE_3 = ("route-adcd-every-reflector", "route-adcd-first-missed", "route-dcd-every-reflector")
+"""The shipped recordings; they run over the line fig3, its routes numbered as the map has them."""
+
+
+def picture(config: RouteConfig) -> Recognition:
+    """Which routes are possible over the distance, under the plan of the line where the recording's line is known."""
+    routes = tuple(_route(number) for number in range(1, config.routes + 1))
+    sighting = Sighting("sighting_range_mm", "sighting_error_mm", "sighting_model", "course_taken", "start_error_mm")
+    return Recognition("Route recognition", routes, sighting, plan)
+
+
+def _route(number: int) -> Hypothesis:
+    name = f"route_{number}"
+    inputs = (f"{name}_reflector_mm", f"{name}_model", f"{name}_course")
+    return Hypothesis(number, f"{name}_possible", f"{name}_low_mm", f"{name}_high_mm", *inputs)
+
+
+def plan(recording: str) -> TrackPlan | None:
+    """The plan of fig3 for the recordings that run over it."""
+    if recording not in FIGURE_3:
+        return None
+    from safeloc.line.plan import track_plan  # networkx and the map are loaded only where a picture is drawn
+    from safeloc.line.routes import through_routes
+    from safeloc.line.toml_files import find_line
+    from safeloc.line.topology import Topology
+
+    topology = Topology(find_line("fig3"))
+    routes = through_routes(topology, 100)
+    return track_plan([route for route in routes if route.runs[0].direction == "increasing"])

@@ -1,0 +1,165 @@
+"""Which pictures tell a machine's recorded runs: what is drawn over what, by the names of inputs, state and outputs.
+
+A declaration only; safeloc.report draws it. A machine of the user may declare the same pictures for its own signals.
+All signals are in mm and mm/s unless said otherwise; truth is that of the recording, or the machine's ghost in nm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from safeloc.reported import Reported
+
+ThingKind = Literal["balise", "reflector"]
+
+
+@dataclass(frozen=True)
+class Things:
+    """Things beside the line that the inputs of a run tell of.
+
+    at      optional input: where such a thing stands
+    label   input whose value names it
+    zone    inputs: where its view zone begins and ends, in mm before it; None for a thing that is passed over
+    called  recording (file name without ending) -> place -> what a drawing of that line calls it
+    """
+
+    kind: ThingKind
+    at: str
+    label: str
+    zone: tuple[str, str] | None = None
+    called: Mapping[str, Mapping[int, str]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Deviation of the reported position over distance, with the interval and the tolerable error (source 001, fig. 1)."""
+
+    title: str
+    reported: Reported
+    tolerance_mm: int
+    things: tuple[Things, ...] = ()
+    mode: str = "mode"
+
+
+@dataclass(frozen=True)
+class StopSignals:
+    """Inputs that tell of one stop point, and the number by which it is selected."""
+
+    number: int
+    at: str
+    before: str
+    after: str
+    called: str = ""
+
+
+@dataclass(frozen=True)
+class Approach:
+    """Speed over distance to the stop point, with orders and stop window (source 001, fig. 2).
+
+    position, over, under, valid   the interval that comes with the run
+    brake_mm_s2, reaction_ms, speed_error_mm_s   from these the speed at which braking is due, at each distance
+    period_ms                      time of a step, for the strip over time
+    """
+
+    title: str
+    speed: str
+    position: str
+    over: str
+    under: str
+    valid: str
+    order: str
+    braking: str
+    selected: str
+    stops: tuple[StopSignals, ...]
+    brake_mm_s2: int
+    reaction_ms: int
+    speed_error_mm_s: int
+    reduced_speed_mm_s: int
+    period_ms: int
+    mode: str = "mode"
+    truth: str = "truth_nm"
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """The route of that number, which may be the true one.
+
+    possible      output
+    low, high     outputs: where the vehicle would be on it
+    place, model  inputs: the reflector that the map has on it, nearest to where the sighting puts it
+    course        input: which way it takes where a turn is seen
+    """
+
+    number: int
+    possible: str
+    low: str
+    high: str
+    place: str
+    model: str
+    course: str
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What is seen: optional input with the range, inputs with its error, the model and the turn."""
+
+    range: str
+    error: str
+    model: str
+    turned: str
+    start: str
+
+
+PlanKind = Literal["switch", "balise", "reflector"]
+
+
+@dataclass(frozen=True)
+class PlanTrack:
+    """A piece of track: points (distance from the common start in mm, lane), and the numbers of the routes over it."""
+
+    name: str
+    points: tuple[tuple[int, float], ...]
+    routes: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class PlanMark:
+    """Something on the plan; `model` of a reflector."""
+
+    kind: PlanKind
+    name: str
+    at_mm: int
+    lane: float
+    model: str = ""
+    routes: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class TrackPlan:
+    """A line as a drawing: lanes are numbered from the top; `routes` says of each route's number what it is called."""
+
+    line: str
+    routes: Mapping[int, str]
+    tracks: tuple[PlanTrack, ...]
+    marks: tuple[PlanMark, ...]
+    lanes: int
+
+
+@dataclass(frozen=True)
+class Recognition:
+    """Which routes are possible over the distance run, under the plan of the line (source 001, fig. 3).
+
+    plan  recording (file name without ending) -> its line; it is called only where a picture is drawn
+    """
+
+    title: str
+    hypotheses: tuple[Hypothesis, ...]
+    sighting: Sighting
+    plan: Callable[[str], TrackPlan | None]
+    mode: str = "mode"
+    truth: str = "truth_nm"
+
+
+Picture: TypeAlias = Deviation | Approach | Recognition

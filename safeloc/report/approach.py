@@ -1,0 +1,309 @@
+"""Speed over distance to a stop point, with orders, stop window, overrun and repositioning, as in source 001, fig. 2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
+
+from safeloc.pictures import Approach, StopSignals
+from safeloc.report.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    LEFT,
+    RED,
+    RIGHT,
+    Axis,
+    Swatch,
+    across,
+    across_axis,
+    box,
+    box_swatch,
+    legend,
+    line,
+    metres,
+    number,
+    picture,
+    stroke_swatch,
+    upright,
+    upright_axis,
+    word,
+)
+from safeloc.report.strips import TALL, colour_of, strip, strip_legend
+from safeloc.report.thinning import Point, pieces
+from safeloc.report.told import Series, Told
+from safeloc.report.violations import head, violations
+
+WHOLE, NEAR, BETWEEN = 230, 170, 84
+MM_S_PER_KM_H = 1e6 / 3_600
+DASHES = ("", "2 3", "", "9 3", "5 2 1 2", "1 2")
+
+
+class Stop(NamedTuple):
+    """A stop point and its window, mm along the line."""
+
+    signals: StopSignals
+    at: float
+    begins: float
+    ends: float
+
+    @property
+    def words(self) -> str:
+        """What it is called."""
+        return f"stop point {self.signals.called or self.signals.number}"
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A run as places (mm), speeds and orders."""
+
+    one: Approach
+    told: Told
+    places: Series
+
+    @cached_property
+    def speeds(self) -> list[float]:
+        """Measured speed, mm/s."""
+        return [float(given[self.one.speed]) for given in self.told.given]
+
+    @cached_property
+    def orders(self) -> list[str]:
+        """What the machine orders."""
+        return self.told.words(self.one.order)
+
+    @cached_property
+    def stops(self) -> list[Stop]:
+        """The platform's stop points, as the run tells of them last."""
+        found = []
+        for signals in self.one.stops:
+            told = [given for given in self.told.given if signals.at in given]
+            if told:
+                at, before, after = (float(told[-1][name]) for name in (signals.at, signals.before, signals.after))
+                found.append(Stop(signals, at, at - before, at + after))
+        return found
+
+    @cached_property
+    def selected(self) -> Stop | None:
+        """The stop point that was selected last."""
+        numbers = [given[self.one.selected] for given in self.told.given if self.one.selected in given]
+        return next((stop for stop in self.stops if numbers and stop.signals.number == numbers[-1]), None)
+
+    def points(self, axis: Axis, height: Axis) -> list[Point | None]:
+        """Places and speeds on the page."""
+        return [None if place is None else Point(axis.at(place), height.at(speed / MM_S_PER_KM_H))
+                for place, speed in zip(self.places, self.speeds, strict=True)]  # fmt: skip
+
+
+def drive_of(one: Approach, told: Told) -> Drive:
+    """The run, each step at its true place; where that is not known, at the reported position."""
+    pairs = zip(told.truth(one.truth), told.given, strict=True)
+    places = [given[one.position] if truth is None and given[one.valid] else truth for truth, given in pairs]
+    return Drive(one, told, places)
+
+
+def approach_picture(one: Approach, told: Told) -> str:
+    """The drawing; empty for a run without any place."""
+    drive = drive_of(one, told)
+    places = [place for place in drive.places if place is not None]
+    if not places:
+        return ""
+    axis = across([*places, *(stop.ends for stop in drive.stops)])
+    fastest, slowest = max(drive.speeds) / MM_S_PER_KM_H, min(drive.speeds) / MM_S_PER_KM_H
+    room = max(fastest - slowest, 1.0)
+    height = Axis(slowest - 0.06 * room, fastest + 0.12 * room, head(told) + WHOLE, head(told))
+    made = [word(LEFT, 16, one.title), upright_axis(height, "speed in km/h", unit=1)]
+    made.append(across_axis(axis, height.begin, "distance along the line in m"))
+    made += [_windows(drive, axis, height), _due(drive, axis, height), _curve(drive, axis, height)]
+    made += [_brake_order(drive, axis, height), violations(told, drive.places, axis, height.begin)]
+    y = height.begin
+    if drive.selected is not None:
+        made += _near(drive, drive.selected, y + BETWEEN)
+        y += BETWEEN + NEAR
+    y += 56
+    made.append(_over_time(drive, y))
+    y += 2 * TALL + 66
+    for label, keys in (("mode", _mode_keys(drive)), ("order", _order_keys(drive)), ("", _keys(drive))):
+        text, y = legend(keys, y, label)
+        made.append(text)
+    return picture(made, y, f"{one.title}, recording {told.name}")
+
+
+def _curve(drive: Drive, axis: Axis, height: Axis) -> str:
+    """The run, each stretch in the colour and dashes of its order, joined to the one before."""
+    members, points = drive.told.members(drive.one.order), drive.points(axis, height)
+    made, at = "", 0
+    for order, group in groupby(drive.orders):
+        end = at + len(list(group))
+        stretch = points[max(at - 1, 0) : end]
+        kind = f"run {order}"
+        made += line(pieces(stretch), colour_of(members, order), kind=kind, width=2.6, dash=_dashes(members, order))
+        at = end
+    return made
+
+
+def _dashes(members: Sequence[str], order: str) -> str:
+    return DASHES[members.index(order) % len(DASHES)]
+
+
+def _windows(drive: Drive, axis: Axis, height: Axis) -> str:
+    made = ""
+    for stop in drive.stops:
+        begin, end = axis.at(stop.begins), axis.at(stop.ends)
+        made += box(begin, height.end, end - begin, height.begin - height.end, GREEN, kind="window", faint=True)
+        made += upright(axis.at(stop.at), height.end, height.begin, GREEN, kind="stop", dash="")
+        near = axis.at(stop.at) > (LEFT + RIGHT) / 2
+        chosen = " (selected)" if stop is drive.selected else ""
+        made += word(axis.at(stop.at) + (-5 if near else 5), height.end + 14 + 15 * (stop.signals.number % 2),
+                     f"{stop.words}{chosen}", anchor="end" if near else "start")  # fmt: skip
+    return made
+
+
+def _due(drive: Drive, axis: Axis, height: Axis) -> str:
+    """For each stop point the speed at which braking is due, over the place."""
+    made = ""
+    for stop in drive.stops:
+        places = [axis.low + (axis.high - axis.low) * share / 400 for share in range(401)]
+        known = [(place, due_mm_s(drive.one, stop.at - place)) for place in places if place <= stop.at]
+        run = [Point(axis.at(place), height.at(speed / MM_S_PER_KM_H)) for place, speed in known
+               if 0 <= speed <= height.high * MM_S_PER_KM_H]  # fmt: skip
+        made += line([run], GREY, kind="due", width=1.6, dash="6 4")
+    return made
+
+
+def due_mm_s(one: Approach, to_go_mm: float) -> float:
+    """The measured speed at which braking is due: with reaction and error of speed it just stops there."""
+    brake, reaction_s = one.brake_mm_s2, one.reaction_ms / 1_000
+    delay = brake * reaction_s
+    return math.sqrt(delay * delay + 2 * brake * max(to_go_mm, 0.0)) - delay - one.speed_error_mm_s
+
+
+def _brake_order(drive: Drive, axis: Axis, height: Axis) -> str:
+    """The first brake order, with place and speed."""
+    points = drive.points(axis, height)
+    step = next((n for n, order in enumerate(drive.orders) if order == drive.one.braking), None)
+    place = None if step is None else drive.places[step]
+    if step is None or place is None:
+        return ""
+    point = points[step]
+    assert point is not None  # a place is known
+    stop = drive.selected
+    left = "" if stop is None else f", {metres(stop.at - place, 1)} before {stop.words}"
+    speed = f"{drive.speeds[step] / MM_S_PER_KM_H:.0f} km/h"
+    text = f"brake order at {metres(place, 1)}, {speed}{left}"
+    below = height.begin - 0.3 * (height.begin - height.end)
+    mark = f'<circle cx="{point.x:.1f}" cy="{point.y:.1f}" r="5" fill="none" stroke="{RED}" stroke-width="2" class="brake-order"/>'
+    leader = upright(point.x, point.y + 5, below - 14, RED, kind="leader", dash="2 2")
+    return mark + leader + word(max(point.x, LEFT + 170), below, text, anchor="middle")
+
+
+# ------------------------------------------------------------------ the last metres
+
+
+def _near(drive: Drive, stop: Stop, top: float) -> Iterator[str]:
+    """The same around the selected stop point, at whole size, with the interval in which the vehicle stands at the end."""
+    reach = _reach(drive, stop)
+    axis = Axis(-reach, reach, LEFT, RIGHT)
+    shifted = [None if place is None or abs(place - stop.at) > reach else place - stop.at for place in drive.places]
+    speeds = [speed / MM_S_PER_KM_H for place, speed in zip(shifted, drive.speeds, strict=True) if place is not None]
+    if not speeds:
+        return
+    room = max(max(speeds) - min(speeds), 1.0)
+    height = Axis(min(speeds) - 0.3 * room, max(speeds) + 0.15 * room, top + NEAR, top)
+    yield upright_axis(height, "speed in km/h", unit=1)
+    yield across_axis(axis, height.begin, f"distance from {stop.words} in m; speed backwards is negative")
+    begin, end = axis.at(stop.begins - stop.at), axis.at(stop.ends - stop.at)
+    yield box(begin, height.end, end - begin, height.begin - height.end, GREEN, kind="near-window", faint=True)
+    yield word((begin + end) / 2, height.end - 6, "stop window", anchor="middle")
+    yield upright(axis.at(0), height.end, height.begin, GREEN, kind="near-stop", dash="")
+    zero = height.at(0)
+    yield f'<path d="M{LEFT} {zero:.1f}H{RIGHT}" class="ink" stroke-width=".8"/>'
+    yield _reduced(drive, height)
+    yield _curve(replace(drive, places=shifted), axis, height)
+    yield _furthest(drive, stop, axis, height)
+    yield _standing(drive, stop, axis, height)
+
+
+def _reach(drive: Drive, stop: Stop) -> float:
+    beyond = max((place - stop.at for place in drive.places if place is not None), default=0.0)
+    widest = max(stop.ends - stop.at, stop.at - stop.begins, 1_000.0)
+    short = max((stop.at - place for place, speed in zip(drive.places, drive.speeds, strict=True)
+                 if place is not None and speed == 0 and stop.at - place < 50_000), default=0.0)  # fmt: skip
+    return max(4 * widest, 1.4 * beyond, 1.4 * short)
+
+
+def _reduced(drive: Drive, height: Axis) -> str:
+    """The reduced speed for moving within the platform, both ways."""
+    made, speed = "", drive.one.reduced_speed_mm_s / MM_S_PER_KM_H
+    for value in (speed, -speed):
+        if height.holds(value):
+            y = height.at(value)
+            made += f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{RED}" stroke-dasharray="9 4" class="reduced"/>'
+    return made
+
+
+def _furthest(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
+    """How far the vehicle overran the stop window, if it did."""
+    furthest = max(place for place in drive.places if place is not None)
+    if furthest <= stop.ends:
+        return ""
+    x, zero = axis.at(furthest - stop.at), height.at(0)
+    text = f"overrun: {metres(furthest - stop.ends, 2)} beyond the window"
+    mark = f'<circle cx="{x:.1f}" cy="{zero:.1f}" r="5" fill="none" stroke="{RED}" stroke-width="2" class="overrun"/>'
+    leader = upright(x, height.end + 22, zero - 5, RED, kind="leader", dash="2 2")
+    return mark + leader + word(x, height.end + 17, text, anchor="end" if x > RIGHT - 200 else "start")
+
+
+def _standing(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
+    """The interval that is reported at the end, around zero speed."""
+    last, names = drive.told.given[-1], (drive.one.position, drive.one.under, drive.one.over)
+    if not last[drive.one.valid]:
+        return ""
+    position, under, over = (float(last[name]) for name in names)
+    (low, high), zero = (axis.at(end - stop.at) for end in (position - under, position + over)), height.at(0)
+    ends = f"{metres(position - under - stop.at, 2)} to {metres(position + over - stop.at, 2)}"
+    bar = (
+        f'<path d="M{low:.1f} {zero - 7:.1f}v14M{high:.1f} {zero - 7:.1f}v14M{low:.1f} {zero:.1f}H{high:.1f}" '
+        f'stroke="{BLUE}" stroke-width="3" class="standing"/>'
+    )
+    return bar + word((low + high) / 2, height.begin - 6, f"reported interval at the end: {ends}", anchor="middle")
+
+
+# ------------------------------------------------------------------ over time
+
+
+def _over_time(drive: Drive, y: float) -> str:
+    """Modes and orders over time, as places repeat when the vehicle moves back."""
+    seconds = [step * drive.one.period_ms / 1_000 for step in range(1, len(drive.orders) + 1)]
+    axis = across([0.0, *seconds])
+    axis = Axis(0.0, seconds[-1] * 1.01, axis.begin, axis.end)
+    told, one = drive.told, drive.one
+    modes = strip(axis, seconds, told.words(one.mode), told.members(one.mode), y, "mode")
+    orders = strip(axis, seconds, drive.orders, told.members(one.order), y + TALL + 4, "order")
+    return modes + orders + across_axis(axis, y + 2 * TALL + 12, "time in s", unit=1)
+
+
+def _order_keys(drive: Drive) -> list[Swatch]:
+    """Colour and dashes in which the curve is drawn while an order stands."""
+    members = drive.told.members(drive.one.order)
+    return [
+        stroke_swatch(colour_of(members, order), f"{number} {order}", _dashes(members, order), 2.6)
+        for number, order in enumerate(members, 1)
+        if order in set(drive.orders)
+    ]
+
+
+def _keys(drive: Drive) -> list[Swatch]:
+    reduced = number(round(drive.one.reduced_speed_mm_s / MM_S_PER_KM_H, 1))
+    return [
+        stroke_swatch(GREY, "speed at which braking is due, with reaction time", "6 4"),
+        box_swatch(GREEN, "stop window", faint=True),
+        stroke_swatch(RED, f"reduced speed, {reduced} km/h", "9 4", 1),
+    ]
+
+
+def _mode_keys(drive: Drive) -> list[Swatch]:
+    return strip_legend(drive.told.words(drive.one.mode), drive.told.members(drive.one.mode))

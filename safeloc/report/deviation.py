@@ -1,0 +1,259 @@
+"""Deviation of the reported position over the distance run, as in source 001, fig. 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from safeloc.pictures import Deviation, Things
+from safeloc.report.drawing import (
+    BLUE,
+    GREY,
+    LEFT,
+    ORANGE,
+    RED,
+    RIGHT,
+    SKY,
+    Axis,
+    Swatch,
+    across,
+    across_axis,
+    band,
+    box,
+    box_swatch,
+    cross,
+    diamond,
+    legend,
+    line,
+    metres,
+    picture,
+    stroke_swatch,
+    triangle,
+    upright,
+    upright_axis,
+    word,
+)
+from safeloc.report.strips import TALL, strip, strip_legend
+from safeloc.report.thinning import Point, Span, pieces, spans
+from safeloc.report.told import Series, Told
+from safeloc.report.violations import head, violations
+
+WHOLE, ENLARGED, BETWEEN = 230, 150, 44
+ENLARGED_WHERE = 6
+"""The enlarged panel is there where the narrowest interval is less than the tolerable error by more than this factor."""
+
+
+class Thing(NamedTuple):
+    """Something beside the line: where, what it is called, and its view zone."""
+
+    kind: str
+    at_mm: int
+    words: str
+    zone: tuple[int, int] | None
+
+
+class Off(NamedTuple):
+    """One step: place, deviation (None where the truth is not known), and the bounds that the interval sets to it, mm."""
+
+    place: float
+    deviation: float | None
+    low: float
+    high: float
+
+    @property
+    def wrong(self) -> bool:
+        """The interval misses the truth."""
+        return self.deviation is not None and not self.low <= self.deviation <= self.high
+
+
+@dataclass(frozen=True)
+class Offs:
+    """A run as places and deviations."""
+
+    one: Deviation
+    told: Told
+
+    @cached_property
+    def steps(self) -> list[Off | None]:
+        """Each step; None where nothing is reported."""
+        made: list[Off | None] = []
+        for step, truth in zip(self.told.trace.steps, self.truth, strict=True):
+            ends = self.one.reported.interval_mm(step.outputs)
+            if ends is None:
+                made.append(None)
+                continue
+            position = step.outputs[self.one.reported.position]
+            off = None if truth is None else position - truth
+            made.append(Off(position if truth is None else truth, off, position - ends[1], position - ends[0]))
+        return made
+
+    @cached_property
+    def truth(self) -> Series:
+        """The truth, mm."""
+        return self.told.truth(self.one.reported.truth)
+
+    @property
+    def places(self) -> Series:
+        """Where the vehicle was: the truth, without it what is reported."""
+        pairs = zip(self.truth, self.steps, strict=True)
+        return [truth if truth is not None or off is None else off.place for truth, off in pairs]
+
+    @property
+    def reported(self) -> list[Off]:
+        """The steps in which something is reported."""
+        return [off for off in self.steps if off is not None]
+
+    @property
+    def narrowest(self) -> float:
+        """Half the narrowest interval, mm."""
+        return min((max(off.high, -off.low) for off in self.reported), default=0.0)
+
+
+def deviation_picture(one: Deviation, told: Told) -> str:
+    """The drawing; empty for a run without any place."""
+    offs = Offs(one, told)
+    places = [place for place in offs.places if place is not None]
+    if not places:
+        return ""
+    axis = across(places)
+    furthest = max([one.tolerance_mm, *(max(abs(off.low), off.high, abs(off.deviation or 0)) for off in offs.reported)])
+    upper = Axis(-furthest * 1.1, furthest * 1.1, head(told) + WHOLE, head(told))
+    made = [word(LEFT, 16, one.title), _panel(offs, axis, upper, "deviation in m"), _tolerance(one, upper)]
+    bottom = upper.begin
+    if 0 < offs.narrowest * ENLARGED_WHERE < one.tolerance_mm:
+        near = Axis(-4 * offs.narrowest, 4 * offs.narrowest, bottom + BETWEEN + ENLARGED, bottom + BETWEEN)
+        made.append(_clipped(told.name, near, _panel(offs, axis, near, "")))
+        made.append(upright_axis(near, "enlarged, in m"))
+        bottom = near.begin
+    things = [thing for thing in _things(one, told) if axis.holds(thing.at_mm)]
+    made += [_along(things, axis, bottom + 60), _lines(things, axis, upper.end, bottom)]
+    modes, members = told.words(one.mode), told.members(one.mode)
+    strip_at = bottom + 104
+    made.append(strip(axis, offs.places, modes, members, strip_at, "mode"))
+    made.append(across_axis(axis, strip_at + TALL + 8, "distance along the line in m"))
+    made.append(violations(told, offs.places, axis, bottom))
+    first, y = legend(_keys(offs, things), strip_at + TALL + 66)
+    second, y = legend(strip_legend(modes, members), y, "mode")
+    return picture([*made, first, second], y, f"{one.title}, recording {told.name}")
+
+
+def _panel(offs: Offs, axis: Axis, height: Axis, label: str) -> str:
+    """Interval, deviation, what is not reported and what is wrong, over one scale."""
+    grid = upright_axis(height, label) if label else ""
+    inside = [None if off is None else _span(axis, height, off) for off in offs.steps]
+    run = [
+        None if off is None or off.deviation is None else Point(axis.at(off.place), height.at(off.deviation))
+        for off in offs.steps
+    ]
+    zero = f'<path d="M{LEFT} {height.at(0):.1f}H{RIGHT}" class="ink" stroke-width=".8"/>'
+    shaded = band(spans(inside), BLUE, kind="interval")
+    wrong = "".join(cross(x, y, kind="wrong") for x, y in _wrong(offs, axis, height))
+    return grid + _silence(offs, axis, height) + shaded + zero + line(pieces(run), "", kind="deviation") + wrong
+
+
+def _span(axis: Axis, height: Axis, off: Off) -> Span:
+    return Span(axis.at(off.place), height.at(off.high), height.at(off.low))
+
+
+def _wrong(offs: Offs, axis: Axis, height: Axis) -> list[Point]:
+    """One cross at most in eight units across, with the first."""
+    found: dict[int, Point] = {}
+    for off in offs.reported:
+        if off.wrong and off.deviation is not None:
+            x = axis.at(off.place)
+            found.setdefault(round(x / 8), Point(x, height.at(off.deviation)))
+    return list(found.values())
+
+
+def _silence(offs: Offs, axis: Axis, height: Axis) -> str:
+    """Where nothing is reported: availability, not safety."""
+    steps = zip(offs.places, offs.steps, strict=True)
+    silent = [None if off is not None or place is None else Span(axis.at(place), 0, 0) for place, off in steps]
+    top, size = height.end, height.begin - height.end
+    return "".join(
+        box(min(one.x for one in run), top, max(one.x for one in run) - min(one.x for one in run), size, GREY,
+            kind="silent", faint=True)
+        for run in spans(silent)
+    )  # fmt: skip
+
+
+def _tolerance(one: Deviation, height: Axis) -> str:
+    made = ""
+    for value in (one.tolerance_mm, -one.tolerance_mm):
+        y = height.at(value)
+        made += f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{RED}" stroke-width="2" stroke-dasharray="9 4" class="tolerable"/>'
+    return made
+
+
+def _clipped(name: str, height: Axis, drawn: str) -> str:
+    plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in name)
+    area = f'<rect x="{LEFT}" y="{height.end:.1f}" width="{RIGHT - LEFT}" height="{height.begin - height.end:.1f}"/>'
+    return f'<clipPath id="clip-{plain}">{area}</clipPath><g clip-path="url(#clip-{plain})">{drawn}</g>'
+
+
+# ------------------------------------------------------------------ what stands beside the line
+
+
+def _things(one: Deviation, told: Told) -> Iterator[Thing]:
+    for things in one.things:
+        yield from _of_kind(things, told)
+
+
+def _of_kind(things: Things, told: Told) -> Iterator[Thing]:
+    """Each place once, as the run tells of it first."""
+    called, done = things.called.get(told.name, {}), set[int]()
+    for given in told.given:
+        at = given.get(things.at)
+        if at is None or at in done:
+            continue
+        done.add(at)
+        label = told.word(things.label, given[things.label])
+        words = f"{called[at]} ({label})" if at in called else label
+        zone = None if things.zone is None else (at - given[things.zone[0]], at - given[things.zone[1]])
+        yield Thing(things.kind, at, words, zone)
+
+
+def _along(things: list[Thing], axis: Axis, y: float) -> str:
+    """The track, and everything beside it."""
+    made = [word(LEFT - 8, y + 4, "track", anchor="end")]
+    made.append(f'<path d="M{LEFT} {y:.1f}H{RIGHT}" class="ink track" stroke-width="3"/>')
+    for thing in things:
+        x = axis.at(thing.at_mm)
+        if thing.zone is not None:
+            begin, end = (min(max(axis.at(place), LEFT), RIGHT) for place in thing.zone)
+            made.append(box(begin, y - 9, end - begin, 18, SKY, kind="zone", faint=True))
+        passed = thing.kind == "balise"
+        drawn = triangle(x, y, kind="balise") if passed else diamond(x, y, kind="reflector")
+        made.append(drawn + word(x, y + 24 if passed else y - 14, f"{thing.kind} {thing.words}", anchor=_side(x)))
+    return "".join(made)
+
+
+def _side(x: float) -> str:
+    return "end" if x > RIGHT - 60 else "start" if x < LEFT + 60 else "middle"
+
+
+def _lines(things: list[Thing], axis: Axis, top: float, bottom: float) -> str:
+    colours = {"balise": ORANGE, "reflector": SKY}
+    return "".join(
+        upright(axis.at(thing.at_mm), top, bottom, colours[thing.kind], kind=f"at-{thing.kind}") for thing in things
+    )
+
+
+def _keys(offs: Offs, things: list[Thing]) -> list[Swatch]:
+    keys = [stroke_swatch("", "deviation: reported position less true position")]
+    keys.append(box_swatch(BLUE, "where the reported interval allows it: over below, under above", faint=True))
+    keys.append(stroke_swatch(RED, f"tolerable error, {metres(offs.one.tolerance_mm)}", "9 4"))
+    if any(off is None for off in offs.steps):
+        keys.append(box_swatch(GREY, "no position reported", faint=True))
+    if any(thing.zone for thing in things):
+        keys.append(box_swatch(SKY, "view zone of a reflector", faint=True))
+    wrong = [number for number, off in enumerate(offs.steps, 1) if off is not None and off.wrong]
+    if wrong:
+        keys.append(
+            Swatch(cross(13, 0, kind="key"), f"interval misses the truth: {len(wrong)} steps from {wrong[0]} on")
+        )
+    if all(value is None for value in offs.truth):
+        keys.append(Swatch("", "the recording holds no truth: deviation unknown, distance as reported"))
+    return keys

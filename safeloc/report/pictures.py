@@ -1,0 +1,57 @@
+"""The pictures of replayed runs: of each target that declares some, one of each kind for each recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, assert_never
+
+from safeloc.pictures import Approach, Deviation, Picture, Recognition
+from safeloc.report.approach import approach_picture
+from safeloc.report.deviation import deviation_picture
+from safeloc.report.recognition import recognition_picture
+from safeloc.report.told import Broken, Told
+from safeloc.results import Finding, Replayed
+from safeloc.target import Target
+from safeloc.verdict import Violated
+
+
+def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    """Title, recording and drawing of each picture, in order of the recordings."""
+    return [
+        {"title": declared.title, "recording": told.name, "violated": [one.name for one in told.broken], "svg": svg}
+        for told in runs_told(target, findings)
+        for declared in target.pictures
+        if (svg := drawn(declared, told))
+    ]
+
+
+def drawn(declared: Picture, told: Told) -> str:
+    """One picture as SVG text; empty for a run that tells of no place."""
+    match declared:
+        case Deviation():
+            return deviation_picture(declared, told)
+        case Approach():
+            return approach_picture(declared, told)
+        case Recognition():
+            return recognition_picture(declared, told)
+        case _:
+            assert_never(declared)
+
+
+def runs_told(target: Target, findings: Sequence[Finding]) -> Iterator[Told]:
+    """Each replayed run once, with every statement that it violates."""
+    own = [(one.replayed, one) for one in findings if one.machine == target.name]
+    for replayed in dict.fromkeys(replayed for replayed, _ in own):
+        if replayed is not None:
+            broken = [_broken(one, replayed) for run, one in own if run is replayed]
+            known = tuple(sorted((one for one in broken if one is not None), key=lambda one: one.step))
+            yield Told(replayed.name, replayed.trace, replayed.truth_mm, known)
+
+
+def _broken(finding: Finding, replayed: Replayed) -> Broken | None:
+    """The run of a violated finding ends where it is violated."""
+    if not isinstance(finding.result, Violated):
+        return None
+    trace = finding.result.trace
+    name = finding.id.removeprefix(f"{finding.machine}/replay/{replayed.name}: ")
+    return Broken(name, len(replayed.trace.steps) if trace is None else len(trace.steps))

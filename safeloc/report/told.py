@@ -1,0 +1,78 @@
+"""A replayed run as the pictures read it: signals by name, step by step, and where a statement was violated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.nodes import Expr, Num, Value
+from safeloc.trace import Trace, present_inputs
+from safeloc.units import Enumeration
+
+NM_PER_MM = 1_000_000
+Series = Sequence[float | None]
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A statement that the run violates, and the step (from 1 on) at which it does so first."""
+
+    name: str
+    step: int
+
+
+@dataclass(frozen=True)
+class Told:
+    """A run with its recorded truth in mm, None where that is not known.
+
+    name  of the recording, without the ending of its file
+    """
+
+    name: str
+    trace: Trace
+    truth_mm: tuple[int | None, ...]
+    broken: tuple[Broken, ...] = ()
+
+    @cached_property
+    def given(self) -> list[Mapping[str, Value]]:
+        """The inputs of each step; absent ones are missing."""
+        return [present_inputs(self.trace.system, step.inputs) for step in self.trace.steps]
+
+    @cached_property
+    def rows(self) -> list[Mapping[str, Value]]:
+        """Inputs, state and outputs after each step. Of one name for two of them, the later counts."""
+        pairs = zip(self.given, self.trace.steps, strict=True)
+        return [{**given, **step.state, **step.outputs} for given, step in pairs]
+
+    def series(self, name: str) -> list[float | None]:
+        """Values of a signal; None where it is absent."""
+        return [None if name not in row else float(row[name]) for row in self.rows]
+
+    def flags(self, name: str) -> list[bool]:
+        """Values of a boolean; false where it is absent."""
+        return [bool(row.get(name, False)) for row in self.rows]
+
+    def words(self, name: str) -> list[str]:
+        """Values of an enumeration by its members' names, numbers as such; empty where absent."""
+        return [self.word(name, row[name]) if name in row else "" for row in self.rows]
+
+    def word(self, name: str, value: Value) -> str:
+        """One value of a signal in words."""
+        members = self.members(name)
+        return members[value] if members else str(value)
+
+    def members(self, name: str) -> tuple[str, ...]:
+        """All members of an enumeration, in order; none for a signal that is no enumeration."""
+        term = self._term(name)
+        return term.unit.members if isinstance(term, Num) and isinstance(term.unit, Enumeration) else ()
+
+    def _term(self, name: str) -> Expr:
+        outputs = self.trace.system.outputs
+        return outputs[name] if name in outputs else self.trace.system.variable(name)
+
+    def truth(self, ghost: str) -> list[float | None]:
+        """The recorded truth in mm; without a record the machine's ghost, in nm, where the run has it."""
+        if any(value is not None for value in self.truth_mm):
+            return [None if value is None else float(value) for value in self.truth_mm]
+        return [None if value is None else value / NM_PER_MM for value in self.series(ghost)]
