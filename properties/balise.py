@@ -20,7 +20,16 @@ from safeloc.units import MM, NM
 
 def properties(model: Balise) -> list[Property]:
     """Every property of the balise machine."""
-    makers = (_safety, _references, _resets, _rejection, linking_properties, layout_properties, _sensors)
+    makers = (
+        _safety,
+        _references,
+        _charged_and_facing,
+        _resets,
+        _rejection,
+        linking_properties,
+        layout_properties,
+        _sensors,
+    )
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -105,6 +114,23 @@ def _references(model: Balise) -> Iterator[Property]:
             trace=("RFL-D4",),
             unconditional=True,
         )
+    expected, placed = own.linking.slots[0], own.read.place.present
+    right = [step.expecting, step.read_of(expected), ~step.against(expected), step.inside(expected), ~placed]
+    yield always(
+        "the expected group counts",
+        all_of([earlier_bool(valid), own.read.well_formed, step.whole, *right]).implies(
+            own.memory.verdict.one_of(v.ACCEPTED, v.CONTRADICTED)
+        ),
+        statement="the expected group, read whole, in the announced orientation and inside its window, is accepted, unless it "
+        "and the interval exclude each other",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+
+
+def _charged_and_facing(model: Balise) -> Iterator[Property]:
+    machine, own, step = model.machine, model.own, Step(model)
+    accepted, valid = own.memory.verdict.eq(v.ACCEPTED), machine.flag("valid")
     yield always(
         "accuracy by precedence",
         (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
