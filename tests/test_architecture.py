@@ -28,6 +28,7 @@ ROOMS = {
         "models/balise_streams.py",
         "models/reflector_streams.py",
         "models/route_streams.py",
+        "models/sections_streams.py",
         "models/stop_point_streams.py",
     ),
     "scipy": ("safeloc/signals/",),

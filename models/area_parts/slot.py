@@ -1,0 +1,207 @@
+"""One train of a line area: where it may be, from what was reported of it, and from what it can have run since.
+
+The interval [low, high] holds the whole train, from its min safe rear end to its max safe front end. A trusted report
+narrows it; a cycle without one widens it by the highest speed. Without confirmed integrity the rear end is not
+believed: a part that was left behind is not seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.expr import (
+    FALSE,
+    Bool,
+    BoolVar,
+    Expr,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    as_num,
+    boolean,
+    choice,
+    enumeration,
+    floor_div,
+    ite,
+    maximum,
+    members,
+    minimum,
+    number,
+    optional,
+    with_unit,
+)
+from safeloc.machine import Initial
+from safeloc.units import COUNT, MM, MS, UM
+
+EVENT = members("event", "NONE", "ENTERS_LOW", "ENTERS_HIGH", "LEAVES_LOW", "LEAVES_HIGH")
+NO_EVENT, ENTERS_LOW, ENTERS_HIGH, LEAVES_LOW, LEAVES_HIGH = EVENT
+VERDICT = members("report", "NONE", "ACCEPTED", "UNTRUSTED", "INCOMPLETE", "STALE", "CONTRADICTED", "NOBODY")
+NO_REPORT, ACCEPTED, UNTRUSTED, INCOMPLETE, STALE, CONTRADICTED, NOBODY = VERDICT
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """How far anything gets: in one cycle (mm), at top speed (mm/s), and where the world ends (mm)."""
+
+    cycle_mm: int
+    max_speed_mm_s: int
+    report_age_limit_ms: int
+    limit_mm: int
+
+    def charge_mm(self, age_ms: Num) -> Num:
+        """What can have been run since a report, rounded up."""
+        return with_unit(floor_div(with_unit(age_ms, MM) * self.max_speed_mm_s + 999, 1_000), MM)
+
+
+@dataclass(frozen=True, eq=False)
+class Slot:
+    """A train that an axle counter has counted into the area. Names are `train_k_...`; positions in mm along the line.
+
+    event               the axle counters: it enters or has left completely, at the low or at the high end
+    rear, front         the report: bounds of the whole train when it was measured, `age` ms ago
+    trusted, integer    the report was verified; the train is known to be whole
+    below, above        every vehicle that was never counted in is above (below) this train, since it came in at the
+                        low (high) end and no vehicle passes another
+    there, true_rear, true_front  ghosts: the train itself, um
+    """
+
+    number: int
+    reach: Reach
+    event: NumVar
+    rear: Optional
+    front: Optional
+    age: NumVar
+    trusted: BoolVar
+    integer: BoolVar
+    present: BoolVar
+    low: NumVar
+    high: NumVar
+    silent: NumVar
+    unconfirmed: NumVar
+    below: BoolVar
+    above: BoolVar
+    judged: NumVar
+    there: BoolVar
+    true_rear: NumVar
+    true_front: NumVar
+    next_rear: NumVar
+    next_front: NumVar
+
+    @property
+    def inputs(self) -> list[Var | Optional]:
+        """What is heard of it in a cycle."""
+        return [self.event, self.rear, self.front, self.age, self.trusted, self.integer]
+
+    @property
+    def enters(self) -> Bool:
+        """It is counted in."""
+        return self.event.one_of(ENTERS_LOW, ENTERS_HIGH)
+
+    @property
+    def leaves(self) -> Bool:
+        """It is counted out."""
+        return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
+
+    @property
+    def charge(self) -> Num:
+        """What it can have run since it was measured, mm."""
+        return self.reach.charge_mm(self.age)
+
+    @property
+    def lowest(self) -> Num:
+        """Lower bound from the report, now."""
+        return self.rear.value - self.charge
+
+    @property
+    def highest(self) -> Num:
+        """Upper bound from the report, now."""
+        return self.front.value + self.charge
+
+    @property
+    def run_on(self) -> tuple[Num, Num]:
+        """Bounds after the cycle if nothing is heard; the world's ends are not passed."""
+        cycle, limit = self.reach.cycle_mm, self.reach.limit_mm
+        return maximum(self.low - cycle, -limit), minimum(self.high + cycle, limit)
+
+    @property
+    def verdict(self) -> Num:
+        """What becomes of the report, with the reason where it is not used."""
+        low, high = self.run_on
+        whole = self.rear.present & self.front.present & (self.rear.value <= self.front.value)
+        meets = (self.lowest <= high) & (low <= self.highest)
+        heard = self.rear.present | self.front.present
+        verdict = ite(meets, ACCEPTED, CONTRADICTED)
+        verdict = ite(self.age > self.reach.report_age_limit_ms, STALE, verdict)
+        verdict = ite(self.trusted, ite(whole, verdict, INCOMPLETE), UNTRUSTED)
+        return ite(heard, ite(self.present, verdict, NOBODY), NO_REPORT)
+
+    @property
+    def accepted(self) -> Bool:
+        """The report narrows the interval."""
+        return self.verdict.eq(ACCEPTED)
+
+    def bounds(self, area_low: Num, area_high: Num) -> tuple[Num, Num]:
+        """The interval after the cycle. A train that enters is just inside one end, its other end unknown outside."""
+        low, high = self.run_on
+        limit, cycle = self.reach.limit_mm, self.reach.cycle_mm
+        seen_low = ite(self.accepted & self.integer, maximum(low, self.lowest), low)
+        seen_high = ite(self.accepted, minimum(high, self.highest), high)
+        new_low = ite(self.event.eq(ENTERS_LOW), as_num(-limit, MM), area_high - cycle)
+        new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
+        return ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
+
+    def state(self) -> dict[Var, Initial]:
+        """State variables with initial values: nobody."""
+        return {
+            self.present: False,
+            self.low: 0,
+            self.high: 0,
+            self.silent: 0,
+            self.unconfirmed: 0,
+            self.below: False,
+            self.above: False,
+            self.judged: NO_REPORT,
+        }
+
+    def nobody(self) -> dict[Var, Expr]:
+        """Updates after which nobody is here."""
+        zero = as_num(0, MM)
+        return {
+            self.present: FALSE,
+            self.low: zero,
+            self.high: zero,
+            self.silent: as_num(0, COUNT),
+            self.unconfirmed: as_num(0, COUNT),
+            self.below: FALSE,
+            self.above: FALSE,
+        }
+
+
+def slot(number_: int, reach: Reach, count_limit: int) -> Slot:
+    """A slot with fresh variables."""
+    name, limit = f"train_{number_}", reach.limit_mm
+    far, step = limit * 1_000, reach.cycle_mm * 1_000
+    return Slot(
+        number_,
+        reach,
+        choice(f"{name}_event", enumeration(EVENT)),
+        optional(f"{name}_rear_mm", MM, -limit, limit),
+        optional(f"{name}_front_mm", MM, -limit, limit),
+        number(f"{name}_report_age_ms", MS, 0, 2 * reach.report_age_limit_ms),
+        boolean(f"{name}_trusted"),
+        boolean(f"{name}_integer"),
+        boolean(f"{name}_present"),
+        number(f"{name}_low_mm", MM, -limit, limit),
+        number(f"{name}_high_mm", MM, -limit, limit),
+        number(f"{name}_silent_cycles", COUNT, 0, count_limit),
+        number(f"{name}_unconfirmed_cycles", COUNT, 0, count_limit),
+        boolean(f"{name}_below_loose"),
+        boolean(f"{name}_above_loose"),
+        choice(f"{name}_judged", enumeration(VERDICT)),
+        boolean(f"{name}_there"),
+        number(f"{name}_true_rear_um", UM, -far, far),
+        number(f"{name}_true_front_um", UM, -far, far),
+        number(f"{name}_next_rear_um", UM, -far - step, far + step),
+        number(f"{name}_next_front_um", UM, -far - step, far + step),
+    )

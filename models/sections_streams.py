@@ -1,0 +1,178 @@
+"""Simulated trains through a line area as step streams of area and sections, the trains themselves included.
+
+A journey is told as events in time; between them trains run at given speeds, and the fibre system reports them, or
+does not. With the trains in it, a stream carries its own proof of being lawful: the interpreter checks the assumption.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from safeloc.errors import InputError
+from safeloc.models.sections import SectionsConfig
+from safeloc.nodes import Value
+from safeloc.streams.steps import Cell
+
+UM_PER_MM = 1_000
+Steps = list[dict[str, Cell]]
+
+
+@dataclass(frozen=True)
+class TrainRun:
+    """One train: when its front comes to the low end, how it runs, and what is heard of it.
+
+    speeds      (from this second on, mm/s); negative: backwards
+    withheld    (from, to) seconds in which no trusted report comes
+    splits_at   second from which its last `left_behind_mm` stand still, and its integrity is not confirmed any more
+    """
+
+    slot: int
+    enters_s: int
+    length_mm: int
+    speeds: tuple[tuple[int, int], ...]
+    withheld: tuple[tuple[int, int], ...] = ()
+    splits_s: int | None = None
+    left_behind_mm: int = 0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An area and what happens in it. Places in mm, times in s.
+
+    loose     rear and front of a vehicle that stands in the area uncounted, if there is one, and the speed at which it
+              runs from the start
+    disturbed (from, to) seconds in which the axle counters are disturbed
+    clear     seconds at which the counters report an empty area
+    """
+
+    ends_mm: tuple[int, int]
+    sections_mm: tuple[tuple[int, int], ...]
+    trains: tuple[TrainRun, ...]
+    seconds: int
+    loose: tuple[int, int] | None = None
+    loose_speed_mm_s: int = 0
+    disturbed: tuple[tuple[int, int], ...] = ()
+    clear: tuple[int, ...] = ()
+
+
+def first_state(scene: Scene) -> dict[str, Value]:
+    """What is open at the start: the ends, the cuts, and where the uncounted vehicle stands."""
+    rear, front = scene.loose or (scene.ends_mm[0], scene.ends_mm[0])
+    first: dict[str, Value] = {
+        "area.low_end_mm": scene.ends_mm[0],
+        "area.high_end_mm": scene.ends_mm[1],
+        "area.loose_there": scene.loose is not None,
+        "area.loose_rear_um": rear * UM_PER_MM,
+        "area.loose_front_um": front * UM_PER_MM,
+    }
+    for number, (start, end) in enumerate(scene.sections_mm, 1):
+        first |= {f"section_{number}.from_mm": start, f"section_{number}.to_mm": end}
+    return first
+
+
+def simulate(config: SectionsConfig, scene: Scene, *, seed: int, accuracy_mm: int = 10_000) -> Steps:
+    """One run as steps. Reports are off by up to `accuracy_mm` and say so. InputError for a scene that does not fit."""
+    if len(scene.sections_mm) != config.sections or any(run.slot > config.area.trains for run in scene.trains):
+        raise InputError(
+            f"the scene has {len(scene.sections_mm)} sections and slots up to {max(r.slot for r in scene.trains)}; the "
+            f"configuration has {config.sections} and {config.area.trains}."
+        )
+    world = _World(config, scene, np.random.default_rng(seed), accuracy_mm)
+    return [world.step(second) for second in range(scene.seconds)]
+
+
+@dataclass(frozen=True)
+class _Train:
+    """A train as it is: its plan, both ends (um), and whether it is counted in."""
+
+    run: TrainRun
+    rear: int
+    front: int
+    inside: bool = False
+
+
+class _World:
+    def __init__(self, config: SectionsConfig, scene: Scene, rng: np.random.Generator, accuracy_mm: int) -> None:
+        self._config, self._scene, self._rng, self._accuracy_mm = config, scene, rng, accuracy_mm
+        low = scene.ends_mm[0] * UM_PER_MM
+        self._trains = {run.slot: _Train(run, low - run.length_mm * UM_PER_MM, low) for run in scene.trains}
+        loose = scene.loose or (scene.ends_mm[0], scene.ends_mm[0])
+        self._loose = (loose[0] * UM_PER_MM, loose[1] * UM_PER_MM)
+        self._loose_there = scene.loose is not None
+
+    def step(self, second: int) -> dict[str, Cell]:
+        """One cycle of one second."""
+        healthy = not _during(self._scene.disturbed, second)
+        inputs: dict[str, Cell] = {
+            "area.counters_healthy": healthy,
+            "area.counters_clear": healthy and second in self._scene.clear and self._is_empty(),
+        }
+        for number in range(1, self._config.area.trains + 1):
+            inputs |= {f"area.train_{number}_{key}": value for key, value in self._heard(number, second).items()}
+        return {**inputs, **self._loose_runs()}
+
+    def _heard(self, number: int, second: int) -> Mapping[str, Cell]:
+        quiet: dict[str, Cell] = {
+            "event": "NONE", "report_age_ms": 0, "trusted": False, "integer": False, "next_rear_um": 0, "next_front_um": 0,
+        }  # fmt: skip
+        train = self._trains.get(number)
+        if train is None:
+            return quiet
+        train = self._moved(train, second)
+        event = self._event(train, second)
+        train = replace(train, inside=event.startswith("ENTERS") or (train.inside and event == "NONE"))
+        self._trains[number] = train
+        true: dict[str, Cell] = {"next_rear_um": train.rear, "next_front_um": train.front}
+        reported = train.inside and event == "NONE" and not _during(train.run.withheld, second)
+        return {**quiet, **true, "event": event, **(self._report(train, second) if reported else {})}
+
+    def _moved(self, train: _Train, second: int) -> _Train:
+        """Both ends after the second; a part left behind stands."""
+        if second < train.run.enters_s:
+            return train
+        since = second - train.run.enters_s
+        speed = [mm_s for begin, mm_s in train.run.speeds if begin <= since][-1]
+        step = speed * UM_PER_MM
+        split = train.run.splits_s is not None and second >= train.run.splits_s
+        return replace(train, rear=train.rear + (0 if split else step), front=train.front + step)
+
+    def _event(self, train: _Train, second: int) -> str:
+        low, high = (end * UM_PER_MM for end in self._scene.ends_mm)
+        if second == train.run.enters_s:
+            return "ENTERS_LOW"
+        if train.inside and train.rear > high:
+            return "LEAVES_HIGH"
+        return "LEAVES_LOW" if train.inside and train.front < low else "NONE"
+
+    def _report(self, train: _Train, second: int) -> dict[str, Cell]:
+        split = train.run.splits_s is not None and second >= train.run.splits_s
+        rear = train.front - (train.run.length_mm - train.run.left_behind_mm) * UM_PER_MM if split else train.rear
+        lag = [int(self._rng.uniform(0, 0.9) * self._accuracy_mm) for _ in range(2)]
+        return {
+            "rear_mm": rear // UM_PER_MM - lag[0],
+            "front_mm": -(-train.front // UM_PER_MM) + lag[1],
+            "report_age_ms": 0,
+            "trusted": True,
+            "integer": not split,
+        }
+
+    def _is_empty(self) -> bool:
+        return not self._loose_there and not any(train.inside for train in self._trains.values())
+
+    def _loose_runs(self) -> dict[str, Cell]:
+        step = self._scene.loose_speed_mm_s * UM_PER_MM
+        self._loose = (self._loose[0] + step, self._loose[1] + step)
+        low, high = (end * UM_PER_MM for end in self._scene.ends_mm)
+        self._loose_there = self._loose_there and self._loose[1] >= low and self._loose[0] <= high
+        return {
+            "area.next_loose_there": self._loose_there,
+            "area.next_loose_rear_um": self._loose[0],
+            "area.next_loose_front_um": self._loose[1],
+        }
+
+
+def _during(spans: Sequence[tuple[int, int]], second: int) -> bool:
+    return any(begin <= second < end for begin, end in spans)

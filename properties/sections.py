@@ -1,0 +1,128 @@
+"""What must hold of virtual sections and of the line area they lie in (FVA-2, FVA-9, FVA-18)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.expr import Bool, Num, all_of, any_of
+from safeloc.models.area import um
+from safeloc.models.area_parts.slot import ACCEPTED, Slot
+from safeloc.models.sections import Section, Sections
+from safeloc.spec import Property, always, earlier_bool, earlier_num
+from safeloc.terms import Substitution
+
+LAW = (
+    "undisturbed counters count every vehicle; trusted reports hold the train, its rear end only if it is whole; top speed; "
+    "no vehicle passes another"
+)
+TRACE = ("FVA-9", "FVA-18")
+
+
+def properties(model: Sections) -> list[Property]:
+    """Every property of the area and its sections, over the whole composition."""
+    found = [*_area(model)]
+    for one in model.sections:
+        found += [*_safety(model, one), *_evidence(model, one)]
+    return found
+
+
+def _area(model: Sections) -> Iterator[Property]:
+    machine, own = model.area.machine, model.area.own
+    of = model.composition.of(machine)
+    for one in own.slots:
+        inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
+        yield always(
+            f"train {one.number} containment",
+            of.bool(one.there.implies(one.present & inside)),
+            statement="a train in the area is in its slot's interval, from rear end to front end",
+            trace=("FVA-2", "FVA-9"),
+            assumption=LAW,
+        )
+        yield always(
+            f"train {one.number} narrows only by an accepted report",
+            _widens(of, one),
+            statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
+            trace=("FVA-1", "FVA-9"),
+            unconditional=True,
+        )
+    loose = own.loose.implies(
+        machine.mode.eq(machine.modes[0])
+        & (um(own.loose_low) <= own.loose_rear)
+        & (own.loose_front <= um(own.loose_high))
+    )
+    yield always(
+        "loose vehicles are accounted for",
+        of.bool(loose),
+        statement="a vehicle that was never counted is only where the area says that one may be",
+        trace=("FVA-9",),
+        assumption=LAW,
+    )
+
+
+def _widens(of: Substitution, one: Slot) -> Bool:
+    """Without an accepted report or an event, both bounds move outward (the ends of the world apart)."""
+    limit, present = one.reach.limit_mm, of.bool(one.present)
+    low, high = of.num(one.low), of.num(one.high)
+    quiet = of.bool(one.judged.ne(ACCEPTED) & ~one.enters) & earlier_bool(present) & present
+    lower = (low <= earlier_num(low)) | low.eq(-limit)
+    higher = (high >= earlier_num(high)) | high.eq(limit)
+    return quiet.implies(lower & higher)
+
+
+def _safety(model: Sections, one: Section) -> Iterator[Property]:
+    own, name = model.area.own, one.machine.name
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    free = of.bool(one.machine.flag("clear"))
+    start, end = of.num(um(one.start)), of.num(um(one.end))
+    trains = [
+        there.bool(train.there) & _overlaps(there.num(train.true_rear), there.num(train.true_front), start, end)
+        for train in own.slots
+    ]
+    loose = there.bool(own.loose) & _overlaps(there.num(own.loose_rear), there.num(own.loose_front), start, end)
+    yield always(
+        f"{name} is never clear with a train in it",
+        free.implies(~any_of(trains)),
+        statement="a section in which any part of any train is, from min safe rear to max safe front, is never FREE: with "
+        "several trains, entering, leaving, reversing, lost and coming back",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        f"{name} is never clear with a vehicle that was not counted",
+        free.implies(~loose),
+        statement="a vehicle that was never counted never stands in a FREE section",
+        trace=TRACE,
+        assumption=LAW,
+    )
+
+
+def _overlaps(rear: Num, front: Num, start: Num, end: Num) -> Bool:
+    return (rear <= end) & (front >= start)
+
+
+def _evidence(model: Sections, one: Section) -> Iterator[Property]:
+    name = one.machine.name
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    free = of.bool(one.machine.flag("clear"))
+    slots = model.area.own.slots
+    apart = []
+    for train in slots:
+        low, high = there.num(train.low), there.num(train.high)
+        apart.append(~there.bool(train.present) | (high < of.num(one.start)) | (low > of.num(one.end)))
+    yield always(
+        f"{name} is clear only on evidence",
+        free.implies(all_of(apart)),
+        statement="FREE is stated only where every counted train is known to be elsewhere",
+        trace=TRACE,
+        unconditional=True,
+    )
+    silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
+    swept = model.area.machine
+    quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))
+    yield always(
+        f"{name} is not cleared by silence",
+        (quiet & ~earlier_bool(free)).implies(~free),
+        statement="withheld, stale or missing reports never move a section towards FREE",
+        trace=("FVA-1", "FVA-9"),
+        unconditional=True,
+    )
