@@ -176,9 +176,8 @@ class Recognition:
 
     @property
     def conflict(self) -> Bool:
-        """Two echoes fit and exclude each other: neither is believed."""
-        pairs = [(one, other) for index, one in enumerate(self.judgements) for other in self.judgements[index + 1 :]]
-        return any_of(one.fits & other.fits & ~one.fix.meets(other.fix) for one, other in pairs)
+        """Another echo fits as well, and excludes the chosen one: neither is believed."""
+        return any_of(one.fits & ~one.fix.meets(self.fix) for one in self.judgements[1:])
 
     @property
     def accepted(self) -> Bool:

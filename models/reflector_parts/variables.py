@@ -48,7 +48,7 @@ class ReflectorConfig(Config):
     """Everything about vehicle, radar and line that the reflector machine depends on."""
 
     odometer: ErrorLaw = WHEEL
-    echo_slots: int = quantity(2, "count", 1, 16, "[D] the target and one reflector in an overlapping view zone")
+    echo_slots: int = quantity(2, "count", 1, 8, "[D] the target and one reflector in an overlapping view zone")
     period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
