@@ -3,7 +3,7 @@
 python -m benchmarks.radar_accuracy [frames of each condition, 400 unless told]
 
 Every frame has a reflector of each model in turn, anywhere in view, at any speed up to 40 m/s, the sensor at an end of
-each of its declared errors. A range counts as right when the truth lies within the stated bound.
+each of its declared errors. An echo is right when range and sine of the truth lie within their stated bounds.
 """
 
 from __future__ import annotations
@@ -103,8 +103,9 @@ def _shot(condition: Condition, scene: World, reflector: Reflector, bias: Bias, 
     done = time.process_time()
     true = slant_mm(scene, reflector, along + speed * float(CONFIG.sensor.lead_us) / 1e6)
     at_frame = slant_mm(scene, reflector, along)
-    echo, verdict = _judged(outcome, reflector, true) if isinstance(outcome, Frame) else (None, "no frame")
-    return Shot(at_frame, true, reflector.left_mm / at_frame, echo, verdict, done - drawn, drawn - began)
+    sine = reflector.left_mm / at_frame
+    echo, verdict = _judged(outcome, reflector, true, sine) if isinstance(outcome, Frame) else (None, "no frame")
+    return Shot(at_frame, true, sine, echo, verdict, done - drawn, drawn - began)
 
 
 def _foreign(count: int, ahead_mm: float, rng: np.random.Generator) -> Points:
@@ -114,7 +115,7 @@ def _foreign(count: int, ahead_mm: float, rng: np.random.Generator) -> Points:
     return points(slant, -3_000.0 / slant, SECTION_M2 * 10 ** rng.uniform(-0.6, 0.6, count))
 
 
-def _judged(frame: Frame, reflector: Reflector, true_mm: float) -> tuple[Echo | None, str]:
+def _judged(frame: Frame, reflector: Reflector, true_mm: float, sine: float) -> tuple[Echo | None, str]:
     known = [echo for echo in frame.echoes if echo.model is not Model.UNKNOWN]
     own = [one for one in known if one.model is reflector.model and abs(one.range_mm - true_mm) < SAME_MM]
     if [one for one in known if one not in own] or len(own) > 1:
@@ -122,6 +123,7 @@ def _judged(frame: Frame, reflector: Reflector, true_mm: float) -> tuple[Echo | 
     if not own:
         return None, "not known"
     inside = abs(own[0].range_mm - true_mm) <= own[0].range_error_mm
+    inside &= abs(own[0].sine_ppm - 1e6 * sine) <= own[0].sine_error_ppm
     return own[0], "right" if inside else "outside its bound"
 
 
@@ -130,8 +132,8 @@ def _judged(frame: Frame, reflector: Reflector, true_mm: float) -> tuple[Echo | 
 
 def by_range(shots: list[Shot]) -> Iterator[str]:
     """Errors of range and sine against truth, band by band of range."""
-    yield "| range, m | frames | known | bias, mm | 95 %, mm | worst, mm | stated bound, mm | worst / bound | angle 95 %, mrad | worst | bound |"
-    yield "|---|---|---|---|---|---|---|---|---|---|---|"
+    yield "| range, m | frames | known | bias, mm | 95 %, mm | worst, mm | stated bound, mm | worst / bound | angle 95 %, mrad | worst | bound | worst / bound |"
+    yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
     for low in range(0, FARTHEST_MM, BAND_MM):
         band = [shot for shot in shots if low <= shot.range_mm < low + BAND_MM]
         hits = [(shot, shot.echo) for shot in band if shot.echo is not None]
@@ -149,6 +151,7 @@ def _row(name: str, frames: int, hits: list[tuple[Shot, Echo]]) -> str:
         name, str(frames), f"{100 * len(hits) / frames:.1f} %", f"{error.mean():+.1f}", f"{np.percentile(size, 95):.1f}",
         f"{size.max():.1f}", f"{bound.min()} to {bound.max()}, half {np.median(bound):.0f}", f"{(size / bound).max():.2f}",
         f"{np.percentile(angle, 95):.1f}", f"{angle.max():.1f}", f"{limit.min():.1f} to {limit.max():.1f}",
+        f"{(angle / limit).max():.2f}",
     ]  # fmt: skip
     return f"| {' | '.join(cells)} |"
 
