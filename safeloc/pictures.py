@@ -45,13 +45,16 @@ class Deviation:
 
 @dataclass(frozen=True)
 class StopSignals:
-    """Inputs that tell of one stop point, and the number by which it is selected."""
+    """Inputs that tell of one stop point, and the number by which it is selected.
+
+    called  recording (file name without ending) -> what a drawing of that platform calls it
+    """
 
     number: int
     at: str
     before: str
     after: str
-    called: str = ""
+    called: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

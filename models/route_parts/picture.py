@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.pictures import Hypothesis, Recognition, Sighting, TrackPlan
 
-FIGURE_3 = ("route-adcd-every-reflector", "route-adcd-first-missed", "route-dcd-every-reflector")
-"""The shipped recordings; they run over the line fig3, its routes numbered as the map has them."""
+FIGURE_3 = frozenset(path.stem for path in (Path(__file__).parents[1] / "streams").glob("route-*.jsonl"))
+"""The shipped recordings: all run over the line fig3, its routes numbered in the order of the map."""
 
 
 def picture(config: RouteConfig) -> Recognition:

@@ -7,6 +7,8 @@ from safeloc.pictures import Approach, StopSignals
 
 PERIOD_MS = 100
 """[S] SUBSET-041: application cycle up to 100 ms; the machine itself does not depend on it."""
+FIGURE_2, CALLED = ("stop_point-figure-2", "stop_point-overrun"), {1: "207", 2: "210"}
+"""The shipped recordings of that station, and the numbers that the source gives its stop points."""
 
 
 def picture(config: StopPointConfig) -> Approach:
@@ -32,4 +34,5 @@ def picture(config: StopPointConfig) -> Approach:
 
 def _stop(number: int) -> StopSignals:
     name = f"stop_{number}"
-    return StopSignals(number, f"{name}_position_mm", f"{name}_before_mm", f"{name}_after_mm")
+    called = dict.fromkeys(FIGURE_2, CALLED[number]) if number in CALLED else {}
+    return StopSignals(number, f"{name}_position_mm", f"{name}_before_mm", f"{name}_after_mm", called)

@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
 
-from safeloc.pictures import Approach, StopSignals
+from safeloc.pictures import Approach
 from safeloc.report.drawing import (
     BLUE,
     GREEN,
@@ -46,15 +46,11 @@ DASHES = ("", "2 3", "", "9 3", "5 2 1 2", "1 2")
 class Stop(NamedTuple):
     """A stop point and its window, mm along the line."""
 
-    signals: StopSignals
+    number: int
+    words: str
     at: float
     begins: float
     ends: float
-
-    @property
-    def words(self) -> str:
-        """What it is called."""
-        return f"stop point {self.signals.called or self.signals.number}"
 
 
 @dataclass(frozen=True)
@@ -83,14 +79,15 @@ class Drive:
             told = [given for given in self.told.given if signals.at in given]
             if told:
                 at, before, after = (float(told[-1][name]) for name in (signals.at, signals.before, signals.after))
-                found.append(Stop(signals, at, at - before, at + after))
+                name = signals.called.get(self.told.name, str(signals.number))
+                found.append(Stop(signals.number, f"stop point {name}", at, at - before, at + after))
         return found
 
     @cached_property
     def selected(self) -> Stop | None:
         """The stop point that was selected last."""
         numbers = [given[self.one.selected] for given in self.told.given if self.one.selected in given]
-        return next((stop for stop in self.stops if numbers and stop.signals.number == numbers[-1]), None)
+        return next((stop for stop in self.stops if numbers and stop.number == numbers[-1]), None)
 
     def points(self, axis: Axis, height: Axis) -> list[Point | None]:
         """Places and speeds on the page."""
@@ -115,7 +112,7 @@ def approach_picture(one: Approach, told: Told) -> str:
     fastest, slowest = max(drive.speeds) / MM_S_PER_KM_H, min(drive.speeds) / MM_S_PER_KM_H
     room = max(fastest - slowest, 1.0)
     height = Axis(slowest - 0.06 * room, fastest + 0.12 * room, head(told) + WHOLE, head(told))
-    made = [word(LEFT, 16, one.title), upright_axis(height, "speed in km/h", unit=1)]
+    made = [upright_axis(height, "speed in km/h", unit=1)]
     made.append(across_axis(axis, height.begin, "distance along the line in m"))
     made += [_windows(drive, axis, height), _due(drive, axis, height), _curve(drive, axis, height)]
     made += [_brake_order(drive, axis, height), violations(told, drive.places, axis, height.begin)]
@@ -157,7 +154,7 @@ def _windows(drive: Drive, axis: Axis, height: Axis) -> str:
         made += upright(axis.at(stop.at), height.end, height.begin, GREEN, kind="stop", dash="")
         near = axis.at(stop.at) > (LEFT + RIGHT) / 2
         chosen = " (selected)" if stop is drive.selected else ""
-        made += word(axis.at(stop.at) + (-5 if near else 5), height.end + 14 + 15 * (stop.signals.number % 2),
+        made += word(axis.at(stop.at) + (-5 if near else 5), height.end + 14 + 15 * (stop.number % 2),
                      f"{stop.words}{chosen}", anchor="end" if near else "start")  # fmt: skip
     return made
 

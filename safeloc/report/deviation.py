@@ -120,7 +120,7 @@ def deviation_picture(one: Deviation, told: Told) -> str:
     axis = across(places)
     furthest = max([one.tolerance_mm, *(max(abs(off.low), off.high, abs(off.deviation or 0)) for off in offs.reported)])
     upper = Axis(-furthest * 1.1, furthest * 1.1, head(told) + WHOLE, head(told))
-    made = [word(LEFT, 16, one.title), _panel(offs, axis, upper, "deviation in m"), _tolerance(one, upper)]
+    made = [_panel(offs, axis, upper, "deviation in m"), _tolerance(one, upper)]
     bottom = upper.begin
     if 0 < offs.narrowest * ENLARGED_WHERE < one.tolerance_mm:
         near = Axis(-4 * offs.narrowest, 4 * offs.narrowest, bottom + BETWEEN + ENLARGED, bottom + BETWEEN)

@@ -107,7 +107,7 @@ def upright_axis(axis: Axis, label: str, *, unit: float = 1_000) -> str:
         made.append(f'<path d="M{LEFT} {y:.1f}H{RIGHT}" class="grid"/>')
         made.append(word(LEFT - 8, y + 4, number(tick), anchor="end"))
     frame = f'<rect x="{LEFT}" y="{axis.end:.1f}" width="{RIGHT - LEFT}" height="{axis.begin - axis.end:.1f}" class="frame"/>'
-    return frame + "".join(made) + word(LEFT - 8, axis.end - 8, label, anchor="end")
+    return frame + "".join(made) + word(LEFT - 8, axis.end - 11, label, anchor="end")
 
 
 def line(stretches: Iterable[Sequence[Point]], colour: str, *, kind: str, width: float = 1.8, dash: str = "") -> str:

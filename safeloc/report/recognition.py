@@ -109,11 +109,11 @@ class Hunt:
     def _not_there(self, route: Hypothesis, given: Mapping[str, Value], about: float) -> str:
         seen = self.one.sighting
         model, away = self.told.word(seen.model, given[seen.model]), given[seen.range]
-        at = metres(about + away)
+        at = f"about {metres(about + away)}"
         if route.place not in given:
             return f"reflector {model} seen at {at}: none of model {model} on this route"
         other = self.told.word(route.model, given[route.model])
-        nearest = f"its nearest {other} is at {metres(given[route.place])}"
+        nearest = f"the nearest {other} of this route is at {metres(given[route.place])}"
         return f"reflector {model} seen at {at}: {nearest}"
 
 
@@ -128,7 +128,7 @@ def recognition_picture(one: Recognition, told: Told) -> str:
     axis = across([*places, *ends])
     top = head(told)
     y = top + (0 if plan is None else plan_height(plan))
-    made = [word(LEFT, 16, one.title)]
+    made = list[str]()
     if plan is not None:
         made.append(plan_drawing(plan, axis, top, hunt.missed))
     bottom = y + (len(one.hypotheses) + 2) * ROW

@@ -5,16 +5,16 @@ from __future__ import annotations
 from safeloc.report.drawing import LEFT, RED, RIGHT, Axis, upright, word
 from safeloc.report.told import Broken, Series, Told
 
-FIRST, ROW = 36, 15
+FIRST, ROW = 14, 15
 
 
 def head(told: Told) -> float:
-    """Where a picture begins below its title and the names of what is violated."""
-    return FIRST + ROW * len(told.broken) + 10
+    """Where a picture begins, below the names of what is violated."""
+    return FIRST + ROW * len(told.broken) + 14
 
 
 def violations(told: Told, places: Series, axis: Axis, bottom: float) -> str:
-    """Lines from the names down to `bottom`; the names stand one below the other under the title."""
+    """Lines from the names down to `bottom`; the names stand one below the other at the head."""
     made, row = "", 0
     for broken in told.broken:
         place = place_at(places, broken)
