@@ -226,6 +226,7 @@ def _route(journey: Journey) -> Iterator[Stream]:
         taken,
         seed=journey.seed,
         motion=motion,
+        dropout=0,
         start_error_mm=min(4_000, config.start_error_mm),
         radar_error_mm=journey.vehicle.radar_error_mm,
         missed=[one.at for one in struck if one.name == "reflector-gone"],

@@ -90,6 +90,7 @@ def simulate(
     seed: int,
     legs: Sequence[Leg] = (),
     motion: Motion | None = None,
+    dropout: float = 0.01,
     sensor_faults: Sequence[Fault] = (),
     authorised: int = 0,
     start_error_mm: int = 4_000,
@@ -117,7 +118,7 @@ def simulate(
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )
-    distances = measure("odometer", motion, law, rng, dropout=0.01, faults=sensor_faults)
+    distances = measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
     run = _Run(
         config, ways, true, motion, distances, rng, start_error_mm, radar_error_mm, set(missed), dict(misread or {})
     )

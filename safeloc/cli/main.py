@@ -20,6 +20,7 @@ from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
 from safeloc.cli.replay import as_table, replay_stream, whole_run
 from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
+from safeloc.cli.simulate import simulate
 from safeloc.errors import InputError
 from safeloc.provers.base import base, step_queries
 from safeloc.provers.limits import Limits
@@ -29,7 +30,6 @@ from safeloc.report.data import report_data
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
-from safeloc.streams.steps import write_steps
 from safeloc.system import without_ghosts
 from safeloc.testing import run_tests
 from safeloc.verdict import Proved, word, worst
@@ -39,6 +39,7 @@ app.command("list")(list_)
 app.command("import")(import_line)
 app.command("audit")(audit_line)
 app.command("drive")(drive)
+app.command("simulate")(simulate)
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
@@ -177,26 +178,6 @@ def export(
         where.write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError(f"{where}: cannot be written: {error}") from error
-
-
-@app.command()
-def simulate(
-    target: TargetArgument,
-    where: Annotated[Path, typer.Option("--out", help="stream to write: .jsonl, .csv or .parquet")],
-    config: ConfigOption = None,
-    seed: SeedOption = 0,
-) -> None:
-    """Write a stream of simulated sensors, with the truth beside it, that `replay` takes."""
-    loaded = load_target(target, config)
-    if loaded.simulate is None:
-        able = [name for name in ENTRIES if load_target(name).simulate is not None]
-        raise InputError(f"{loaded.name} has no simulation; there is one of {', '.join(able)}.")
-    steps = loaded.simulate(seed)
-    try:
-        write_steps(where, steps, machine=loaded.name)
-    except OSError as error:
-        raise InputError(f"{where}: cannot be written: {error}") from error
-    err.print(f"{len(steps)} steps: {where}", markup=False)
 
 
 @app.command()

@@ -1,0 +1,87 @@
+"""`safeloc simulate`: a machine by itself, or vehicles on a line, as streams that `replay` takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from safeloc.catalogue import ENTRIES, load_target
+from safeloc.cli.show import err, out
+from safeloc.errors import InputError
+from safeloc.line.toml_files import shipped_lines
+from safeloc.streams.steps import write_steps
+
+
+def simulate(
+    target: Annotated[
+        str, typer.Argument(help="a machine (see `safeloc list`), or a line: file (TOML or JSON), fig1, fig2, fig3")
+    ],
+    where: Annotated[
+        Path | None, typer.Option("--out", help="stream to write (.jsonl, .csv, .parquet); of a line: folder")
+    ] = None,
+    config: Annotated[
+        Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="seed of sensors and driving; the next vehicle has the next seed")] = 0,
+    machines: Annotated[
+        list[str] | None, typer.Option("--machine", help="of a line: which machines (repeatable); else all")
+    ] = None,
+    vehicles: Annotated[
+        list[str] | None, typer.Option("--vehicle", help="of a line: file or shipped vehicle (repeatable)")
+    ] = None,
+    routes: Annotated[
+        list[str] | None, typer.Option("--route", help="of a line: edges run over, with commas (repeatable)")
+    ] = None,
+    start: Annotated[str | None, typer.Option("--from", help="of a line: EDGE@MM where all routes begin")] = None,
+    end: Annotated[str | None, typer.Option("--to", help="of a line: EDGE@MM where all routes end")] = None,
+    faults: Annotated[
+        list[str] | None, typer.Option("--faults", help="of a line: NAME or NAME:PLACE, with commas; `help` lists them")
+    ] = None,
+    trust_first: Annotated[
+        bool, typer.Option("--trust-first", help="of a line: the first balise group of a run is vouched for")
+    ] = False,
+    unaudited: Annotated[
+        bool, typer.Option("--unaudited", help="drive the line although its audit finds rules violated")
+    ] = False,
+) -> None:
+    """Write simulated sensors, with the truth beside them: of a machine by itself, or of vehicles on a line."""
+    from safeloc.cli.simulate_line import LineOptions, simulate_line  # numpy is loaded only where it is needed
+    from safeloc.models.line_faults import told
+
+    options = LineOptions(
+        tuple(machines or ()), tuple(vehicles or ()), tuple(routes or ()), start, end, tuple(faults or ()),
+        trust_first, unaudited, seed,
+    )  # fmt: skip
+    if "help" in options.faults:
+        out.print(told(), markup=False)
+        return
+    if where is None:
+        raise typer.BadParameter("say where to write: --out FILE, or of a line --out FOLDER.")
+    if is_line(target):
+        if config is not None:
+            raise typer.BadParameter("--config is of one machine; on a line the machines follow --vehicle.")
+        simulate_line(target, where, options)
+        return
+    if options.named():
+        raise typer.BadParameter(f"{', '.join(options.named())} is for lines, and {target!r} is none.")
+    _machine(target, where, config, seed)
+
+
+def is_line(target: str) -> bool:
+    """Whether a shipped line or a file of a line is meant."""
+    return target in shipped_lines() or (target not in ENTRIES and Path(target).suffix in (".toml", ".json"))
+
+
+def _machine(target: str, where: Path, config: Path | None, seed: int) -> None:
+    loaded = load_target(target, config)
+    if loaded.simulate is None:
+        able = [name for name in ENTRIES if load_target(name).simulate is not None]
+        raise InputError(f"{loaded.name} has no simulation; there is one of {', '.join(able)}.")
+    steps = loaded.simulate(seed)
+    try:
+        write_steps(where, steps, machine=loaded.name)
+    except OSError as error:
+        raise InputError(f"{where}: cannot be written: {error}") from error
+    err.print(f"{len(steps)} steps: {where}", markup=False)
