@@ -6,17 +6,11 @@ from collections.abc import Iterator
 
 from safeloc.expr import (
     Bool,
-    Expr,
-    Num,
-    NumVar,
-    Var,
     all_of,
     any_of,
     as_num,
-    before,
     between,
     exact_to,
-    was,
 )
 from safeloc.machine import Machine
 from safeloc.models.layout_rules import LayoutConfig, separable_by_distance
@@ -26,8 +20,8 @@ from safeloc.models.reflector_parts.dead_reckoning import Interval
 from safeloc.models.reflector_parts.echo import AMBIGUOUS, FITS, Judgement
 from safeloc.models.reflector_parts.map_data import Reflector, is_it
 from safeloc.models.reflector_parts.variables import NO_ERROR, ReflectorConfig
+from safeloc.properties.in_step import in_step, num_in_step
 from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable, since, within
-from safeloc.terms import Substitution
 from safeloc.units import MM, NM
 
 LAW = (
@@ -43,7 +37,7 @@ SIGHTED = (*PASSED, "reflector found", "reflector tracked", "next reflector take
 
 def properties(model: ReflectorMachine) -> list[Property]:
     """Every property of the reflector machine."""
-    makers = (_safety, _identity, _view, _leaving, _self_test, _rejection, _availability)
+    makers = (_safety, _identity, _view, _search, _leaving, _self_test, _failed_test, _rejection, _availability)
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -116,15 +110,6 @@ def _is_what_it_seems(model: ReflectorMachine, one: Judgement, reflector: Reflec
     return in_step(model.machine, one.fits.implies(itself))
 
 
-def in_step(machine: Machine, term: Bool) -> Bool:
-    """In a property: a term over the state before the step and its inputs, as guards are."""
-    twins: dict[Var, Expr] = {
-        var: before(var) if isinstance(var, NumVar) else was(var)
-        for var in (machine.mode, *machine.state, *machine.ghosts)
-    }
-    return Substitution(twins).bool(term)
-
-
 def _view(model: ReflectorMachine) -> Iterator[Property]:
     """The view zone: what begins it, and whose margins count in it (RFL-1, figures 001 items 1 and 10)."""
     machine, own, cycle = model.machine, model.own, model.judged
@@ -154,6 +139,12 @@ def _view(model: ReflectorMachine) -> Iterator[Property]:
         trace=("RFL-2", "RFL-3", "RFL-D2"),
         unconditional=True,
     )
+
+
+def _search(model: ReflectorMachine) -> Iterator[Property]:
+    """Before the view zone: what is looked for, from where on, and what else is not (RFL-8, figures 001 items 6, 7, 19)."""
+    machine, own, cycle = model.machine, model.own, model.judged
+    precise = machine.flag("precise")
     yield always(
         "clutter is no reflector",
         (_was(model, "ODOMETRY", "NOT_READY", "DELOCALIZED") & ~in_step(machine, cycle.started)).implies(
@@ -191,20 +182,15 @@ def _view(model: ReflectorMachine) -> Iterator[Property]:
 
 
 def _reports(model: ReflectorMachine, one: Judgement) -> Bool:
-    own, fix = model.own, in_step_interval(model.machine, one.fix)
+    own, fix = model.own, _in_step_interval(model.machine, one.fix)
     same = own.track.position.eq(fix.position) & own.track.over.eq(fix.over) & own.track.under.eq(fix.under)
     bound = exact_to(one.slot.error, NM) + own.config.accuracy_nm
     wide = (own.track.over >= bound) & (own.track.under >= bound)
     return in_step(model.machine, one.fits) & same & wide
 
 
-def in_step_interval(machine: Machine, interval: Interval) -> Interval:
-    """An interval over the state before the step and its inputs."""
-    twins: dict[Var, Expr] = {
-        var: before(var) if isinstance(var, NumVar) else was(var) for var in (machine.mode, *machine.state)
-    }
-    change = Substitution(twins)
-    return Interval(change.num(interval.position), change.num(interval.over), change.num(interval.under))
+def _in_step_interval(machine: Machine, interval: Interval) -> Interval:
+    return Interval(*(num_in_step(machine, term) for term in (interval.position, interval.over, interval.under)))
 
 
 def _was(model: ReflectorMachine, *labels: str) -> Bool:
@@ -215,7 +201,7 @@ def _leaving(model: ReflectorMachine) -> Iterator[Property]:
     """Leaving the view zone: odometry goes on from the last position (RFL-D2)."""
     machine, own = model.machine, model.own
     valid, precise = machine.flag("valid"), machine.flag("precise")
-    ran_on = own.track.position.eq(earlier_num(own.track.position) + in_step_num(machine, own.odometer.moved))
+    ran_on = own.track.position.eq(earlier_num(own.track.position) + num_in_step(machine, own.odometer.moved))
     grew = (own.track.over > earlier_num(own.track.over)) & (own.track.under > earlier_num(own.track.under))
     left = _was(model, "VIEW") & model.in_mode("COAST", "PASSING", "ODOMETRY") & ~own.balise.read
     yield always(
@@ -247,17 +233,9 @@ def _leaving(model: ReflectorMachine) -> Iterator[Property]:
     )
 
 
-def in_step_num(machine: Machine, term: Num) -> Num:
-    """A numeric term over the state before the step and its inputs."""
-    twins: dict[Var, Expr] = {
-        var: before(var) if isinstance(var, NumVar) else was(var) for var in (machine.mode, *machine.state)
-    }
-    return Substitution(twins).num(term)
-
-
 def _self_test(model: ReflectorMachine) -> Iterator[Property]:
     """No precise positioning without a passed self-test (RFL-6)."""
-    machine, own, cycle = model.machine, model.own, model.judged
+    machine, cycle = model.machine, model.judged
     ready = machine.flag("ready")
     yield always(
         "ready only after the self-test",
@@ -280,6 +258,11 @@ def _self_test(model: ReflectorMachine) -> Iterator[Property]:
         trace=("RFL-6",),
         unconditional=True,
     )
+
+
+def _failed_test(model: ReflectorMachine) -> Iterator[Property]:
+    """What a failed self-test means, and from where on its reflector is looked for (RFL-6, RFL-8, RFL-D3)."""
+    machine, own = model.machine, model.own
     yield always(
         "no retry",
         (_was(model, "NOT_READY") & ~model.in_mode("NOT_READY", "DELOCALIZED")).implies(
@@ -303,7 +286,7 @@ def _self_test(model: ReflectorMachine) -> Iterator[Property]:
         "looked for from the prescribed line",
         ~early
         & later.implies(
-            earlier_num(own.run) + in_step_num(machine, own.odometer.moved) >= earlier_num(own.search_from)
+            earlier_num(own.run) + num_in_step(machine, own.odometer.moved) >= earlier_num(own.search_from)
         ),
         statement="where the telegram says from which distance on the reflector is looked for, it is not found before",
         trace=("RFL-8",),
@@ -319,7 +302,7 @@ def _rejection(model: ReflectorMachine) -> Iterator[Property]:
         "unfit echoes change nothing",
         (unfit & ~own.balise.read & machine.flag("valid")).implies(
             ~machine.flag("precise")
-            & own.track.position.eq(earlier_num(own.track.position) + in_step_num(machine, own.odometer.moved))
+            & own.track.position.eq(earlier_num(own.track.position) + num_in_step(machine, own.odometer.moved))
         ),
         statement="a weak, foreign, too near, too coarse, ambiguous or out-of-window echo leaves position and source to "
         "odometry",

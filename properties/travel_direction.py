@@ -11,9 +11,14 @@ LAW = "of the two models recognised around a balise at least one is that of the 
 
 
 def properties(model: TravelDirection) -> list[Property]:
-    """A stated direction is the true one, rests on both models, and is given up when the vehicle turns."""
+    """Every property of the direction machine."""
+    return [*_stated(model), *_withheld(model)]
+
+
+def _stated(model: TravelDirection) -> list[Property]:
+    """A stated direction is the true one and rests on both models."""
     machine, own = model.machine, model.own
-    unknown, half, *_ = machine.modes
+    _, half, *_ = machine.modes
     stated = machine.output("direction")
     confirmed = machine.fired("confirmed along", "confirmed against")
     return [
@@ -33,6 +38,21 @@ def properties(model: TravelDirection) -> list[Property]:
             trace=("RFL-D5",),
             unconditional=True,
         ),
+        reachable(
+            "against is found",
+            stated.eq(AGAINST) & machine.flag("contradicts"),
+            statement="a vehicle that runs against the expected direction is found out",
+            trace=("RFL-D5",),
+        ),
+    ]
+
+
+def _withheld(model: TravelDirection) -> list[Property]:
+    """Where nothing is stated."""
+    machine, own = model.machine, model.own
+    unknown, half, *_ = machine.modes
+    stated = machine.output("direction")
+    return [
         always(
             "equal models tell nothing",
             machine.fired("fits along", "fits against").implies(
@@ -55,11 +75,5 @@ def properties(model: TravelDirection) -> list[Property]:
             statement="one model alone states no direction and contradicts no route",
             trace=("RFL-D5",),
             unconditional=True,
-        ),
-        reachable(
-            "against is found",
-            stated.eq(AGAINST) & machine.flag("contradicts"),
-            statement="a vehicle that runs against the expected direction is found out",
-            trace=("RFL-D5",),
         ),
     ]

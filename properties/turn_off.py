@@ -10,9 +10,14 @@ LAW = "lateral places within their error; the image of a reflector moves as it m
 
 
 def properties(model: TurnOff) -> list[Property]:
+    """Every property of the turn-off machine."""
+    return [*_course(model), *_noting(model)]
+
+
+def _course(model: TurnOff) -> list[Property]:
     """The course that is stated is the true one; a contradiction with the authority is flagged, and nothing else is."""
     machine, own = model.machine, model.own
-    _, before, over, decided, _ = machine.modes
+    decided = machine.modes[3]
     course, mode = machine.output("course"), machine.mode
     return [
         always(
@@ -39,6 +44,21 @@ def properties(model: TurnOff) -> list[Property]:
             trace=("RFL-12",),
             unconditional=True,
         ),
+        reachable(
+            "a contradiction is found",
+            machine.flag("contradicts"),
+            statement="a vehicle that takes another course than authorised is found out",
+            trace=("RFL-12",),
+        ),
+    ]
+
+
+def _noting(model: TurnOff) -> list[Property]:
+    """What a decision rests on."""
+    machine, own = model.machine, model.own
+    _, before, over, *_ = machine.modes
+    course, mode = machine.output("course"), machine.mode
+    return [
         always(
             "straight only beyond the turnout",
             machine.fired("runs straight on").implies(
@@ -60,11 +80,5 @@ def properties(model: TurnOff) -> list[Property]:
             statement="the lateral place is noted only while the vehicle is surely before the switch, from a measurement",
             trace=("RFL-12",),
             unconditional=True,
-        ),
-        reachable(
-            "a contradiction is found",
-            machine.flag("contradicts"),
-            statement="a vehicle that takes another course than authorised is found out",
-            trace=("RFL-12",),
         ),
     ]

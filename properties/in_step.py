@@ -1,0 +1,28 @@
+"""Terms of a guard in a property: over the state before the step and the inputs of the step.
+
+A property reads the state after the step. What a transition looked at is written with these.
+"""
+
+from __future__ import annotations
+
+from safeloc.expr import Bool, Expr, Num, NumVar, Var, before, was
+from safeloc.machine import Machine
+from safeloc.terms import Substitution
+
+
+def in_step(machine: Machine, term: Bool) -> Bool:
+    """A truth-valued term as it was in the step."""
+    return _before(machine).bool(term)
+
+
+def num_in_step(machine: Machine, term: Num) -> Num:
+    """A numeric term as it was in the step."""
+    return _before(machine).num(term)
+
+
+def _before(machine: Machine) -> Substitution:
+    twins: dict[Var, Expr] = {
+        var: before(var) if isinstance(var, NumVar) else was(var)
+        for var in (machine.mode, *machine.state, *machine.ghosts)
+    }
+    return Substitution(twins)
