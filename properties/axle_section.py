@@ -1,0 +1,109 @@
+"""What must hold of a section between axle counters (FVA-4, FVA-5)."""
+
+from __future__ import annotations
+
+from safeloc.expr import before, was
+from safeloc.models.axle_section import ACCEPTED, AxleSection
+from safeloc.spec import Property, always, earlier_bool, reachable
+
+TRACE = ("FVA-4", "FVA-5")
+LAW = "heads without a fault count truly; a sweep through that is counted in and out and reports the section free leaves nothing"
+
+
+def properties(model: AxleSection) -> list[Property]:
+    """Clear is clear; a reset never frees; a fault is occupied in the same step."""
+    machine, own = model.machine, model.own
+    unknown, clear, occupied, disturbed, sweeping = machine.modes
+    mode, is_clear = machine.mode, machine.flag("clear")
+    before_ = before(mode)
+    accepted = own.answer.eq(ACCEPTED)
+    return [
+        always(
+            "clear is clear",
+            is_clear.implies(own.axles.eq(0)),
+            statement="a section reported clear has no axle in it",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "a reset never frees",
+            own.reset.implies(~is_clear | before_.eq(clear) | ~accepted),
+            statement="in a cycle with an accepted reset an occupied section does not become clear",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "a reset leads to a sweep",
+            accepted.implies(mode.one_of(sweeping, disturbed)),
+            statement="an accepted reset is followed by a sweep, never by clear",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "clear after a reset needs a sweep",
+            (is_clear & ~before_.one_of(clear, occupied)).implies(
+                machine.fired("swept") & earlier_bool(own.through) & own.reported_clear
+            ),
+            statement="unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and "
+            "out and reported it free",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "refused while occupied",
+            (accepted & before_.one_of(occupied, sweeping)).implies(before(own.count).eq(0)),
+            statement="a reset is refused while axles are counted in",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "refused at a damped or faulty head",
+            accepted.implies(~own.damped & ~own.fault & ~own.moved),
+            statement="a reset is refused while a head is damped or at fault, and in a cycle with an axle",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "refused within the lead time",
+            accepted.implies(before(own.quiet) >= own.config.lead_cycles),
+            statement="a reset is refused until no axle passed for the lead time",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "a fault is occupied",
+            own.fault.implies(~is_clear),
+            statement="in a cycle with a fault of a head the section is not clear",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "an impossible count is disturbed",
+            (before_.one_of(clear, occupied, sweeping) & (before(own.count) + own.change < 0)).implies(mode.eq(disturbed)),
+            statement="more axles out than in: disturbed in the same cycle",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "a fault is not forgotten",
+            before_.eq(disturbed).implies(mode.one_of(disturbed, sweeping)),
+            statement="a disturbed section stays so, also when the fault is gone, until it is reset",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "power-up is occupied",
+            before_.eq(unknown).implies(mode.one_of(unknown, sweeping)),
+            statement="after power-up the section is not clear until reset and swept",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "sweep ways are kept",
+            (mode.eq(sweeping) & ~accepted & before_.eq(sweeping) & was(own.swept_from[0])).implies(own.swept_from[0]),
+            statement="what the sweep did since the reset is not forgotten on the way",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        reachable("clear", is_clear, statement="a section can become clear", trace=TRACE),
+    ]
