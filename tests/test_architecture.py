@@ -32,6 +32,7 @@ ROOMS = {
         "models/stop_point_streams.py",
     ),
     "scipy": ("safeloc/signals/",),
+    "dascore": ("safeloc/signals/fibre/recordings.py",),
     "hypothesis": ("safeloc/testing.py",),
     "transitions": ("safeloc/backends/runtime.py",),
     "typer": ("safeloc/cli/",),

@@ -1,0 +1,127 @@
+"""Position signals So: the amplitude of a train's pattern rises or falls (FWG-1, FWG-8), whenever that happens.
+
+What is watched is the amplitude of the pattern's first metres from an end of the train, over its run. It is compared
+with what it was before; a return to it ends the section and is no second one. No time of flight is used, so no drift
+of it matters. A louder vehicle moves with the train and changes nothing; a section stays where it is.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.signals.fibre.figures import FibreConfig
+
+Single = NDArray[np.float32]
+MEDIAN_WINDOWS = 5
+SAMPLE_MM = 1_000
+CDB_PER_DECADE = 1_000
+
+
+class Effect(Enum):
+    """What a section does to the amplitude."""
+
+    RAISES = "raises"
+    LOWERS = "lowers"
+
+
+class Edge(Enum):
+    """What the amplitude did."""
+
+    RISE = "rise"
+    FALL = "fall"
+
+
+@dataclass(frozen=True)
+class Change:
+    """An edge in the amplitude at one end of a train.
+
+    entering      from normal; else back to normal
+    length_mm     when leaving: how far the end ran since entering (None: it came back the way it
+                  went in, or the amplitude stayed so long that it is the new normal)
+    size_cdb      how far the amplitude is from normal
+    """
+
+    effect: Effect
+    edge: Edge
+    entering: bool
+    length_mm: float | None
+    size_cdb: int
+
+
+class Watcher:
+    """Watches the amplitude at one end of one train."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._rules = config.sections
+        self._normal: deque[tuple[float, float]] = deque()
+        self._recent: deque[float] = deque(maxlen=MEDIAN_WINDOWS)
+        self._inside: Effect | None = None
+        self._entered_mm = 0.0
+
+    def follow(self, place_mm: float, energy: float) -> Change | None:
+        """The end's place along the fibre and the mean energy of the pattern there."""
+        if energy <= 0:
+            return None
+        self._recent.append(CDB_PER_DECADE * float(np.log10(energy)))
+        level = float(np.median(self._recent))
+        normal = self._level_of_normal()
+        if normal is None:
+            self._learn(place_mm, level)
+            return None
+        change = level - normal
+        return self._outside(place_mm, level, change) if self._inside is None else self._within(place_mm, level, change)
+
+    def _level_of_normal(self) -> float | None:
+        if not self._normal or abs(self._normal[-1][0] - self._normal[0][0]) < self._rules.least_baseline_mm:
+            return None
+        return float(np.median([level for _, level in self._normal]))
+
+    def _learn(self, place_mm: float, level: float) -> None:
+        """One sample a metre: a train that stands teaches nothing."""
+        if self._normal and abs(place_mm - self._normal[-1][0]) < SAMPLE_MM:
+            return
+        self._normal.append((place_mm, level))
+        while abs(place_mm - self._normal[0][0]) > self._rules.baseline_mm:
+            self._normal.popleft()
+
+    def _outside(self, place_mm: float, level: float, change: float) -> Change | None:
+        if abs(change) < self._rules.change_cdb:
+            self._learn(place_mm, level)
+            return None
+        self._inside = Effect.RAISES if change > 0 else Effect.LOWERS
+        self._entered_mm = place_mm
+        return Change(self._inside, Edge.RISE if change > 0 else Edge.FALL, True, None, round(change))
+
+    def _within(self, place_mm: float, level: float, change: float) -> Change | None:
+        assert self._inside is not None
+        run = abs(place_mm - self._entered_mm)
+        signed = change if self._inside is Effect.RAISES else -change
+        endless = run > self._rules.longest_mm
+        if signed > self._rules.return_cdb and not endless:
+            return None
+        effect, self._inside = self._inside, None
+        if endless:
+            self._start_again(place_mm, level)
+        crossed = self._rules.window_mm < run and not endless
+        edge = Edge.FALL if effect is Effect.RAISES else Edge.RISE
+        return Change(effect, edge, False, run if crossed else None, round(change))
+
+    def _start_again(self, place_mm: float, level: float) -> None:
+        """Changed for longer than any section: that is normal now."""
+        self._normal.clear()
+        self._learn(place_mm, level)
+
+
+def amplitude(energy: Single, end_mm: float, inward: int, config: FibreConfig) -> float:
+    """Mean energy over the pattern's first metres from an end (mm of fibre) inward (+1 or -1 along the fibre)."""
+    inter = config.interrogator
+    other = end_mm + inward * config.sections.window_mm
+    low, high = (min(end_mm, other) - inter.span_mm / 2, max(end_mm, other) - inter.span_mm / 2)
+    first = max(0, int(np.ceil(low / inter.channel_mm)))
+    last = min(inter.channels - 1, int(np.floor(high / inter.channel_mm)))
+    return float(energy[first : last + 1].mean()) if last >= first else 0.0

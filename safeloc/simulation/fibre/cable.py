@@ -1,0 +1,132 @@
+"""The cable: cells of fibre with scatterers, where they lie along the track, and how much of its shaking they get.
+
+Places along the fibre are m of cable from the coupler, places along the track m from the map's beginning. A loop of
+cable in a shaft is fibre that lies at one place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.config import Config, quantity
+from safeloc.errors import InputError
+from safeloc.signals.fibre.figures import Interrogator
+
+Numbers = NDArray[np.float64]
+Complex = NDArray[np.complex64]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A localization section, m of cable: its coupling to the rail, or its material, is `factor` times as sensitive."""
+
+    from_m: float
+    to_m: float
+    factor: float
+    by: Literal["coupling", "material"] = "coupling"
+
+
+class CableFigures(Config):
+    """How uneven a cable is."""
+
+    cell_mm: int = quantity(2_500, "mm", 100, 10_000, "[D] scatterers are put together in cells, several to a pulse")
+    coupling_cdb: int = quantity(200, "cdB", 0, 1_500, "[M] standard deviation of the coupling along the fibre")
+    coupling_mm: int = quantity(100_000, "mm", 1_000, 10_000_000, "[M] over which coupling is alike")
+    point_amplitude: int = quantity(30, "scatterers", 1, 10_000, "[M] an inserted reflecting point")
+    end_amplitude: int = quantity(300, "scatterers", 1, 100_000, "[M] a cleaved end without an absorber")
+    ghost_percent: int = quantity(5, "% of amplitude", 0, 100, "[M] what such an end sends back into the fibre")
+
+
+@dataclass(frozen=True, eq=False)
+class Cable:
+    """Cells from the coupler to the end. Shapes [cells].
+
+    track_m      place of each cell along the track
+    coupling     how much of the ground's strain reaches the fibre
+    material     phase for strain, over that of plain fibre
+    scatterers   amplitude and phase of what each sends back
+    ghost        amplitude that the end sends back into the fibre (0: absorbed)
+    """
+
+    cell_m: float
+    track_m: Numbers
+    coupling: Numbers
+    material: Numbers
+    scatterers: Complex
+    ghost: float
+
+    @property
+    def places_m(self) -> Numbers:
+        """Middle of each cell along the fibre."""
+        return np.asarray((np.arange(len(self.track_m)) + 0.5) * self.cell_m)
+
+
+def cable(
+    interrogator: Interrogator,
+    rng: np.random.Generator,
+    *,
+    figures: CableFigures | None = None,
+    map_points: Sequence[tuple[float, float]] = (),
+    sections: Sequence[Section] = (),
+    points_m: Sequence[float] = (),
+    absorber: bool = True,
+) -> Cable:
+    """A cable laid by `map_points` (fibre m, track m), one to one without any; reflecting points at m of fibre."""
+    figures = figures or CableFigures()
+    cell = figures.cell_mm / 1_000
+    places: Numbers = (np.arange(interrogator.fibre_mm // figures.cell_mm) + np.float64(0.5)) * np.float64(cell)
+    scatter = (rng.standard_normal(len(places)) + 1j * rng.standard_normal(len(places))) / np.sqrt(2)
+    for point in points_m:
+        scatter[_cell(point, places, cell)] += figures.point_amplitude
+    if not absorber:
+        scatter[-1] += figures.end_amplitude
+    return Cable(
+        cell,
+        _laid(places, map_points),
+        _coupling(len(places), figures, rng) * _factor(places, sections, "coupling"),
+        _factor(places, sections, "material"),
+        scatter.astype(np.complex64),
+        0.0 if absorber else figures.ghost_percent / 100,
+    )
+
+
+def _cell(place: float, places: Numbers, cell: float) -> int:
+    number = int(place // cell)
+    if not 0 <= number < len(places):
+        raise InputError(f"a reflecting point at {place} m is not on a fibre of {len(places) * cell} m.")
+    return number
+
+
+def _laid(places: Numbers, map_points: Sequence[tuple[float, float]]) -> Numbers:
+    if not map_points:
+        return places
+    points = np.array(map_points, dtype=np.float64)
+    if np.any(np.diff(points[:, 0]) <= 0):
+        raise InputError("map points come in growing order of fibre.")
+    return np.interp(places, points[:, 0], points[:, 1])
+
+
+def _coupling(cells: int, figures: CableFigures, rng: np.random.Generator) -> Numbers:
+    """Lognormal; alike over `coupling_mm`: white numbers smoothed by a Gaussian."""
+    width = figures.coupling_mm / figures.cell_mm
+    reach = np.arange(-int(3 * width), int(3 * width) + 1)
+    weights = np.exp(-((reach / width) ** 2))
+    white = rng.standard_normal(cells + len(reach) - 1)
+    smooth = np.fft.irfft(
+        np.fft.rfft(white, 2 * len(white)) * np.fft.rfft(weights / np.sqrt((weights**2).sum()), 2 * len(white))
+    )[len(reach) - 1 : len(reach) - 1 + cells]
+    gain: Numbers = 10 ** (smooth * figures.coupling_cdb / 2_000)
+    return gain
+
+
+def _factor(places: Numbers, sections: Sequence[Section], by: str) -> Numbers:
+    factor: Numbers = np.ones(len(places))
+    for section in sections:
+        if section.by == by:
+            factor[(places >= section.from_m) & (places < section.to_m)] *= section.factor
+    return factor

@@ -1,0 +1,154 @@
+"""Light: from strain along the cable to what the interrogator measures.
+
+A pulse lights several cells at once; what comes back from them adds up with its phases, so some places are dark
+(fading). Strain moves the phase of all that lies beyond it. The change of phase between two places a gauge apart, from
+one frame to the next, is the measurement; it wraps where the strain changes too fast. Light comes back weaker from
+farther away, the receiver adds noise, the laser's frequency a part that is common to all channels. An unabsorbed end
+sends the pulse back: its scatter looks like fibre beyond the end, and folds into the next pulse's time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.config import Config, quantity
+from safeloc.signals.fibre.figures import Interrogator
+from safeloc.signals.fibre.time_of_flight import speed_mm_s
+from safeloc.signals.figures import MILLION
+from safeloc.simulation.fibre.cable import Cable
+
+Numbers = NDArray[np.float64]
+Complex = NDArray[np.complex64]
+Single = NDArray[np.float32]
+NM_PER_M = 1e9
+
+
+class OpticsFigures(Config):
+    """The interrogator's own noise and drift."""
+
+    wave_nm: int = quantity(1_550, "nm", 500, 2_000, "[M, sure] telecommunication fibre")
+    photoelastic_percent: int = quantity(78, "%", 50, 100, "[M, sure] the index falls with strain: 0.78 remains")
+    snr_cdb: int = quantity(3_500, "cdB", 0, 10_000, "[M] of the mean scatter from the near end, a pulse")
+    loss_cdb_km: int = quantity(20, "cdB/km", 0, 1_000, "[M, sure] 0.2 dB/km one way")
+    laser_mrad: int = quantity(5, "mrad a frame", 0, 3_000, "[M] frequency noise over the gauge, in all channels alike")
+    laser_drift_mrad_s: int = quantity(50, "mrad/s", -100_000, 100_000, "[M] frequency drift over the gauge")
+    thermal_mrad_s: int = quantity(20, "mrad/s", 0, 10_000, "[M] a cell's own drift: fading wanders")
+    ambient_mrad: int = quantity(10, "mrad a frame", 0, 3_000, "[M] wind, water and machines, with the coupling")
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What the interrogator does not know, constant during a block: the index in ppm of it, the trigger in ps."""
+
+    index_ppm: float = 0.0
+    trigger_ps: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Backscatter:
+    """One block: phase rate [frames, channels] in rad a frame, and mean intensity [channels] over that of the near end."""
+
+    phase_rate: Single
+    intensity: Single
+
+
+class Receiver:
+    """Turns strain into frames, block after block."""
+
+    def __init__(
+        self, interrogator: Interrogator, cable: Cable, rng: np.random.Generator, figures: OpticsFigures | None = None
+    ) -> None:
+        self._interrogator, self._cable, self._rng = interrogator, cable, rng
+        self._figures = figures or OpticsFigures()
+        self._thermal = rng.standard_normal(len(cable.track_m)) * self._figures.thermal_mrad_s / 1_000
+        self._frames = 0
+        self._last: Complex | None = None
+
+    @property
+    def rad_per_strain(self) -> float:
+        """Phase there and back for a strain of 1e-9 over one cell of plain fibre."""
+        figures = self._figures
+        turns = 2 * self._interrogator.index_ppm / MILLION * self._cable.cell_m / (figures.wave_nm / NM_PER_M)
+        return float(2 * np.pi * turns * figures.photoelastic_percent / 100 / NM_PER_M)
+
+    def receive(self, strain: Numbers, drift: Drift | None = None) -> Backscatter:
+        """The block's frames from strain [frames, cells] in 1e-9, as felt by the fibre's material."""
+        field = self._fields(strain, drift or Drift())
+        far = field[:, self._gauge_channels :] * np.conj(field[:, : field.shape[1] - self._gauge_channels])
+        far = far[:, : self._interrogator.channels]
+        before = np.concatenate([far[:1] if self._last is None else self._last, far[:-1]])
+        self._last = far[-1:].copy()
+        rate = np.angle(far * np.conj(before)).astype(np.float32)
+        self._frames += len(rate)
+        intensity = (np.abs(field[:, : self._interrogator.channels]) ** 2).mean(axis=0)
+        return Backscatter(self._disturbed(rate), intensity.astype(np.float32))
+
+    @property
+    def _gauge_channels(self) -> int:
+        return max(1, round(self._interrogator.gauge_mm / self._interrogator.channel_mm))
+
+    def _fields(self, strain: Numbers, drift: Drift) -> Complex:
+        """Complex scatter [frames, channels and a gauge more] at the channels' times."""
+        sensitive = (self.rad_per_strain * self._cable.material).astype(np.float32)
+        phase: Single = np.cumsum(strain.astype(np.float32) * sensitive, axis=1, dtype=np.float32)
+        seconds = (self._frames + np.arange(len(strain))) / self._interrogator.frame_hz
+        phase += (seconds[:, None] * self._thermal).astype(np.float32)
+        cells = np.empty(phase.shape, dtype=np.complex64)
+        cells.real, cells.imag = np.cos(phase), np.sin(phase)
+        cells *= self._cable.scatterers
+        starts = self._starts(drift)
+        field = self._lit(cells, starts)
+        if self._cable.ghost:
+            field += self._cable.ghost * self._folded(cells, starts)
+        return self._received(field, starts)
+
+    def _starts(self, drift: Drift) -> NDArray[np.int64]:
+        """First lit cell of each channel: where the light of the channel's time really comes from."""
+        inter = self._interrogator
+        count = inter.channels + self._gauge_channels
+        trigger_mm = float(speed_mm_s(inter.index_ppm)) * drift.trigger_ps * 1e-12 / 2
+        places = (np.arange(count) * float(inter.channel_mm) - trigger_mm) / (1 + drift.index_ppm / MILLION)
+        return np.floor(places / 1_000 / self._cable.cell_m).astype(np.int64)
+
+    def _lit(self, cells: Complex, starts: NDArray[np.int64]) -> Complex:
+        """What a pulse lights: a few cells from each start on; none outside the fibre."""
+        lit = max(1, round(self._interrogator.pulse_mm / 1_000 / self._cable.cell_m))
+        field = np.zeros((len(cells), len(starts)), dtype=np.complex64)
+        for number in range(lit):
+            there = starts + number
+            inside = (there >= 0) & (there < cells.shape[1])
+            field[:, inside] += cells[:, there[inside]]
+        return field / np.float32(math.sqrt(lit))
+
+    def _folded(self, cells: Complex, starts: NDArray[np.int64]) -> Complex:
+        """Scatter on the way back from the end, one pulse later: from `2L - z` as far as from the next pulse's z."""
+        inter = self._interrogator
+        period_mm = float(speed_mm_s(inter.index_ppm)) / (2 * inter.pulse_hz)
+        period = round(period_mm / 1_000 / self._cable.cell_m)
+        return self._lit(cells, 2 * cells.shape[1] - 1 - period - starts)
+
+    def _received(self, field: Complex, starts: NDArray[np.int64]) -> Complex:
+        """Loss on the way, and the receiver's noise, less by the pulses of a frame."""
+        figures, shape = self._figures, field.shape
+        loss_cdb = 2 * figures.loss_cdb_km * np.maximum(starts, 0) * self._cable.cell_m / 1_000
+        noise = 10 ** (-figures.snr_cdb / 2_000) / math.sqrt(2 * self._interrogator.pulses_per_frame)
+        made = field * (10 ** (-loss_cdb / 2_000)).astype(np.float32)
+        made.real += noise * self._rng.standard_normal(shape, dtype=np.float32)
+        made.imag += noise * self._rng.standard_normal(shape, dtype=np.float32)
+        return made
+
+    def _disturbed(self, rate: Single) -> Single:
+        """Wind with the coupling of each channel, the laser in all channels alike."""
+        figures, frames = self._figures, len(rate)
+        starts = self._starts(Drift())[: rate.shape[1]]
+        feels = (self._cable.coupling * self._cable.material)[np.clip(starts, 0, len(self._cable.coupling) - 1)]
+        common = self._rng.normal(figures.laser_drift_mrad_s / self._interrogator.frame_hz, figures.laser_mrad, frames)
+        rate += self._rng.standard_normal(rate.shape, dtype=np.float32) * (feels * figures.ambient_mrad / 1_000).astype(
+            np.float32
+        )
+        rate += (common / 1_000).astype(np.float32)[:, None]
+        return rate
