@@ -16,6 +16,7 @@ from safeloc.models import (
     odometry,
     reflector,
     route,
+    sections,
     stop_point,
     supervised_odometry,
     travel_direction,
@@ -40,6 +41,7 @@ from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import reflector as reflector_properties
 from safeloc.properties import route as route_properties
+from safeloc.properties import sections as sections_properties
 from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import supervised_odometry as supervised_properties
 from safeloc.properties import travel_direction as direction_properties
@@ -174,6 +176,16 @@ def _route(config: BaseModel) -> Target:
     return replace(made, reported=Reported(), pictures=(route_picture(config),))
 
 
+def _sections(config: BaseModel) -> Target:
+    assert isinstance(config, sections.SectionsConfig)
+    whole = sections.compose_machines(config)
+    machines = (whole.area.machine, *(one.machine for one in whole.sections))
+    properties = tuple(sections_properties.properties(whole))
+    doc = "Trains of a line area between axle counters, and the virtual sections that it is cut into, in one step."
+    system = whole.composition.system
+    return Target("sections", machines, system, properties, config, doc, _shipped("sections"))
+
+
 def _made(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
     """A single machine with the streams that ship under its name."""
     name = machine.name
@@ -189,6 +201,7 @@ ENTRIES: Mapping[str, Entry] = {
         Entry("balise", "balise groups, supervised by linking, and an odometer between them", BaliseConfig, _balise),
         Entry("reflector", "radar reflectors, and odometry between them", ReflectorConfig, _reflector),
         Entry("stop_point", "precise stop at a platform, with repositioning", StopPointConfig, _stop_point),
+        Entry("sections", "clear or not: virtual sections of a line area", sections.SectionsConfig, _sections),
         Entry("route", "which route through switches, from models and places of reflectors", RouteConfig, _route),
         Entry("turn_off", "straight on or turning off, seen by radar", turn_off.TurnOffConfig, _turn_off),
         Entry(
