@@ -43,7 +43,7 @@ from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, mod
 from safeloc.models.area_parts.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Reach, Slot, slot
 from safeloc.units import COUNT, MM, UM
 
-TRACE = ("FVA-2", "FVA-9")
+TRACE = ("FVA-9",)
 
 
 class AreaConfig(Config):

@@ -35,14 +35,14 @@ def _area(model: Sections) -> Iterator[Property]:
             f"train {one.number} containment",
             of.bool(one.there.implies(one.present & inside)),
             statement="a train in the area is in its slot's interval, from rear end to front end",
-            trace=("FVA-2", "FVA-9"),
+            trace=("FVA-9",),
             assumption=LAW,
         )
         yield always(
             f"train {one.number} narrows only by an accepted report",
             _widens(of, one),
             statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
-            trace=("FVA-1", "FVA-9"),
+            trace=("FVA-9",),
             unconditional=True,
         )
     loose = own.loose.implies(
@@ -123,6 +123,6 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
         f"{name} is not cleared by silence",
         (quiet & ~earlier_bool(free)).implies(~free),
         statement="withheld, stale or missing reports never move a section towards FREE",
-        trace=("FVA-1", "FVA-9"),
+        trace=("FVA-9",),
         unconditional=True,
     )
