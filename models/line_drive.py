@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from safeloc.config import Config
 from safeloc.errors import InputError
@@ -36,6 +36,8 @@ from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_streams import Platform, simulate_platform
 from safeloc.models.turn_off import TurnOffConfig
 from safeloc.simulation.motion import Motion
+from safeloc.simulation.reader_faults import ReaderFault
+from safeloc.simulation.sensors import Fault
 from safeloc.simulation.speed_profile import Halt, drive
 from safeloc.streams.steps import Cell
 
@@ -93,8 +95,10 @@ def motion_of(journey: Journey, gate_mm_s: int, period_ms: int, halts: Sequence[
     return drive(journey.vehicle.motion, moves, limits(journey.route), period_ms)
 
 
-def _struck(journey: Journey, machine: str, motion: Motion) -> list[Struck]:
+def _struck(journey: Journey, machine: str, motion: Motion, reflector: str = "") -> list[Struck]:
+    """The machine's faults on this route. `reflector`: the one that is meant where a fault names none."""
     asked = [one for one in journey.faults if machine in one.fault.outcomes]
+    asked = [replace(one, at=reflector) if one.fault.where == "reflector" and not one.at else one for one in asked]
     return [found for one in asked if (found := placed(one, journey.route, motion)) is not None]
 
 
@@ -115,9 +119,17 @@ def _odometry(journey: Journey) -> Iterator[Stream]:
         dropout=0,
         missed=0,
         foreign=0,
-        faults=[fault for one in struck for fault in one.of_odometry()],
+        faults=_of_odometry(struck, config.limits.max_step_mm),
     )
     yield Stream("odometry", config, steps, struck=struck)
+
+
+def _of_odometry(struck: Sequence[Struck], max_step_mm: int) -> list[Fault | ReaderFault]:
+    """Of the front reader, and of the front end's first unit."""
+    found: list[Fault | ReaderFault] = []
+    for one in struck:
+        found += [*one.of_reader(), *one.of_distance("front_wheel", max_step_mm)]
+    return found
 
 
 def _balise(journey: Journey) -> Iterator[Stream]:
@@ -135,7 +147,7 @@ def _balise(journey: Journey) -> Iterator[Stream]:
         missed=0,
         foreign=0,
         faults=[fault for one in struck for fault in one.of_group()],
-        sensor_faults=[fault for one in struck for fault in one.of_distance("odometer")],
+        sensor_faults=[fault for one in struck for fault in one.of_distance("odometer", config.limits.max_step_mm)],
     )
     yield Stream("balise", config, steps, struck=struck)
 
@@ -144,7 +156,9 @@ def _reflector(journey: Journey) -> Iterator[Stream]:
     config = _source(journey)
     motion = motion_of(journey, config.max_speed_mm_s, config.period_ms)
     struck = _struck(journey, "reflector", motion)
-    steps = reflector_streams.simulate(config, seed=journey.seed, scene=_scene(journey, struck), motion=motion)
+    steps = reflector_streams.simulate(
+        config, seed=journey.seed, scene=_scene(journey, struck, config.max_step_mm), motion=motion
+    )
     yield Stream("reflector", config, steps, struck=struck)
 
 
@@ -154,7 +168,7 @@ def _source(journey: Journey) -> ReflectorConfig:
     return config
 
 
-def _scene(journey: Journey, struck: Sequence[Struck]) -> reflector_streams.Scene:
+def _scene(journey: Journey, struck: Sequence[Struck], max_step_mm: int) -> reflector_streams.Scene:
     vehicle = journey.vehicle
     seen = reflector_route(
         journey.route,
@@ -171,7 +185,7 @@ def _scene(journey: Journey, struck: Sequence[Struck]) -> reflector_streams.Scen
         pauses=0,
         dropout=0,
         disturbances=tuple(one for fault in struck for one in fault.of_radar()),
-        sensor_faults=tuple(one for fault in struck for one in fault.of_distance("wheel")),
+        sensor_faults=tuple(one for fault in struck for one in fault.of_distance("wheel", max_step_mm)),
     )
 
 
@@ -183,13 +197,13 @@ def _stop_point(journey: Journey) -> Iterator[Stream]:
         for number, (place, stop) in enumerate(platform, 1):
             off = sum(_off_mm(one.fault.name) for one in journey.faults)
             motion = motion_of(journey, config.max_speed_mm_s, source.period_ms, _halts(place, off, config))
-            struck = _struck(journey, "stop_point", motion)
+            struck = _struck(journey, "stop_point", motion, stop.reflector)
             steps = simulate_platform(
                 config,
                 Platform(stop_places(platform), number, permitted=off != 0),
                 motion,
                 source=source,
-                scene=_scene(journey, struck),
+                scene=_scene(journey, struck, source.max_step_mm),
                 seed=journey.seed,
             )
             yield Stream("stop_point", config, steps, stop.id, struck)
@@ -231,7 +245,7 @@ def _route(journey: Journey) -> Iterator[Stream]:
         radar_error_mm=journey.vehicle.radar_error_mm,
         missed=[one.at for one in struck if one.name == "reflector-gone"],
         misread={one.at: one.model for one in struck if one.name == "model-misread"},
-        sensor_faults=[fault for one in struck for fault in one.of_distance("odometer")],
+        sensor_faults=[fault for one in struck for fault in one.of_distance("odometer", config.limits.max_step_mm)],
         authorised=(taken % len(rivals) + 1) if wrong else taken,
     )
     yield Stream("route", config, steps, struck=struck)
@@ -248,7 +262,7 @@ def _turn_off(journey: Journey) -> Iterator[Stream]:
     steps = turn_off_streams.simulate(
         config,
         source,
-        _scene(journey, struck),
+        _scene(journey, struck, source.max_step_mm),
         switches,
         motion,
         seed=journey.seed,

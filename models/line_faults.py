@@ -1,8 +1,8 @@
 """Named faults for runs along a line: what goes wrong, where, and what each machine has to make of it.
 
 Only faults are offered that the machine withstands: either the assumption is kept, or its break is found out before it
-can do harm. A machine with one odometer cannot notice a wheel that slowly slips; the odometry machine has two units for
-that, and the balise machine checks for changes that no vehicle can make.
+can do harm. A machine with one odometer cannot notice a wheel that slips for long, and its odometer's law is an assumption;
+the odometry machine has two units for that.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ Where = Literal["group", "reflector", "stretch", "stop", "run"]
 MACHINES = ("odometry", "balise", "reflector", "stop_point", "route", "turn_off")
 NO_POSITION = "no position from it: nothing is ordered"
 UNWATCHED = "the switch is not watched: no course is stated"
+NOT_VOUCHED_FOR = ("group-early", "group-late", "group-foreign")
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ FAULTS: Mapping[str, LineFault] = {
             "odometry": "the device's other unit goes on with the greater charge; nothing is reported without both for long",
             "balise": "the top speed is charged, and beyond the gap limit nothing is reported",
             "reflector": "the top speed is charged, and beyond the gap limit nothing is reported: SENSOR_FAILURE",
-            "stop_point": "position lost: hold",
+            "stop_point": "position lost: nothing is ordered, and where a stop was pending, hold",
             "route": "the top speed is charged, and beyond the gap limit nothing is reported: SENSOR_FAILURE",
             "turn_off": UNWATCHED,
         }),
@@ -98,15 +99,12 @@ FAULTS: Mapping[str, LineFault] = {
         }),
         LineFault("wheel-slide", "the wheel turns a quarter too slow", "stretch", False, {
             "odometry": "the units disagree: the difference is charged, or the change is refused",
-            "balise": "refused as a change that no vehicle can make; the top speed is charged",
         }),
         LineFault("wheel-slip", "the wheel turns a quarter too fast", "stretch", False, {
             "odometry": "the units disagree: the difference is charged, or the change is refused",
-            "balise": "refused as a change that no vehicle can make; the top speed is charged",
         }),
         LineFault("wheel-stuck", "the wheel says standstill while the vehicle runs", "stretch", False, {
             "odometry": "the units disagree: the difference is charged, or the change is refused",
-            "balise": "refused as a change that no vehicle can make; the top speed is charged",
         }),
         LineFault("frames-missing", "no radar frames come", "reflector", True, {
             "reflector": "not precise; missing frames are no lost reflector until the time is up",
@@ -149,8 +147,12 @@ FAULTS: Mapping[str, LineFault] = {
 }  # fmt: skip
 
 
-def parse(asked: Sequence[str], machines: Sequence[str]) -> list[Asked]:
-    """Faults from `NAME` or `NAME:PLACE`. InputError for an unknown name, or one that none of the machines has."""
+def parse(asked: Sequence[str], machines: Sequence[str], *, trust_first: bool = False) -> list[Asked]:
+    """Faults from `NAME` or `NAME:PLACE`.
+
+    InputError for an unknown name, one that none of the machines has, and a displaced or exchanged group where the first
+    group is vouched for: it may be that one.
+    """
     found = []
     for text in asked:
         name, _, at = text.partition(":")
@@ -159,6 +161,8 @@ def parse(asked: Sequence[str], machines: Sequence[str]) -> list[Asked]:
         if not set(FAULTS[name].outcomes) & set(machines):
             having = ", ".join(FAULTS[name].outcomes)
             raise InputError(f"fault {name} is for {having}, and here is {', '.join(machines)}.")
+        if trust_first and name in NOT_VOUCHED_FOR:
+            raise InputError(f"fault {name} and --trust-first contradict each other: such a group is not vouched for.")
         found.append(Asked(FAULTS[name], at))
     return found
 

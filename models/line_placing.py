@@ -74,15 +74,16 @@ class Struck:
         """For the balise simulation."""
         return [GroupFault(self.identity, OF_GROUP[self.name])] if self.name in OF_GROUP else []
 
-    def of_odometry(self) -> list[Fault | ReaderFault]:
-        """For the odometry simulation: of the front reader, or of the front end's first unit."""
-        if self.name in OF_READER:
-            return [ReaderFault("front_marker", OF_READER[self.name], self.begin, self.end)]
-        return [*self.of_distance("front_wheel")]
+    def of_reader(self) -> list[ReaderFault]:
+        """For the front reader of the odometry simulation."""
+        kind = OF_READER.get(self.name)
+        return [] if kind is None else [ReaderFault("front_marker", kind, self.begin, self.end)]
 
-    def of_distance(self, sensor: str) -> list[Fault]:
-        """For a distance sensor of that name."""
-        return [Fault(sensor, OF_DISTANCE[self.name], self.begin, self.end)] if self.name in OF_DISTANCE else []
+    def of_distance(self, sensor: str, max_step_mm: int) -> list[Fault]:
+        """For a distance sensor of that name. A jump is beyond what the vehicle can run in a cycle, and within the
+        input's range: farther ones would be stopped at the border."""
+        kind = OF_DISTANCE.get(self.name)
+        return [] if kind is None else [Fault(sensor, kind, self.begin, self.end, max_step_mm + 500)]
 
     def of_radar(self) -> list[Disturbance]:
         """For the reflector simulation."""

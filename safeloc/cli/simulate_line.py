@@ -106,7 +106,9 @@ def simulate_line(name: str, where: Path, options: LineOptions) -> None:
     unknown = [one for one in machines if one not in MACHINES]
     if unknown:
         raise InputError(f"no machine {unknown[0]!r} to drive on a line; there are {', '.join(MACHINES)}.")
-    asked = parse([one.strip() for told in options.faults for one in told.split(",")], machines)
+    asked = parse(
+        [one.strip() for told in options.faults for one in told.split(",")], machines, trust_first=options.trust_first
+    )
     vehicles = list(_vehicles(options))
     passes = [_audited(line, vehicle, options.unaudited) for vehicle in vehicles]
     walk = Walk(line)

@@ -38,12 +38,16 @@ class Law:
 
 @dataclass(frozen=True)
 class Fault:
-    """A named fault of one distance sensor from cycle `begin` up to, not including, `end`."""
+    """A named fault of one distance sensor from cycle `begin` up to, not including, `end`.
+
+    by_mm   jump: how much too far the first of these cycles is measured
+    """
 
     sensor: str
     kind: FaultKind
     begin: int
     end: int
+    by_mm: int = 50_000
 
 
 @dataclass(frozen=True)
@@ -183,7 +187,7 @@ def _faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDAr
             case "runaway":
                 step[part] += 1_000
             case "jump":
-                step[fault.begin] += 50_000
+                step[fault.begin] += fault.by_mm
             case "drop-out":
                 pass  # absent already when it was measured
             case "slip":
