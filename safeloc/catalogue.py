@@ -20,6 +20,7 @@ from pydantic import BaseModel, ValidationError
 from safeloc.composition import Composition
 from safeloc.errors import InputError, SafelocError
 from safeloc.machine import Machine
+from safeloc.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
 from safeloc.shipped import ENTRIES
 from safeloc.spec import Property
@@ -33,8 +34,8 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     """A shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
 
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
-    content of the configuration file). Its module may define `properties`, a list or a function of the machine, and
-    `reported`, a Reported that names the outputs of the interval.
+    content of the configuration file). Its module may define `properties`, a list or a function of the machine,
+    `reported`, a Reported that names the outputs of the interval, and `pictures`, how its recorded runs are drawn.
     Raises InputError that says what was looked for and what exists.
     """
     if ":" in spec:
@@ -106,7 +107,20 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
     if missing:
         raise InputError(f"{module.__name__}.reported names {missing[0]!r}; outputs are {', '.join(system.outputs)}.")
     properties = _properties(module, found)
-    return Target(system.name, system.machines, system, properties, None, doc, reported=reported)
+    pictures = _pictures(module, system)
+    return Target(system.name, system.machines, system, properties, None, doc, reported=reported, pictures=pictures)
+
+
+def _pictures(module: ModuleType, system: TransitionSystem) -> tuple[Picture, ...]:
+    declared = getattr(module, "pictures", ())
+    wrong = [item for item in declared if not isinstance(item, Picture)]
+    if wrong:
+        raise InputError(f"{module.__name__}.pictures holds {wrong[0]!r}; expected Deviation, Approach or Recognition.")
+    for picture in declared:
+        missing = unreadable(picture, system)
+        if missing:
+            raise InputError(f"{module.__name__}.pictures, {picture.title!r}: {'; '.join(missing)}.")
+    return tuple(declared)
 
 
 def _module(where: str) -> ModuleType:

@@ -11,8 +11,23 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from safeloc.reported import Reported
+from safeloc.system import TransitionSystem
 
 ThingKind = Literal["balise", "reflector"]
+
+
+@dataclass(frozen=True)
+class Read:
+    """Names that a picture reads.
+
+    inputs    inputs, which may be absent at times
+    always    inputs that are never absent
+    reported  outputs or state
+    """
+
+    inputs: tuple[str, ...] = ()
+    always: tuple[str, ...] = ()
+    reported: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -41,6 +56,12 @@ class Deviation:
     tolerance_mm: int
     things: tuple[Things, ...] = ()
     mode: str = "mode"
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        inputs = [name for things in self.things for name in (things.at, things.label, *(things.zone or ()))]
+        return Read(inputs=tuple(inputs), reported=(*self.reported.outputs, self.mode))
 
 
 @dataclass(frozen=True)
@@ -83,6 +104,13 @@ class Approach:
     period_ms: int
     mode: str = "mode"
     truth: str = "truth_nm"
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        windows = [name for stop in self.stops for name in (stop.before, stop.after)]
+        always = (self.speed, self.position, self.over, self.under, self.valid, *windows)
+        return Read((self.selected, *(stop.at for stop in self.stops)), always, (self.order, self.mode))
 
 
 @dataclass(frozen=True)
@@ -164,5 +192,23 @@ class Recognition:
     mode: str = "mode"
     truth: str = "truth_nm"
 
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        told = [name for one in self.hypotheses for name in (one.possible, one.low, one.high)]
+        of_map = [name for one in self.hypotheses for name in (one.model, one.course)]
+        inputs = (self.sighting.range, self.sighting.start, *(one.place for one in self.hypotheses))
+        return Read(inputs, (self.sighting.model, self.sighting.turned, *of_map), (*told, self.mode))
+
 
 Picture: TypeAlias = Deviation | Approach | Recognition
+
+
+def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:
+    """What the picture reads and the system does not have, each in words; empty where all is there."""
+    reads, optional = picture.reads, {option.value.name for option in system.optionals}
+    inputs = {var.name for var in system.inputs}
+    told = {var.name for var in system.state} | set(system.outputs)
+    wrong = [f"no input {name!r}" for name in (*reads.inputs, *reads.always) if name not in inputs]
+    wrong += [f"input {name!r} may be absent" for name in reads.always if name in optional]
+    return wrong + [f"no output or state {name!r}" for name in reads.reported if name not in told]

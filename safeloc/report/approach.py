@@ -40,7 +40,7 @@ from safeloc.report.violations import head, violations
 
 WHOLE, NEAR, BETWEEN = 230, 170, 84
 MM_S_PER_KM_H = 1e6 / 3_600
-DASHES = ("", "2 3", "", "9 3", "5 2 1 2", "1 2")
+DASHES = ("8 2 2 2", "2 3", "", "9 3", "5 2 1 2", "1 2")
 
 
 class Stop(NamedTuple):

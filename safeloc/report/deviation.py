@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from safeloc.nodes import Value
 from safeloc.pictures import Deviation, Things
 from safeloc.report.drawing import (
     BLUE,
@@ -209,10 +210,16 @@ def _of_kind(things: Things, told: Told) -> Iterator[Thing]:
         if at is None or at in done:
             continue
         done.add(at)
-        label = told.word(things.label, given[things.label])
+        label = told.word(things.label, given[things.label]) if things.label in given else ""
         words = f"{called[at]} ({label})" if at in called else label
-        zone = None if things.zone is None else (at - given[things.zone[0]], at - given[things.zone[1]])
-        yield Thing(things.kind, at, words, zone)
+        yield Thing(things.kind, at, words, _zone(things, given, at))
+
+
+def _zone(things: Things, given: Mapping[str, Value], at: int) -> tuple[int, int] | None:
+    if things.zone is None or not set(things.zone) <= set(given):
+        return None
+    begin, end = things.zone
+    return at - given[begin], at - given[end]
 
 
 def _along(things: list[Thing], axis: Axis, y: float) -> str:
