@@ -1,0 +1,108 @@
+"""What must hold of a train's entry record (FVA-3, FVA-5)."""
+
+from __future__ import annotations
+
+from safeloc.expr import Lit, before, between, exact_to
+from safeloc.models.axle_counter import SOUND, UM_PER_MM, UM_S, AxleCounter
+from safeloc.models.axle_head import NO_AXLE
+from safeloc.spec import Property, always, reachable
+from safeloc.units import NM, UM
+
+TRACE = ("FVA-3", "FVA-5")
+LAW = "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes"
+
+
+def properties(model: AxleCounter) -> list[Property]:
+    """A sound record is true; a passage with any flaw gives none."""
+    machine, own = model.machine, model.own
+    spoilt, _, passing, done = machine.modes
+    mode, sound = machine.mode, machine.flag("record_sound")
+    nothing = [machine.output(f"record_{name}") for name in ("axles", "length_low_um", "length_high_um")]
+    gap = Lit(own.config.axle_gap_mm * UM_PER_MM, UM)
+    return [
+        always(
+            "count is true",
+            sound.implies(own.count.eq(own.axles)),
+            statement="a sound record holds the number of axles that passed",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "length is true",
+            sound.implies(between(exact_to(own.length_low, NM), own.length, exact_to(own.length_high, NM))),
+            statement="a sound record's bounds hold the length from first to last axle, whatever the train's speed did",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "speed is true",
+            sound.implies(between(exact_to(own.low_speed, UM_S), own.speed, exact_to(own.high_speed, UM_S))),
+            statement="a sound record's bounds hold the speed of its cycle",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "place is true",
+            sound.implies(between(exact_to(own.run_low, NM), own.run, exact_to(own.run_high, NM))),
+            statement="a sound record's bounds hold how far the first axle is beyond the counter",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "the whole train has passed",
+            sound.implies(own.run - own.length > exact_to(gap, NM)),
+            statement="a record is made only when the train has run farther since its last axle than two axles are apart",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "length is exact enough",
+            sound.implies(own.length_high - own.length_low <= own.config.length_spread_mm * UM_PER_MM),
+            statement="a sound record's length is never wider than permitted",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "a fault spoils",
+            own.fault.implies(mode.eq(spoilt)),
+            statement="disagreeing channels or a disturbed head: no record, from the same cycle on",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "turning spoils",
+            (before(mode).eq(passing) & own.axle.ne(NO_AXLE) & own.axle.ne(before(own.came))).implies(mode.eq(spoilt)),
+            statement="an axle in the other direction spoils the passage in the same cycle",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "spoilt until over",
+            (before(mode).eq(spoilt) & mode.ne(spoilt)).implies(own.over & mode.eq(done) & ~sound),
+            statement="what is left of a spoilt passage is never taken for another train",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "a record needs a passage",
+            sound.implies(before(mode).eq(passing) & (own.count > 0)),
+            statement="a sound record is made only at the end of an undisturbed passage",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "nothing without a record",
+            (~sound).implies(nothing[0].eq(0) & nothing[1].eq(0) & nothing[2].eq(0)),
+            statement="without a sound record there are no numbers to verify with",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "a flaw is told",
+            mode.eq(spoilt).implies(own.flaw.ne(SOUND)),
+            statement="a spoilt passage has a reason",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        reachable("record", sound & (own.count > 1), statement="a train gives a sound record", trace=TRACE),
+    ]
