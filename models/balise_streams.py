@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, assert_never
 
 import numpy as np
@@ -163,6 +164,12 @@ def _passages(
         before = after
 
 
+@lru_cache(maxsize=8)
+def _on_board(config: BaliseConfig) -> Compiled:
+    """The machine without its environment."""
+    return compile_system(without_ghosts(lower(machine(config))))
+
+
 class _Run:
     """A run under way: the machine on board, what its map still has to announce, and telegrams on their way to it."""
 
@@ -172,7 +179,7 @@ class _Run:
     ) -> None:  # fmt: skip
         self._config, self._motion, self._distances, self._rng, self._foreign = config, motion, distances, rng, foreign
         self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
-        self._board: Compiled = compile_system(without_ghosts(lower(machine(config))))
+        self._board: Compiled = _on_board(config)
         self._state = self._board.first()
         self._outputs: Mapping[str, Cell] = self._board.named_outputs(self._state)
         self._announced_mm: int | None = None

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -154,6 +155,12 @@ def simulate(
     return _Run(config, scene, motion, odometer, rng).steps()
 
 
+@lru_cache(maxsize=8)
+def _on_board(config: ReflectorConfig) -> Compiled:
+    """The machine without its environment."""
+    return compile_system(without_ghosts(lower(machine(config))))
+
+
 class _Run:
     """One run, cycle by cycle, with the machine in the loop for what it asks of the map."""
 
@@ -161,7 +168,7 @@ class _Run:
         self, config: ReflectorConfig, scene: Scene, motion: Motion, odometer: Distances, rng: np.random.Generator
     ) -> None:
         self._config, self._scene, self._motion, self._odometer, self._rng = config, scene, motion, odometer, rng
-        self._code: Compiled = compile_system(without_ghosts(lower(machine(config))))
+        self._code: Compiled = _on_board(config)
         self._state = self._code.first()
         self._wander = 0
 
@@ -319,7 +326,7 @@ def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
 
 def said(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
     """What the machine on board reports after each step of a simulated stream."""
-    code = compile_system(without_ghosts(lower(machine(config))))
+    code = _on_board(config)
     state, outputs = code.first(), list[Mapping[str, Value]]()
     for record in stream:
         state, _ = code.step(state, code.read(board(record)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -126,6 +127,12 @@ def simulate(
     return [{**step, "authorised_route": authorised} for step in steps]
 
 
+@lru_cache(maxsize=8)
+def _on_board(config: RouteConfig) -> Compiled:
+    """The machine without its environment."""
+    return compile_system(without_ghosts(lower(machine(config))))
+
+
 class _Run:
     """A run under way: the machine on board, and the world it runs in."""
 
@@ -137,7 +144,7 @@ class _Run:
         self._start_error_mm, self._radar_error_mm = start_error_mm, radar_error_mm
         self._missed, self._misread, self._wander = missed, misread, 0
         self._offset = int(rng.uniform(-0.9, 0.9) * start_error_mm) * NM_PER_MM - motion.start_nm
-        self._board: Compiled = compile_system(without_ghosts(lower(machine(config))))
+        self._board: Compiled = _on_board(config)
         self._state = self._board.first()
         self._quiet = quiet(config)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.models.reflector_parts.variables import ReflectorConfig
@@ -58,6 +59,12 @@ def simulate(
     return [run.step(int(position), one) for position, one in zip(motion.position_nm, seen, strict=True)]
 
 
+@lru_cache(maxsize=8)
+def _on_board(config: TurnOffConfig) -> Compiled:
+    """The machine without its environment."""
+    return compile_system(without_ghosts(lower(machine(config))))
+
+
 class _Run:
     """A run under way, with the machine on board: which switch it watches decides what its map says next."""
 
@@ -66,7 +73,7 @@ class _Run:
     ) -> None:
         self._config, self._switches, self._rng = config, {one.position_mm: one for one in switches}, rng
         self._wrong_authority = wrong_authority
-        self._board: Compiled = compile_system(without_ghosts(lower(machine(config))))
+        self._board: Compiled = _on_board(config)
         self._state = self._board.first()
 
     def step(self, truth_nm: int, reported: Mapping[str, Value]) -> dict[str, Cell]:
