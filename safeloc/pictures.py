@@ -83,6 +83,7 @@ class Approach:
     """Speed over distance to the stop point, with orders and stop window (source 001, fig. 2).
 
     position, over, under, valid   the interval that comes with the run
+    braking, idle                  members of the order: to brake, and none while no stop is pending
     brake_mm_s2, reaction_ms, speed_error_mm_s   from these the speed at which braking is due, at each distance
     period_ms                      time of a step, for the strip over time
     """
@@ -95,6 +96,7 @@ class Approach:
     valid: str
     order: str
     braking: str
+    idle: str
     selected: str
     stops: tuple[StopSignals, ...]
     brake_mm_s2: int

@@ -22,6 +22,7 @@ def picture(config: StopPointConfig) -> Approach:
         valid="position_valid",
         order="order",
         braking="BRAKE",
+        idle="NONE",
         selected="selected_stop",
         stops=tuple(_stop(number) for number in range(1, config.stop_points + 1)),
         brake_mm_s2=config.brake_mm_s2,

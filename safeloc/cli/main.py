@@ -132,13 +132,18 @@ def replay(
         typer.Option("--period-ms", help="the stream holds single records; make steps of this period", min=1),
     ] = None,
     form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
+    folder: Annotated[Path | None, typer.Option("--out", help="folder for a report of it, with its pictures")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run a recorded stream through a machine and check every property on it."""
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
     loaded = load_target(target, config)
+    if folder is not None:
+        usable(folder)
     rows, findings = replay_stream(loaded, stream, period_ms=period)
+    if folder is not None:
+        err.print(f"report: {write_folder(folder, findings, [loaded])}", markup=False)
     if as_json:
         print_json(report_data(findings, [loaded]))
     elif form == "jsonl":

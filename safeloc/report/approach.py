@@ -40,6 +40,8 @@ from safeloc.report.violations import head, violations
 
 WHOLE, NEAR, BETWEEN = 230, 170, 84
 MM_S_PER_KM_H = 1e6 / 3_600
+FAR_OFF_MM = 50_000
+"""A standstill farther away than that is none at this stop point."""
 DASHES = ("8 2 2 2", "2 3", "", "9 3", "5 2 1 2", "1 2")
 
 
@@ -89,6 +91,12 @@ class Drive:
         numbers = [given[self.one.selected] for given in self.told.given if self.one.selected in given]
         return next((stop for stop in self.stops if numbers and stop.number == numbers[-1]), None)
 
+    @property
+    def ordered(self) -> list[tuple[int, float]]:
+        """Step (from 0 on) and place while a stop is pending: what comes before and after it is no overrun."""
+        steps = enumerate(zip(self.places, self.orders, strict=True))
+        return [(step, place) for step, (place, order) in steps if place is not None and order != self.one.idle]
+
     def points(self, axis: Axis, height: Axis) -> list[Point | None]:
         """Places and speeds on the page."""
         return [None if place is None else Point(axis.at(place), height.at(speed / MM_S_PER_KM_H))
@@ -117,7 +125,7 @@ def approach_picture(one: Approach, told: Told) -> str:
     made += [_windows(drive, axis, height), _due(drive, axis, height), _curve(drive, axis, height)]
     made += [_brake_order(drive, axis, height), violations(told, drive.places, axis, height.begin)]
     y = height.begin
-    if drive.selected is not None:
+    if drive.selected is not None and drive.ordered:
         made += _near(drive, drive.selected, y + BETWEEN)
         y += BETWEEN + NEAR
     y += 56
@@ -209,7 +217,7 @@ def _near(drive: Drive, stop: Stop, top: float) -> Iterator[str]:
     if not speeds:
         return
     room = max(max(speeds) - min(speeds), 1.0)
-    height = Axis(min(speeds) - 0.3 * room, max(speeds) + 0.15 * room, top + NEAR, top)
+    height = Axis(min(0.0, *speeds) - 0.3 * room, max(speeds) + 0.15 * room, top + NEAR, top)
     yield upright_axis(height, "speed in km/h", unit=1)
     yield across_axis(axis, height.begin, f"distance from {stop.words} in m; speed backwards is negative")
     begin, end = axis.at(stop.begins - stop.at), axis.at(stop.ends - stop.at)
@@ -225,10 +233,10 @@ def _near(drive: Drive, stop: Stop, top: float) -> Iterator[str]:
 
 
 def _reach(drive: Drive, stop: Stop) -> float:
-    beyond = max((place - stop.at for place in drive.places if place is not None), default=0.0)
+    beyond = max((place - stop.at for _, place in drive.ordered), default=0.0)
     widest = max(stop.ends - stop.at, stop.at - stop.begins, 1_000.0)
-    short = max((stop.at - place for place, speed in zip(drive.places, drive.speeds, strict=True)
-                 if place is not None and speed == 0 and stop.at - place < 50_000), default=0.0)  # fmt: skip
+    stood = [stop.at - place for step, place in drive.ordered if drive.speeds[step] == 0]
+    short = max((away for away in stood if away < FAR_OFF_MM), default=0.0)
     return max(4 * widest, 1.4 * beyond, 1.4 * short)
 
 
@@ -244,7 +252,7 @@ def _reduced(drive: Drive, height: Axis) -> str:
 
 def _furthest(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
     """How far the vehicle overran the stop window, if it did."""
-    furthest = max(place for place in drive.places if place is not None)
+    furthest = max((place for _, place in drive.ordered), default=stop.at)
     if furthest <= stop.ends:
         return ""
     x, zero = axis.at(furthest - stop.at), height.at(0)
@@ -255,12 +263,13 @@ def _furthest(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
 
 
 def _standing(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
-    """The interval that is reported at the end, around zero speed."""
-    last, names = drive.told.given[-1], (drive.one.position, drive.one.under, drive.one.over)
-    if not last[drive.one.valid]:
-        return ""
+    """The interval that is reported at the end, while the stop is still pending, around zero speed."""
+    last, names = drive.told.given[drive.ordered[-1][0]], (drive.one.position, drive.one.under, drive.one.over)
     position, under, over = (float(last[name]) for name in names)
-    (low, high), zero = (axis.at(end - stop.at) for end in (position - under, position + over)), height.at(0)
+    if not last[drive.one.valid] or not axis.holds(position - stop.at):
+        return ""
+    zero = height.at(0)
+    low, high = (min(max(axis.at(end - stop.at), LEFT), RIGHT) for end in (position - under, position + over))
     ends = f"{metres(position - under - stop.at, 2)} to {metres(position + over - stop.at, 2)}"
     bar = (
         f'<path d="M{low:.1f} {zero - 7:.1f}v14M{high:.1f} {zero - 7:.1f}v14M{low:.1f} {zero:.1f}H{high:.1f}" '

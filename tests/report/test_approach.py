@@ -112,6 +112,25 @@ def test_an_overrun_is_marked_and_measured(overrun: Told) -> None:
     assert not kinds(drawn(told("stop_point", "stop_point-figure-2")), "overrun")
 
 
+def test_what_comes_after_departure_is_no_overrun() -> None:
+    """A vehicle that was served and leaves is beyond the window, as it should be."""
+    run = told("stop_point", "stop_point-figure-2")
+    assert orders(run)[-1] == "NONE"
+    of = drawn(replace(run, truth_mm=(*run.truth_mm[:-1], 360_000)))
+    assert not kinds(of, "overrun")
+    assert len(kinds(of, "standing")) == 1
+
+
+def test_a_run_without_a_stop_is_speed_over_place() -> None:
+    """Before any stop is pending there is no enlarged part, and no mark of a brake order."""
+    run = told("stop_point", "stop_point-figure-2")
+    early = replace(run, trace=replace(run.trace, steps=run.trace.steps[:100]), truth_mm=run.truth_mm[:100])
+    of = drawn(early)
+    assert set(orders(early)) == {"NONE"}
+    assert kinds(of, "run")
+    assert not [*kinds(of, "near-window"), *kinds(of, "brake-order"), *kinds(of, "standing")]
+
+
 def test_repositioning_runs_back_below_zero(overrun: Told) -> None:
     """While the order is to reverse the curve goes from beyond the window back, slower than the reduced speed."""
     of = drawn(overrun)
@@ -130,7 +149,7 @@ def test_the_reported_interval_at_the_end(overrun: Told) -> None:
     """A bar from its lower to its upper end, with both in words."""
     of = drawn(overrun)
     (bar,) = kinds(of, "standing")
-    last = overrun.given[-1]
+    last = overrun.given[-2]  # in the last step the vehicle is told to leave
     low, high = (last["position_mm"] + off - 350_000 for off in (-last["under_mm"], last["over_mm"]))
     first, second, *_ = points(bar)
     assert [across(of, 1)(first[0]), across(of, 1)(second[0])] == pytest.approx([low / 1_000, high / 1_000], abs=0.02)

@@ -10,14 +10,17 @@ from typing import Any
 
 import jsonschema
 import pytest
+from typer.testing import CliRunner
 
 from safeloc.catalogue import load_target
+from safeloc.cli.main import app
 from safeloc.cli.replay import replay_stream
 from safeloc.errors import InputError
 from safeloc.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
+from safeloc.streams.steps import read_steps, write_steps
 from safeloc.verdict import Violated
 from tests.report.reading import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
@@ -83,6 +86,19 @@ def test_the_worked_figures_are_told(machine: str, kind: type) -> None:
     target = shipped(machine)
     assert [type(one) for one in target.pictures] == [kind]
     assert target.streams
+
+
+def test_a_recording_of_ones_own_is_told_by_replay(tmp_path: Path) -> None:
+    """`replay --out` writes a report of the one recording with its picture; the exit code is that of the replay."""
+    path = tmp_path / "mine.jsonl"
+    steps = read_steps(recording("route", "route-dcd-every-reflector")).steps[:150]
+    write_steps(path, steps, machine="route")
+    folder = tmp_path / "told"
+    done = CliRunner().invoke(app, ["replay", "route", str(path), "--format", "jsonl", "--out", str(folder)])
+    assert done.exit_code == 0, done.output
+    data = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    assert [one["recording"] for one in data["machines"][0]["pictures"]] == ["mine"]
+    assert "recording <b>mine</b>" in (folder / "index.html").read_text(encoding="utf-8")
 
 
 def test_every_route_recording_has_a_plan() -> None:
