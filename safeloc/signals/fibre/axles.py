@@ -30,6 +30,9 @@ BEYOND_MM = 40_000
 SMOOTH_MM = 2_000
 LEAST_HEIGHT = 0.2
 SLOWEST_MM_S = 3_000
+TURNED_MM = 30_000
+DEGREE = 2
+TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
@@ -46,9 +49,10 @@ class Count:
 
 @dataclass(frozen=True, eq=False)
 class _Moment:
-    """One window: the front axle's place, the length between outermost axles, and every channel's energy."""
+    """One window: when, where the train's middle was measured, and every channel's energy."""
 
-    front_mm: float
+    time_ms: float
+    middle_mm: float
     energy: Single
 
 
@@ -63,21 +67,22 @@ class Counter:
         self._next: int | None = None
         self._counts: deque[int] = deque(maxlen=config.counting.agree)
 
-    def follow(self, front_mm: float, length_mm: float, speed_mm_s: float, energy: Single) -> None:
-        """One window: where the front axle is, how long the train is between its outermost axles, how fast (signed)."""
-        if abs(speed_mm_s) < SLOWEST_MM_S or (self._moments and self._turned(front_mm, speed_mm_s)):
+    def follow(self, time_ms: float, middle_mm: float, length_mm: float, speed_mm_s: float, energy: Single) -> None:
+        """One window: where the middle is, how long between the outermost axles, how fast (signed), all as measured."""
+        if abs(speed_mm_s) < SLOWEST_MM_S or (self._moments and self._turned(middle_mm, speed_mm_s)):
             self._start_again()
         if abs(speed_mm_s) < SLOWEST_MM_S:
             return
-        self._moments.append(_Moment(front_mm, energy))
+        self._moments.append(_Moment(time_ms, middle_mm, energy))
         ahead = 1 if speed_mm_s > 0 else -1
-        passed = self._channel(front_mm - ahead * (length_mm + BEYOND_MM), ahead)
+        reach = ahead * (length_mm / 2 + BEYOND_MM)
+        passed = self._channel(middle_mm - reach, ahead)
         if self._next is None:
-            self._next = self._channel(front_mm + ahead * BEYOND_MM, ahead) + ahead
+            self._next = self._channel(middle_mm + reach, ahead) + ahead
         while (passed - self._next) * ahead >= 0:
             self._gather(self._next, length_mm, ahead)
             self._next += ahead
-        self._forget(ahead)
+        self._forget(ahead, length_mm)
 
     @property
     def count(self) -> Count | None:
@@ -89,8 +94,8 @@ class Counter:
         each = self._config.counting.axles_per_vehicle
         return Count(clusters, each * (clusters - 1) if each and clusters > 1 else None, agreed)
 
-    def _turned(self, front_mm: float, speed_mm_s: float) -> bool:
-        return (front_mm - self._moments[0].front_mm) * speed_mm_s < 0
+    def _turned(self, middle_mm: float, speed_mm_s: float) -> bool:
+        return (middle_mm - self._moments[0].middle_mm) * speed_mm_s < -TURNED_MM * abs(speed_mm_s)
 
     def _start_again(self) -> None:
         self._moments.clear()
@@ -102,26 +107,35 @@ class Counter:
         number = (place_mm - inter.span_mm / 2) / inter.channel_mm
         return math.floor(number) if ahead > 0 else math.ceil(number)
 
-    def _forget(self, ahead: int) -> None:
-        """Moments before the front came near the next channel."""
+    def _forget(self, ahead: int, length_mm: float) -> None:
+        """Moments before the train came near the next channel, with some to spare for the fit."""
         assert self._next is not None
         inter = self._config.interrogator
         place = self._next * inter.channel_mm + inter.span_mm / 2
-        while len(self._moments) > 1 and (place - self._moments[1].front_mm) * ahead > BEYOND_MM:
+        reach = length_mm / 2 + 2 * BEYOND_MM
+        while len(self._moments) > 1 and (place - self._moments[1].middle_mm) * ahead > reach:
             self._moments.popleft()
 
+    def _middles(self) -> Numbers:
+        """Where the middle was at every moment kept, freed of single windows' errors."""
+        time = np.array([one.time_ms - self._moments[-1].time_ms for one in self._moments]) / 1_000
+        middle = np.array([one.middle_mm for one in self._moments])
+        if len(time) <= DEGREE:
+            return middle
+        return np.asarray(np.polyval(np.polyfit(time, middle, DEGREE), time))
+
     def _gather(self, channel: int, length_mm: float, ahead: int) -> None:
-        """One channel's course, laid over the distance behind the front axle."""
+        """One channel's course, laid over the distance behind the middle: a smooth run, fitted over all that is kept."""
         inter, counting = self._config.interrogator, self._config.counting
         if not 0 <= channel < inter.channels:
             return
-        behind = np.array(
-            [(one.front_mm - channel * inter.channel_mm - inter.span_mm / 2) * ahead for one in self._moments]
-        )
+        behind = (self._middles() - channel * inter.channel_mm - inter.span_mm / 2) * ahead
         course = np.array([one.energy[channel] for one in self._moments], dtype=np.float64)
-        order = np.argsort(behind, kind="stable")
-        bins = np.arange(-BEYOND_MM, length_mm + BEYOND_MM, counting.bin_mm)
-        course = np.interp(bins, behind[order], course[order])
+        if np.any(np.diff(behind) <= 0):
+            return
+        half = length_mm / 2 + BEYOND_MM
+        bins = np.arange(-half, half, counting.bin_mm)
+        course = np.interp(bins, behind, course)
         if self._profile is None:
             self._profile = np.zeros(len(bins))
         shared = min(len(bins), len(self._profile))
@@ -132,6 +146,13 @@ class Counter:
         if self._gathered * inter.channel_mm >= counting.run_mm:
             self._counts.append(clusters(self._profile, self._config))
             self._profile, self._gathered = None, 0
+
+
+def _added(profile: Numbers, course: Numbers) -> Numbers:
+    """Both about their middle; as long as the shorter."""
+    shorter = min(len(profile), len(course))
+    first, second = (len(profile) - shorter) // 2, (len(course) - shorter) // 2
+    return profile[first : first + shorter] + course[second : second + shorter]
 
 
 def clusters(profile: Numbers, config: FibreConfig) -> int:

@@ -23,7 +23,7 @@ class Refusal(Enum):
     """Why a block is refused that came in time: what only blocks can have. The rest has the border's reasons."""
 
     WRONG_SHAPE = "not frames x channels of this interrogator"
-    WRONG_INTENSITY = "intensity is not finite, not >= 0, or not one number a channel"
+    WRONG_INTENSITY = "intensity is not finite, not >= 0, or not one number a light channel"
     GAP = "frames are missing between this block and the one before"
     FROZEN = "the same block as before under a new number"
     SILENT = "no noise at all: the interrogator does not measure"
@@ -37,7 +37,7 @@ class FibreBlock:
     """Frames as delivered.
 
     phase_rate   [frames, channels], change of phase over each channel's gauge in rad a frame, 32-bit or 64-bit floats
-    intensity    [channels], mean power of the light that came back; None where the interrogator does not tell
+    intensity    [light channels], mean power of the light that came back; None where the interrogator does not tell
     time_ms      of the last frame
     sequence     number of the block
     """
@@ -72,7 +72,7 @@ def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
     shape = (config.band.block_frames, config.interrogator.channels)
     if rate.shape != shape:
         return NoFibre(Refusal.WRONG_SHAPE, f"{rate.shape}, not {shape}")
-    intensity = _intensity(block.intensity, shape[1])
+    intensity = _intensity(block.intensity, config.interrogator.light_channels)
     if isinstance(intensity, NoFibre):
         return intensity
     with np.errstate(over="ignore"):

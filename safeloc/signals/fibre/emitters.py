@@ -1,6 +1,6 @@
 """Test emitters heard in the backscatter (FVA-8): which pattern, where. A foreign pattern does not pass for a known one.
 
-A pattern stands between silences, at least two bits before it. Its bits are on or off clearly, for their whole time but
+A pattern stands between silences longer than any in it. Its bits are on or off clearly, for their whole time but
 the windows in which they change. What comes through is compared bit by bit, without correction.
 """
 
@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.signals.fibre.figures import FibreConfig
+from safeloc.signals.fibre.figures import SILENT_BITS, FibreConfig
 
 Single = NDArray[np.float32]
 Mask = NDArray[np.bool_]
-SILENT_BITS = 2
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class Listener:
     """Listens to the tone of the emitters in all channels."""
 
     def __init__(self, config: FibreConfig) -> None:
-        self._config, self._rules = config, config.testing
+        self._config, self._rules = config, config.emission
         self._bits = len(self._rules.emitters[0].bits) if self._rules.emitters else 0
         windows = (self._bits + 2 * SILENT_BITS) * self._rules.bit_windows
         self._tones: deque[Single] = deque(maxlen=windows)
@@ -55,7 +54,7 @@ class Listener:
             return []
         start = SILENT_BITS * self._rules.bit_windows
         threshold = 10 ** (self._rules.contrast_cdb / 1_000)
-        begins = (self._tones[start] > threshold) & (self._tones[start - 2] <= threshold)
+        begins = (self._tones[start] > threshold) & (self._tones[start - 1] <= threshold)
         channels = np.flatnonzero(begins)
         if not len(channels):
             return []
@@ -80,7 +79,7 @@ class Listener:
         bits = on.reshape(-1, per)
         inner = bits[:, 1:-1] if per > 2 else bits[:, :1]
         clear = (inner == inner[:, :1]).all()
-        quiet = not on[: SILENT_BITS * per - 1].any() and not inner[-SILENT_BITS:].any()
+        quiet = not on[: SILENT_BITS * per].any() and not inner[-SILENT_BITS:].any()
         if not clear or not quiet:
             return None
         return "".join("1" if bit else "0" for bit in inner[SILENT_BITS:-SILENT_BITS, 0])

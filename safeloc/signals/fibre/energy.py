@@ -38,8 +38,8 @@ class Analyser:
         self._windows, self._frames = config.band.windows_per_block, config.band.window_frames
         rows = [_rows(config, tone) for tone in tones_hz(config)]
         self._band_rows = 2 * len(rows)
-        if config.testing.emitters:
-            rows.append(_rows(config, config.testing.tone_hz))
+        if config.emission.emitters:
+            rows.append(_rows(config, config.emission.tone_hz))
         self._rows = np.concatenate(rows).astype(np.float32)
 
     def energies(self, phase_rate: Single) -> Energies:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import combinations
 from typing import Literal
 
@@ -18,6 +19,7 @@ from safeloc.signals.fibre.time_of_flight import most_pulses_hz, speed_mm_s
 
 HALVES_OF_NS_PER_S = 2 * 10**9
 MS_PER_S = 1_000
+SILENT_BITS = 4
 KM = 1_000_000
 
 
@@ -46,27 +48,43 @@ class Interrogator(Config):
         return self
 
     @model_validator(mode="after")
+    def _whole_gauge(self) -> Interrogator:
+        if self.gauge_mm % self.channel_mm:
+            raise ValueError(f"gauge_mm ({self.gauge_mm}) is a multiple of channel_mm ({self.channel_mm}).")
+        return self
+
+    @model_validator(mode="after")
     def _whole_frames(self) -> Interrogator:
         if self.pulse_hz % self.pulses_per_frame:
             raise ValueError(f"pulse_hz ({self.pulse_hz}) is a multiple of pulses_per_frame ({self.pulses_per_frame}).")
         return self
 
-    @property
+    @cached_property
     def frame_hz(self) -> int:
         """Frames a second."""
         return self.pulse_hz // self.pulses_per_frame
 
-    @property
+    @cached_property
     def pulse_mm(self) -> int:
         """Fibre that one pulse lights at a time: V times duration, halved for there and back; rounded up."""
         return math.ceil(speed_mm_s(self.index_ppm) * self.pulse_ns / HALVES_OF_NS_PER_S)
 
-    @property
+    @cached_property
     def channels(self) -> int:
         """Channels whose whole gauge and pulse lie in the fibre."""
         return (self.fibre_mm - self.gauge_mm - self.pulse_mm) // self.channel_mm + 1
 
-    @property
+    @cached_property
+    def gauge_channels(self) -> int:
+        """Channels between the two ends of a gauge."""
+        return self.gauge_mm // self.channel_mm
+
+    @cached_property
+    def light_channels(self) -> int:
+        """Places, a channel apart, whose light is told: up to the fibre's end."""
+        return -(-self.fibre_mm // self.channel_mm)
+
+    @cached_property
     def span_mm(self) -> int:
         """Fibre that one channel feels."""
         return self.gauge_mm + self.pulse_mm
@@ -109,7 +127,7 @@ class Detection(Config):
     most_length_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     least_length_mm: int = quantity(5_000, "mm", 0, 1_000_000, "[M] shorter is no vehicle")
     confirm_ms: int = quantity(2_000, "ms", 100, 60_000, "[D] that long a train is seen before it is told")
-    fit_ms: int = quantity(3_000, "ms", 500, 60_000, "[D] time over which place and speed are fitted")
+    fit_ms: int = quantity(5_000, "ms", 500, 60_000, "[D] time over which place and speed are fitted")
     disturbed_percent: int = quantity(60, "% of the fibre", 5, 100, "[D] shaken at once: no train")
     disturbed_hold_ms: int = quantity(10_000, "ms", 0, 600_000, "[M] an earthquake's waves come in groups")
     lost_percent: int = quantity(20, "% of the channels", 0, 100, "[M] channels that may be silent")
@@ -122,7 +140,8 @@ class Sections(Config):
         700, "cdB", 100, 4_000, "[D] a section changes 12 dB, coupling 2 dB a standard deviation"
     )
     return_cdb: int = quantity(400, "cdB", 0, 4_000, "[D] less than that is normal again")
-    window_mm: int = quantity(30_000, "mm", 1_000, 500_000, "[D] the train's first metres, whose amplitude is taken")
+    inset_mm: int = quantity(10_000, "mm", 0, 200_000, "[D] the train's outermost metres are left out")
+    window_mm: int = quantity(40_000, "mm", 1_000, 500_000, "[D] the next metres, whose amplitude is taken")
     baseline_mm: int = quantity(250_000, "mm", 10_000, 10_000_000, "[D] run over which normal is learnt")
     least_baseline_mm: int = quantity(100_000, "mm", 1_000, 10_000_000, "[D] less says nothing of normal")
     length_error_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] measured: of a section run through, worst case")
@@ -156,7 +175,7 @@ class Emitter(Config):
     bits: str = Field(pattern=r"^[01]+$", min_length=8, max_length=64)
 
 
-class Testing(Config):
+class Emission(Config):
     """How emitters sound. ValueError where a pattern could be taken for another."""
 
     tone_hz: int = quantity(240, "Hz", 1, 20_000, "[M] above the band of trains")
@@ -167,10 +186,14 @@ class Testing(Config):
     emitters: tuple[Emitter, ...] = ()
 
     @model_validator(mode="after")
-    def _told_apart(self) -> Testing:
+    def _told_apart(self) -> Emission:
         for emitter in self.emitters:
             if emitter.bits[0] == "0":
                 raise ValueError(f"the pattern of {emitter.id} begins with 1: its beginning is heard.")
+            if "0" * SILENT_BITS in emitter.bits:
+                raise ValueError(
+                    f"{SILENT_BITS} zeros in a row are the silence before a pattern; {emitter.id} has them."
+                )
         for one, other in combinations(self.emitters, 2):
             if one.id == other.id:
                 raise ValueError(f"two emitters are named {one.id}.")
@@ -220,7 +243,7 @@ class FibreConfig(Config):
     detection: Detection = Detection()
     sections: Sections = Sections()
     counting: Counting = Counting()
-    testing: Testing = Testing()
+    emission: Emission = Emission()
     reflections: Reflections = Reflections()
     section_places: tuple[SectionPlace, ...] = ()
     point_places: tuple[PointPlace, ...] = ()
@@ -237,9 +260,9 @@ class FibreConfig(Config):
                 f"windows of {band.window_frames} frames resolve no tone between {band.low_hz} and {band.high_hz} Hz at "
                 f"{rate} frames a second: take longer windows or a wider band."
             )
-        if self.testing.emitters and not band.high_hz < self.testing.tone_hz < rate / 2:
+        if self.emission.emitters and not band.high_hz < self.emission.tone_hz < rate / 2:
             raise ValueError(
-                f"emitters' tone of {self.testing.tone_hz} Hz lies between the band and half the frame rate."
+                f"emitters' tone of {self.emission.tone_hz} Hz lies between the band and half the frame rate."
             )
         return self
 
@@ -250,14 +273,19 @@ class FibreConfig(Config):
             if not section.from_mm < section.to_mm <= end:
                 raise ValueError(f"section {section.id} does not lie on the fibre of {end} mm, from_mm < to_mm.")
         places = [(one.id, one.fibre_mm) for one in self.point_places]
-        for name, fibre_mm in [*places, *((one.id, one.fibre_mm) for one in self.testing.emitters)]:
+        for name, fibre_mm in [*places, *((one.id, one.fibre_mm) for one in self.emission.emitters)]:
             if fibre_mm > end:
                 raise ValueError(f"{name} lies beyond the fibre's end at {end} mm.")
+        if self.point_places and self.interrogator.pulse_mm < self.interrogator.channel_mm:
+            raise ValueError(
+                f"a pulse of {self.interrogator.pulse_mm} mm lights less than {self.interrogator.channel_mm} mm between "
+                "channels: a reflecting point may lie in between; take longer pulses or closer channels."
+            )
         _unique([one.id for one in self.section_places], "sections")
         _unique([one.id for one in self.point_places], "reflecting points")
         return self
 
-    @property
+    @cached_property
     def window_ms(self) -> float:
         """Duration of a window."""
         return MS_PER_S * self.band.window_frames / self.interrogator.frame_hz

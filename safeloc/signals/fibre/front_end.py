@@ -126,13 +126,13 @@ class FrontEnd:
         for window in range(len(ratio)):
             time_ms = block.time_ms - (len(ratio) - 1 - window) * self._config.window_ms
             self._follower.follow(time_ms, runs(ratio[window], shaken[window], self._config))
-            self._watch(energies.band[window], time_ms)
+            self._watch(energies.band[window], time_ms, None if light is None else light.faded)
             heard += self._listen(energies, window, time_ms)
         trains = self._trains(light)
         lost = tuple(sorted(before - {train.track for train in trains}))
         return FibreFrame(block.time_ms, block.sequence, trains, lost, tuple(heard), *_troubles(light))
 
-    def _watch(self, energy: Single, time_ms: float) -> None:
+    def _watch(self, energy: Single, time_ms: float, faded: Mask | None) -> None:
         """Courses, counts and signals go on with one window."""
         tracks = self._follower.tracks
         self._watches = {one.number: self._watches.get(one.number) or self._new_watch() for one in tracks}
@@ -142,17 +142,19 @@ class FrontEnd:
                 continue
             track.judge(fit, self._config)
             if track.confirmed:
-                self._watches[track.number].signaller.follow(track.last, fit, energy, time_ms)
-                self._count(track, fit, energy)
+                self._watches[track.number].signaller.follow(track.last, fit, energy, time_ms, faded)
+                self._count(track, fit, energy, time_ms)
 
     def _new_watch(self) -> _Watch:
         return _Watch(Counter(self._config), Signaller(self._config))
 
-    def _count(self, track: Track, fit: Fit, energy: Single) -> None:
-        if track.last.cut_low or track.last.cut_high:
-            return
-        front = fit.high_mm if fit.speed_mm_s > 0 else fit.low_mm
-        self._watches[track.number].counter.follow(front, fit.high_mm - fit.low_mm, fit.speed_mm_s, energy)
+    def _count(self, track: Track, fit: Fit, energy: Single, time_ms: float) -> None:
+        run = track.last
+        if not (run.cut_low or run.cut_high):
+            length = fit.high_mm - fit.low_mm
+            self._watches[track.number].counter.follow(
+                time_ms, (run.low_mm + run.high_mm) / 2, length, fit.speed_mm_s, energy
+            )
 
     def _listen(self, energies: Energies, window: int, time_ms: float) -> list[Heard]:
         level = self._tone_quiet.level

@@ -43,10 +43,10 @@ class Reflections:
 
 
 def reflections(intensity: Single, config: FibreConfig) -> Reflections:
-    """Of one block's intensity [channels]."""
+    """Of one block's intensity [light channels]."""
     inter, rules = config.interrogator, config.reflections
     size = 2 * max(1, rules.window_mm // (2 * inter.channel_mm)) + 1
-    around = ndimage.median_filter(intensity, size=min(size, len(intensity)), mode="nearest")
+    around = ndimage.median_filter(intensity, size=min(size, len(intensity)))
     strong = intensity > 10 ** (rules.over_cdb / 1_000) * around
     tops = np.flatnonzero(strong & (intensity == ndimage.maximum_filter1d(intensity, 3)))
     places: NDArray[np.float64] = tops * np.float64(inter.channel_mm) + np.float64(inter.pulse_mm / 2)
@@ -62,10 +62,9 @@ def reflections(intensity: Single, config: FibreConfig) -> Reflections:
 def _faded(intensity: Single, around: Single, config: FibreConfig) -> NDArray[np.bool_]:
     """Backscatter adds up to nothing at either end of the gauge."""
     near = intensity < around * 10 ** (-config.detection.fade_cdb / 1_000)
-    gauge = max(1, round(config.interrogator.gauge_mm / config.interrogator.channel_mm))
-    far = np.zeros_like(near)
-    far[: len(near) - gauge] = near[gauge:]
-    return near | far
+    channels, gauge = config.interrogator.channels, config.interrogator.gauge_channels
+    faded: NDArray[np.bool_] = near[:channels] | near[gauge : gauge + channels]
+    return faded
 
 
 def _only(places: NDArray[np.float64], expected_mm: int, config: FibreConfig) -> float | None:

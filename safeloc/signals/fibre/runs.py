@@ -18,6 +18,7 @@ Single = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 LEAST_CHANNELS = 3
 NEIGHBOURHOOD_MM = 120_000
+LEVEL_SHARE = 0.15
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,6 @@ def _edge(ratio: Single, config: FibreConfig) -> float:
     """How far inward of the last channel's middle the axle stands, in mm; `ratio` from that end on."""
     detection, inter = config.detection, config.interrogator
     threshold = 10 ** (detection.threshold_cdb / 1_000)
-    level = max(float(np.percentile(ratio, 70)), threshold)
+    level = max(float(np.sort(ratio)[int(LEVEL_SHARE * len(ratio))]), threshold)
     away = detection.near_mm * np.sqrt(np.sqrt(level / threshold) - 1)
     return float(away) + inter.span_mm / 2 - inter.channel_mm / 2

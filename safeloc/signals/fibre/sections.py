@@ -7,9 +7,11 @@ of it matters. A louder vehicle moves with the train and changes nothing; a sect
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 from enum import Enum
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 from safeloc.signals.fibre.figures import FibreConfig
 
 Single = NDArray[np.float32]
+Mask = NDArray[np.bool_]
 MEDIAN_WINDOWS = 5
 SAMPLE_MM = 1_000
 CDB_PER_DECADE = 1_000
@@ -63,12 +66,10 @@ class Watcher:
         self._inside: Effect | None = None
         self._entered_mm = 0.0
 
-    def follow(self, place_mm: float, energy: float) -> Change | None:
-        """The end's place along the fibre and the mean energy of the pattern there."""
-        if energy <= 0:
-            return None
-        self._recent.append(CDB_PER_DECADE * float(np.log10(energy)))
-        level = float(np.median(self._recent))
+    def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
+        """The end's place along the fibre and the amplitude of the pattern there."""
+        self._recent.append(amplitude_cdb)
+        level = median(self._recent)
         normal = self._level_of_normal()
         if normal is None:
             self._learn(place_mm, level)
@@ -79,7 +80,7 @@ class Watcher:
     def _level_of_normal(self) -> float | None:
         if not self._normal or abs(self._normal[-1][0] - self._normal[0][0]) < self._rules.least_baseline_mm:
             return None
-        return float(np.median([level for _, level in self._normal]))
+        return median(level for _, level in self._normal)
 
     def _learn(self, place_mm: float, level: float) -> None:
         """One sample a metre: a train that stands teaches nothing."""
@@ -117,11 +118,23 @@ class Watcher:
         self._learn(place_mm, level)
 
 
-def amplitude(energy: Single, end_mm: float, inward: int, config: FibreConfig) -> float:
-    """Mean energy over the pattern's first metres from an end (mm of fibre) inward (+1 or -1 along the fibre)."""
-    inter = config.interrogator
-    other = end_mm + inward * config.sections.window_mm
-    low, high = (min(end_mm, other) - inter.span_mm / 2, max(end_mm, other) - inter.span_mm / 2)
-    first = max(0, int(np.ceil(low / inter.channel_mm)))
-    last = min(inter.channels - 1, int(np.floor(high / inter.channel_mm)))
-    return float(energy[first : last + 1].mean()) if last >= first else 0.0
+def amplitude(
+    energy: Single, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Mask | None
+) -> float | None:
+    """Mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
+
+    The outermost metres are left out, for the end is not known exactly; None where no usable channel is left.
+    """
+    rules, inter = config.sections, config.interrogator
+    end = high_mm if outward > 0 else low_mm
+    near, far = end - outward * rules.inset_mm, end - outward * (rules.inset_mm + rules.window_mm)
+    low, high = max(min(near, far), low_mm) - inter.span_mm / 2, min(max(near, far), high_mm) - inter.span_mm / 2
+    first, last = (
+        max(0, math.ceil(low / inter.channel_mm)),
+        min(inter.channels - 1, math.floor(high / inter.channel_mm)),
+    )
+    part = energy[first : last + 1]
+    if faded is not None:
+        part = part[~faded[first : last + 1]]
+    part = part[part > 0]
+    return CDB_PER_DECADE * float(np.log10(part).mean()) if len(part) else None

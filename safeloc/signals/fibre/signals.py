@@ -9,7 +9,7 @@ from safeloc.signals.fibre.features import Bounds, SectionSignal
 from safeloc.signals.fibre.fibre_map import one_to_one
 from safeloc.signals.fibre.figures import FibreConfig
 from safeloc.signals.fibre.measures import end
-from safeloc.signals.fibre.runs import Run
+from safeloc.signals.fibre.runs import Mask, Run
 from safeloc.signals.fibre.sections import Change, Effect, Watcher, amplitude
 from safeloc.signals.fibre.tracks import Fit
 from safeloc.signals.rounding import Interval
@@ -24,15 +24,16 @@ class Signaller:
         self._ends = {-1: Watcher(config), 1: Watcher(config)}
         self._made: list[SectionSignal] = []
 
-    def follow(self, run: Run, fit: Fit, energy: Single, time_ms: float) -> None:
-        """One window: the train's run and course, and every channel's energy."""
+    def follow(self, run: Run, fit: Fit, energy: Single, time_ms: float, faded: Mask | None) -> None:
+        """One window: the train's run and course, every channel's energy, and the channels that mean nothing."""
         for side, place, off, cut in (
             (-1, fit.low_mm, fit.off_low_mm, run.cut_low),
             (1, fit.high_mm, fit.off_high_mm, run.cut_high),
         ):
             if cut:
                 continue
-            change = self._ends[side].follow(place, amplitude(energy, place, -side, self._config))
+            level = amplitude(energy, fit.low_mm, fit.high_mm, side, self._config, faded)
+            change = None if level is None else self._ends[side].follow(place, level)
             if change is not None and fit.speed_mm_s:
                 direction = 1 if fit.speed_mm_s > 0 else -1
                 se = end(place, off, side, self._config, self._where, None).fibre_mm

@@ -13,12 +13,15 @@ from dataclasses import dataclass, field
 from itertools import count
 
 import numpy as np
+from numpy.typing import NDArray
 
 from safeloc.signals.fibre.figures import MS_PER_S, FibreConfig
 from safeloc.signals.fibre.runs import Run
 
 LEAST_POINTS = 8
 HALF = 2
+TRIM = 2.5
+Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -106,12 +109,20 @@ def _unsteady(fit: Fit, config: FibreConfig) -> bool:
     return jumps or fit.apart_mm_s > detection.apart_mm_s or fit.high_mm - fit.low_mm < detection.least_length_mm
 
 
-def _line(seconds: np.ndarray[tuple[int], np.dtype[np.float64]], places: Sequence[float]) -> tuple[float, float, float]:
-    """Place at second 0, speed, and greatest distance from the line."""
+def _line(seconds: Numbers, places: Sequence[float]) -> tuple[float, float, float]:
+    """Place at second 0 and speed, from windows not far off a first line; and the greatest distance of any."""
     place = np.array(places)
-    speed, at_zero = np.polyfit(seconds, place, 1)
-    off = np.abs(place - at_zero - speed * seconds).max()
-    return float(at_zero), float(speed), float(off)
+    at_zero, speed = _least_squares(seconds, place)
+    off = np.abs(place - at_zero - speed * seconds)
+    near = off <= TRIM * np.median(off)
+    at_zero, speed = _least_squares(seconds[near], place[near])
+    return at_zero, speed, float(np.abs(place - at_zero - speed * seconds).max())
+
+
+def _least_squares(seconds: Numbers, place: Numbers) -> tuple[float, float]:
+    spread = seconds - seconds.mean()
+    speed = float(spread @ place / (spread @ spread))
+    return float(place.mean() - speed * seconds.mean()), speed
 
 
 def _one_speed(low: float, high: float, run: Run) -> float:

@@ -34,12 +34,12 @@ def emitted(
     config: FibreConfig, soundings: Sequence[Sounding], seconds: Numbers, cable: Cable
 ) -> Iterator[tuple[slice, Numbers]]:
     """Pieces (cells, strain [frames, those cells]) of all that sounds at these times."""
-    bit_s = config.testing.bit_windows * config.window_ms / 1_000
+    bit_s = config.emission.bit_windows * config.window_ms / 1_000
     for one in soundings:
         bit = np.floor((seconds - one.begin_s) / bit_s).astype(np.int64)
         sounding = np.array([0 <= number < len(one.bits) and one.bits[number] == "1" for number in bit])
         if sounding.any():
-            tone = np.sqrt(2) * one.strain * sounding * np.sin(2 * np.pi * config.testing.tone_hz * seconds)
+            tone = np.sqrt(2) * one.strain * sounding * np.sin(2 * np.pi * config.emission.tone_hz * seconds)
             places = cable.places_m
             first, last = np.searchsorted(places, [one.fibre_m - 10 * one.spread_m, one.fibre_m + 10 * one.spread_m])
             away = (places[first:last] - one.fibre_m) / one.spread_m

@@ -50,7 +50,7 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class Backscatter:
-    """One block: phase rate [frames, channels] in rad a frame, and mean intensity [channels] over that of the near end."""
+    """One block: phase rate [frames, channels] in rad a frame, and intensity [light channels] over that of the near end."""
 
     phase_rate: Single
     intensity: Single
@@ -77,22 +77,18 @@ class Receiver:
 
     def receive(self, strain: Numbers, drift: Drift | None = None) -> Backscatter:
         """The block's frames from strain [frames, cells] in 1e-9, as felt by the fibre's material."""
-        field = self._fields(strain, drift or Drift())
-        far = field[:, self._gauge_channels :] * np.conj(field[:, : field.shape[1] - self._gauge_channels])
-        far = far[:, : self._interrogator.channels]
+        field, inter = self._fields(strain, drift or Drift()), self._interrogator
+        near = field[:, : inter.channels]
+        far = field[:, inter.gauge_channels : inter.gauge_channels + inter.channels] * np.conj(near)
         before = np.concatenate([far[:1] if self._last is None else self._last, far[:-1]])
         self._last = far[-1:].copy()
         rate = np.angle(far * np.conj(before)).astype(np.float32)
         self._frames += len(rate)
-        intensity = (np.abs(field[:, : self._interrogator.channels]) ** 2).mean(axis=0)
+        intensity = (np.abs(field) ** 2).mean(axis=0)
         return Backscatter(self._disturbed(rate), intensity.astype(np.float32))
 
-    @property
-    def _gauge_channels(self) -> int:
-        return max(1, round(self._interrogator.gauge_mm / self._interrogator.channel_mm))
-
     def _fields(self, strain: Numbers, drift: Drift) -> Complex:
-        """Complex scatter [frames, channels and a gauge more] at the channels' times."""
+        """Complex scatter [frames, light channels] at the channels' times."""
         sensitive = (self.rad_per_strain * self._cable.material).astype(np.float32)
         phase: Single = np.cumsum(strain.astype(np.float32) * sensitive, axis=1, dtype=np.float32)
         seconds = (self._frames + np.arange(len(strain))) / self._interrogator.frame_hz
@@ -109,9 +105,10 @@ class Receiver:
     def _starts(self, drift: Drift) -> NDArray[np.int64]:
         """First lit cell of each channel: where the light of the channel's time really comes from."""
         inter = self._interrogator
-        count = inter.channels + self._gauge_channels
         trigger_mm = float(speed_mm_s(inter.index_ppm)) * drift.trigger_ps * 1e-12 / 2
-        places = (np.arange(count) * float(inter.channel_mm) - trigger_mm) / (1 + drift.index_ppm / MILLION)
+        places = (np.arange(inter.light_channels) * float(inter.channel_mm) - trigger_mm) / (
+            1 + drift.index_ppm / MILLION
+        )
         return np.floor(places / 1_000 / self._cable.cell_m).astype(np.int64)
 
     def _lit(self, cells: Complex, starts: NDArray[np.int64]) -> Complex:
