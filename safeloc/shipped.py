@@ -16,6 +16,8 @@ from safeloc.models import (
     odometry,
     reflector,
     route,
+    satellite,
+    satellite_selection,
     sections,
     stop_point,
     supervised_odometry,
@@ -31,6 +33,7 @@ from safeloc.models.reflector_parts.variables import parts as reflector_parts
 from safeloc.models.route_parts.picture import picture as route_picture
 from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.models.route_parts.variables import parts as route_parts
+from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.stop_point_parts.picture import picture as stop_picture
 from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_parts.variables import parts as stop_point_parts
@@ -41,6 +44,8 @@ from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import reflector as reflector_properties
 from safeloc.properties import route as route_properties
+from safeloc.properties import satellite as satellite_properties
+from safeloc.properties import satellite_selection as selection_properties
 from safeloc.properties import sections as sections_properties
 from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import supervised_odometry as supervised_properties
@@ -186,6 +191,28 @@ def _sections(config: BaseModel) -> Target:
     return Target("sections", machines, system, properties, config, doc, _shipped("sections"))
 
 
+def _selection(config: BaseModel) -> Target:
+    assert isinstance(config, satellite_selection.SelectionConfig)
+    model = satellite_selection.build(satellite_selection.parts(config))
+    return _made(model.machine, selection_properties.properties(model), config)
+
+
+def _satellite(config: BaseModel) -> Target:
+    assert isinstance(config, SatelliteConfig)
+    whole = satellite.compose_machines(config)
+    machines = (whole.selection.machine, whole.machine)
+    properties = tuple(satellite_properties.properties(whole))
+    doc = "Selection of usable satellites, and position along the track from them alone, in one step."
+    reported = Reported(
+        position="position.position_mm",
+        under="position.under_mm",
+        over="position.over_mm",
+        valid="position.valid",
+        truth="position.truth_nm",
+    )
+    return Target("satellite", machines, whole.composition.system, properties, config, doc, reported=reported)
+
+
 def _made(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
     """A single machine with the streams that ship under its name."""
     name = machine.name
@@ -203,6 +230,13 @@ ENTRIES: Mapping[str, Entry] = {
         Entry("stop_point", "precise stop at a platform, with repositioning", StopPointConfig, _stop_point),
         Entry("sections", "clear or not: virtual sections of a line area", sections.SectionsConfig, _sections),
         Entry("route", "which route through switches, from models and places of reflectors", RouteConfig, _route),
+        Entry(
+            "selection",
+            "usable satellites, by a map-bound prediction",
+            satellite_selection.SelectionConfig,
+            _selection,
+        ),
+        Entry("satellite", "position along the track from usable satellites", SatelliteConfig, _satellite),
         Entry("turn_off", "straight on or turning off, seen by radar", turn_off.TurnOffConfig, _turn_off),
         Entry(
             "travel_direction",

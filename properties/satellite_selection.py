@@ -1,0 +1,115 @@
+"""What must hold of satellite selection (SAT-1 to SAT-4, SAT-D1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.expr import Bool, all_of, between
+from safeloc.models.satellite_selection import ABSENT, EXCLUDED, EXPIRED, USABLE, Channel, Selection, accepts
+from safeloc.spec import Property, always, earlier_num, reachable
+
+LAW = "differences are the signal's error plus the prediction's"
+
+
+def properties(model: Selection) -> list[Property]:
+    """Every property of the selection machine."""
+    found = [prop for one in model.own.channels for prop in _of_channel(model, one)]
+    return [*found, _subset(model), *_reached(model)]
+
+
+def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
+    config, name = model.own.config, f"channel {one.number}"
+    usable = one.standing.eq(USABLE)
+    yield always(
+        f"{name}: a violation is not usable",
+        usable.implies(accepts(one, config, config.removal)),
+        statement="a satellite that violates the criterion in this cycle is not in the list of usable ones in this cycle",
+        trace=("SAT-1", "SAT-3", "SAT-4"),
+        unconditional=True,
+    )
+    yield always(
+        f"{name}: no expired data",
+        usable.implies(one.ephemeris & one.identity.present),
+        statement="no satellite without valid ephemeris, or not in view, is usable",
+        trace=("SAT-1", "SAT-D1"),
+        unconditional=True,
+    )
+    known = one.identity.value.eq(earlier_num(one.held)) if config.warm_up_cycles > 1 else one.identity.present
+    spread = {
+        "pseudorange": one.covariance.present,
+        "doppler": one.speed_covariance.present,
+        "both": one.covariance.present & one.speed_covariance.present,
+    }[config.compared]
+    yield always(
+        f"{name}: no covariance, not usable",
+        usable.implies(spread & known & one.warm.eq(config.warm_up_cycles)),
+        statement="a satellite that has no covariance over a window yet, or that has just come, is not usable",
+        trace=("SAT-3", "SAT-4"),
+        unconditional=True,
+    )
+    yield always(
+        f"{name}: a healthy one stays",
+        one.standing.eq(EXCLUDED).implies(~_healthy(model, one)),
+        statement="a satellite whose errors are within the noise is not excluded while the prediction is within its bound: "
+        "the thresholds lie above both together",
+        trace=("SAT-4",),
+        assumption=LAW,
+    )
+    yield always(
+        f"{name}: exclusion leaves no trace",
+        one.standing.eq(USABLE).iff(
+            one.standing.ne(ABSENT) & one.standing.ne(EXPIRED) & _would_do(model, one) & spread & _heard(model, one)
+        ),
+        statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
+        "exclusions count for nothing, as the list starts anew from all visible ones",
+        trace=("SAT-1", "SAT-D1"),
+        unconditional=True,
+    )
+
+
+def _would_do(model: Selection, one: Channel) -> Bool:
+    config = model.own.config
+    return accepts(one, config, config.removal) & one.warm.eq(config.warm_up_cycles)
+
+
+def _heard(model: Selection, one: Channel) -> Bool:
+    compared = model.own.config.compared
+    needed = [one.off.present] if compared != "doppler" else []
+    return all_of([*needed, *([one.speed_off.present] if compared != "pseudorange" else [])])
+
+
+def _healthy(model: Selection, one: Channel) -> Bool:
+    """Errors within the noise, prediction within its bound, covariance below its threshold."""
+    config = model.own.config
+    quiet = (one.covariance.value < config.range_covariance_mm2) & (
+        one.speed_covariance.value < config.speed_covariance_mm2_s2
+    )
+    bounds = (
+        (one.error, config.range_noise_mm),
+        (one.offset, config.range_prediction_mm),
+        (one.speed_error, config.speed_noise_mm_s),
+        (one.speed_offset, config.speed_prediction_mm_s),
+    )
+    return quiet & all_of(between(-most, term, most) for term, most in bounds)
+
+
+def _subset(model: Selection) -> Property:
+    config = model.own.config
+    strict = [accepts(one, config, "either").implies(accepts(one, config, "both")) for one in model.own.channels]
+    return always(
+        "the strict criterion keeps no more",
+        all_of(strict),
+        statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
+        "as well",
+        trace=("SAT-4",),
+        unconditional=True,
+    )
+
+
+def _reached(model: Selection) -> Iterator[Property]:
+    yield reachable(
+        "all channels usable",
+        model.own.usable.eq(model.own.config.channels),
+        statement="every channel can be usable at once",
+        trace=("SAT-1",),
+    )

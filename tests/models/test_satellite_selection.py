@@ -1,0 +1,153 @@
+"""Satellite selection: proved, and the source's criteria in figures: equality, one-sided faults, warm-up, expiry."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import get_args
+
+import pytest
+
+from safeloc.interpret import run
+from safeloc.models import satellite_selection as selection
+from safeloc.models.satellite_selection import Compared, Removal, SelectionConfig, build, parts
+from safeloc.properties.satellite_selection import properties
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.system import lower, without_ghosts
+from safeloc.verdict import Proved
+from tests.models.spoilt import rebuilt
+
+CONFIG = SelectionConfig(channels=2)
+LIMIT, SPEED = CONFIG.range_threshold_mm, CONFIG.speed_threshold_mm_s
+WIDE, FAST = CONFIG.range_covariance_mm2, CONFIG.speed_covariance_mm2_s2
+
+
+def heard(channel: int = 1, satellite: int = 7, **changes: int | bool | None) -> dict[str, int | bool]:
+    """One healthy satellite on a channel; None leaves a measurement out."""
+    values: dict[str, int | bool | None] = {
+        "satellite": satellite,
+        "ephemeris_valid": True,
+        "range_off_mm": 0,
+        "speed_off_mm_s": 0,
+        "range_covariance_mm2": 0,
+        "speed_covariance_mm2_s2": 0,
+        **changes,
+    }
+    return {f"channel_{channel}_{name}": value for name, value in values.items() if value is not None}
+
+
+def standings(config: SelectionConfig, *steps: dict[str, int | bool], channel: int = 1) -> list[str]:
+    """What a channel is after each cycle; channels that are not mentioned are empty."""
+    system = without_ghosts(lower(selection.machine(config)))
+    empty = {f"channel_{n}_ephemeris_valid": False for n in range(1, config.channels + 1)}
+    trace = run(system, [{**empty, **step} for step in steps])
+    return [selection.STANDING[int(step.state[f"channel_{channel}_standing"])].label for step in trace.steps]
+
+
+def last(config: SelectionConfig = CONFIG, **changes: int | bool | None) -> str:
+    """The standing of a warm channel with one measurement changed."""
+    return standings(config, heard(), heard(), heard(**changes))[-1]
+
+
+def test_a_satellite_has_to_warm_up() -> None:
+    """A new one has no covariance over a window and is not usable; nor is the next one on its channel."""
+    assert ["WARMING", "USABLE", "WARMING", "USABLE"] == standings(
+        CONFIG, heard(), heard(), heard(satellite=8), heard(satellite=8)
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"satellite": None}, "ABSENT"),
+        ({"ephemeris_valid": False}, "EXPIRED"),
+        ({"range_off_mm": None}, "SILENT"),
+        ({"speed_off_mm_s": None}, "SILENT"),
+        ({"range_covariance_mm2": None}, "WARMING"),
+        ({"speed_covariance_mm2_s2": None}, "WARMING"),
+        ({"range_off_mm": LIMIT - 1}, "USABLE"),
+        ({"range_off_mm": LIMIT}, "EXCLUDED"),
+        ({"range_off_mm": -LIMIT}, "EXCLUDED"),
+        ({"speed_off_mm_s": -SPEED}, "EXCLUDED"),
+        ({"range_covariance_mm2": WIDE}, "EXCLUDED"),
+        ({"speed_covariance_mm2_s2": FAST}, "EXCLUDED"),
+    ],
+)
+def test_the_strict_criterion(change: dict[str, int | bool | None], expected: str) -> None:
+    """Strictly below each threshold, in magnitude: equal is excluded ([0066]); Doppler or pseudorange removes ([0068])."""
+    assert expected == last(**change)
+
+
+@pytest.mark.parametrize(
+    ("off", "covariance", "expected"),
+    [(LIMIT + 1, WIDE, "USABLE"), (LIMIT, WIDE + 1, "USABLE"), (LIMIT + 1, WIDE + 1, "EXCLUDED"), (10**8, 0, "USABLE")],
+)
+def test_the_lax_criterion(off: int, covariance: int, expected: str) -> None:
+    """Only where both are above their thresholds; equal is kept ([0049])."""
+    config = SelectionConfig(channels=2, removal="both")
+    assert expected == last(config, range_off_mm=off, range_covariance_mm2=covariance)
+
+
+def test_one_quantity_alone() -> None:
+    """Where only Doppler is compared, pseudorange need not be measured, and the other way round."""
+    doppler = SelectionConfig(channels=2, compared="doppler")
+    missing = heard(range_off_mm=None, range_covariance_mm2=None)
+    assert ["WARMING", "USABLE"] == standings(doppler, missing, missing)
+    assert "USABLE" == last(doppler, range_off_mm=10**8)
+    pseudorange = SelectionConfig(channels=2, compared="pseudorange")
+    assert "USABLE" == last(pseudorange, speed_off_mm_s=10**7)
+
+
+def test_exclusion_has_no_memory() -> None:
+    """The list starts anew in every cycle: a satellite that fits again is usable again."""
+    assert ["WARMING", "USABLE", "EXCLUDED", "USABLE"] == standings(
+        CONFIG, heard(), heard(), heard(range_off_mm=LIMIT), heard()
+    )
+
+
+def test_a_duplicate_counts_once() -> None:
+    """The same satellite on two channels is absent on the second."""
+    both = {**heard(), **heard(2)}
+    assert ["ABSENT", "ABSENT"] == standings(CONFIG, both, both, channel=2)
+    assert ["WARMING", "USABLE"] == standings(CONFIG, both, both, channel=1)
+
+
+def test_thresholds_below_noise_are_refused() -> None:
+    """A threshold that healthy satellites pass while the train brakes is no threshold."""
+    with pytest.raises(ValueError, match=r"range_threshold_mm 14000 is not above noise plus prediction error, 14000"):
+        SelectionConfig(range_threshold_mm=14_000)
+    with pytest.raises(ValueError, match="speed_threshold_mm_s 100 is not above"):
+        SelectionConfig(speed_threshold_mm_s=100)
+
+
+def _unproved(config: SelectionConfig) -> list[str]:
+    model = build(parts(config))
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), jobs=2)
+    return [finding.id for finding in findings if not isinstance(finding.result, Proved)]
+
+
+@pytest.mark.parametrize("compared", get_args(Compared))
+@pytest.mark.parametrize("removal", get_args(Removal))
+def test_everything_is_proved(compared: Compared, removal: Removal) -> None:
+    """For each criterion, without a bound."""
+    assert [] == _unproved(SelectionConfig(channels=2, compared=compared, removal=removal))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("channels", [8, 16, 32])
+def test_everything_is_proved_for_many_channels(channels: int) -> None:
+    """Channels are independent but for duplicates and the count."""
+    assert [] == _unproved(SelectionConfig(channels=channels))
+
+
+def test_a_one_sided_comparison_is_noticed() -> None:
+    """A machine that keeps a satellite whatever is measured does not have the property."""
+    model = build(parts(CONFIG))
+    first = model.own.channels[0]
+    table = [
+        replace(t, set={**t.set, first.standing: selection.USABLE}) if t.name == "satellites are selected" else t
+        for t in model.machine.transitions
+    ]
+    asked = [prop for prop in properties(model) if prop.name == "channel 1: a violation is not usable"]
+    spoilt = prove(lower(rebuilt(model.machine, table)), asked, Limits(seconds=5))
+    assert not isinstance(spoilt[-1].result, Proved)
