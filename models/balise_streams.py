@@ -165,9 +165,9 @@ def _passages(
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: BaliseConfig) -> Compiled:
-    """The machine without its environment."""
-    return compile_system(without_ghosts(lower(machine(config))))
+def _on_board(config: str) -> Compiled:
+    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    return compile_system(without_ghosts(lower(machine(BaliseConfig.model_validate_json(config)))))
 
 
 class _Run:
@@ -179,7 +179,7 @@ class _Run:
     ) -> None:  # fmt: skip
         self._config, self._motion, self._distances, self._rng, self._foreign = config, motion, distances, rng, foreign
         self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
-        self._board: Compiled = _on_board(config)
+        self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
         self._outputs: Mapping[str, Cell] = self._board.named_outputs(self._state)
         self._announced_mm: int | None = None

@@ -156,9 +156,9 @@ def simulate(
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: ReflectorConfig) -> Compiled:
-    """The machine without its environment."""
-    return compile_system(without_ghosts(lower(machine(config))))
+def _on_board(config: str) -> Compiled:
+    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    return compile_system(without_ghosts(lower(machine(ReflectorConfig.model_validate_json(config)))))
 
 
 class _Run:
@@ -168,7 +168,7 @@ class _Run:
         self, config: ReflectorConfig, scene: Scene, motion: Motion, odometer: Distances, rng: np.random.Generator
     ) -> None:
         self._config, self._scene, self._motion, self._odometer, self._rng = config, scene, motion, odometer, rng
-        self._code: Compiled = _on_board(config)
+        self._code: Compiled = _on_board(config.model_dump_json())
         self._state = self._code.first()
         self._wander = 0
 
@@ -326,7 +326,7 @@ def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
 
 def said(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
     """What the machine on board reports after each step of a simulated stream."""
-    code = _on_board(config)
+    code = _on_board(config.model_dump_json())
     state, outputs = code.first(), list[Mapping[str, Value]]()
     for record in stream:
         state, _ = code.step(state, code.read(board(record)))

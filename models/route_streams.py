@@ -128,9 +128,9 @@ def simulate(
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: RouteConfig) -> Compiled:
-    """The machine without its environment."""
-    return compile_system(without_ghosts(lower(machine(config))))
+def _on_board(config: str) -> Compiled:
+    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    return compile_system(without_ghosts(lower(machine(RouteConfig.model_validate_json(config)))))
 
 
 class _Run:
@@ -144,7 +144,7 @@ class _Run:
         self._start_error_mm, self._radar_error_mm = start_error_mm, radar_error_mm
         self._missed, self._misread, self._wander = missed, misread, 0
         self._offset = int(rng.uniform(-0.9, 0.9) * start_error_mm) * NM_PER_MM - motion.start_nm
-        self._board: Compiled = _on_board(config)
+        self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
         self._quiet = quiet(config)
 

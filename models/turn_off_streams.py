@@ -60,9 +60,9 @@ def simulate(
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: TurnOffConfig) -> Compiled:
-    """The machine without its environment."""
-    return compile_system(without_ghosts(lower(machine(config))))
+def _on_board(config: str) -> Compiled:
+    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    return compile_system(without_ghosts(lower(machine(TurnOffConfig.model_validate_json(config)))))
 
 
 class _Run:
@@ -73,7 +73,7 @@ class _Run:
     ) -> None:
         self._config, self._switches, self._rng = config, {one.position_mm: one for one in switches}, rng
         self._wrong_authority = wrong_authority
-        self._board: Compiled = _on_board(config)
+        self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
 
     def step(self, truth_nm: int, reported: Mapping[str, Value]) -> dict[str, Cell]:

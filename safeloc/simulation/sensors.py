@@ -214,18 +214,20 @@ def read_markers(
 ) -> list[Reading]:
     """Readings of the reader `offset_mm` behind end A. `markers` holds (identity, place in mm), in order of place.
 
-    A reading is off by up to nine tenths of the accuracy, one for all markers or one each. `foreign` is the share of cycles with a marker of another
+    A reading is off by up to nine tenths of the accuracy: one for all markers, told with a distance since the reading
+    that is wrong by as much; or one for each marker, which then lies so far from its place. `foreign` is the share of cycles with a marker of another
     track in them, whose identity the map does not have.
     """
     readings = []
+    shifts = {} if isinstance(accuracy_mm, int) else {m: rng.uniform(-0.9, 0.9) * accuracy_mm[m] for m, _ in markers}
     before = motion.start_nm - offset_mm * NM_PER_MM
     for cycle, place in enumerate(motion.position_nm - offset_mm * NM_PER_MM):
         low, high = sorted((before, int(place)))
-        passed = [(m, p) for m, p in markers if low < p * NM_PER_MM <= high]
+        passed = [(m, p) for m, p in markers if low < (p + shifts.get(m, 0.0)) * NM_PER_MM <= high]
         if passed and rng.random() >= missed:
             marker, spot = passed[-1]
             own = accuracy_mm if isinstance(accuracy_mm, int) else accuracy_mm[marker]
-            error = float(rng.uniform(-0.9, 0.9)) * own
+            error = float(rng.uniform(-0.9, 0.9)) * own if marker not in shifts else -shifts[marker]
             readings.append(Reading(cycle, end, marker, spot, own, round(place / NM_PER_MM - spot + error)))
         elif rng.random() < foreign:
             readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, 0, 0))

@@ -170,6 +170,16 @@ def test_every_property_holds_past_a_balise_and_its_reflector(machine: str) -> N
     assert [] == broken(stream)
 
 
+def test_coarse_groups_keep_the_law_too() -> None:
+    """Groups that may lie 13 m from their place, far more than a cycle runs: lawful, and never wrong."""
+    coarse = tuple(group(n, "e0", place, location_accuracy_mm=None) for n, place in ((1, 20_000), (2, 90_000)))
+    line = straight(150_000, balise_groups=coarse)
+    (route,) = through_routes(Topology(line), 2)
+    (stream,) = streams(Journey(route, Walk(line), LineVehicle(trust_first=True), 5), "odometry")
+    assert {"contained", "INVALID"} == set(said(stream).standing)
+    assert [] == broken(stream)
+
+
 @pytest.mark.parametrize(("line", "machine", "models"), [("fig2", "stop_point", ""), ("fig3", "turn_off", "ACD")])
 def test_every_property_holds_at_the_platform_and_over_a_switch(line: str, machine: str, models: str) -> None:
     """A stop at Fig. 2 and a turn at Fig. 3: lawful, and all properties hold."""
