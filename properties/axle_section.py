@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from safeloc.expr import before, was
 from safeloc.models.axle_section import ACCEPTED, AxleSection
-from safeloc.spec import Property, always, earlier_bool, reachable
+from safeloc.properties.step import guard
+from safeloc.spec import Property, always, reachable
 
 TRACE = ("FVA-4", "FVA-5")
 LAW = "heads without a fault count truly; a sweep through that is counted in and out and reports the section free leaves nothing"
@@ -42,7 +43,7 @@ def properties(model: AxleSection) -> list[Property]:
         always(
             "clear after a reset needs a sweep",
             (is_clear & ~before_.one_of(clear, occupied)).implies(
-                machine.fired("swept") & earlier_bool(own.through) & own.reported_clear
+                machine.fired("swept") & guard(machine, own.through) & own.reported_clear
             ),
             statement="unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and "
             "out and reported it free",
