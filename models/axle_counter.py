@@ -44,7 +44,7 @@ from safeloc.expr import (
     optional,
 )
 from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.models.axle_head import AXLE, DOWN, NO_AXLE, UP
+from safeloc.models.axle_head import AXLE, NO_AXLE
 from safeloc.units import COUNT, MM_S, MS, NM, UM, Unit
 
 UM_S = Unit("um/s", length=1, time=-1, scale=UM.scale)

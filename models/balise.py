@@ -38,12 +38,12 @@ from safeloc.expr import (
 )
 from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.models.balise_parts import variables as v
-from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.balise_parts.judgement import Judged
 from safeloc.models.balise_parts.reckoning import as_reckoned
 from safeloc.models.balise_parts.telegram import LINKED
 from safeloc.models.balise_parts.variables import BaliseConfig, Parts, parts
 from safeloc.models.odometry_parts.variables import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
+from safeloc.models.running.interval import Interval
 from safeloc.units import MM, NM, PPM
 
 

@@ -11,10 +11,10 @@ from functools import cached_property
 from safeloc.expr import Bool, Num, all_of, any_of, as_num, ite, maximum
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
-from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.balise_parts.linking import Record
 from safeloc.models.balise_parts.telegram import NOMINAL, PASSED, REVERSE
 from safeloc.models.odometry_parts.distance_device import ADMITTED
+from safeloc.models.running.interval import Interval
 from safeloc.spec import earlier_bool, earlier_num
 from safeloc.units import MM, NM
 

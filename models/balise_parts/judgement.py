@@ -10,10 +10,10 @@ from functools import cached_property
 
 from safeloc.expr import FALSE, Bool, Expr, Num, Var, abs_, all_of, any_of, as_num, exact_to, ite, maximum, minimum
 from safeloc.models.balise_parts import variables as v
-from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.balise_parts.linking import NO_REACTION, NOT_LOCATED, NOTHING, SERVICE_BRAKE, TRAIN_TRIP, Record
 from safeloc.models.balise_parts.telegram import UNKNOWN, UNLINKED
 from safeloc.models.odometry_parts.marker_reading import first_of
+from safeloc.models.running.interval import Interval
 from safeloc.units import COUNT, MM, NM
 
 

@@ -29,8 +29,8 @@ from safeloc.expr import (
     members,
     optional,
 )
-from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
+from safeloc.models.running.interval import Interval
 from safeloc.units import COUNT, MM, MM_S, MS, NM, PPM
 
 LARGEST_GROUP = 8

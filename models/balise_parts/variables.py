@@ -25,7 +25,6 @@ from safeloc.expr import (
     number,
 )
 from safeloc.machine import Initial
-from safeloc.models.balise_parts.interval import Held
 from safeloc.models.balise_parts.linking import (
     LARGEST_ACCURACY_MM,
     NO_REACTION,
@@ -35,11 +34,12 @@ from safeloc.models.balise_parts.linking import (
     linking,
     national,
 )
-from safeloc.models.balise_parts.odometer import Heading, Odometer, odometer
 from safeloc.models.balise_parts.telegram import Reader, Telegram, telegram
 from safeloc.models.odometry_parts.distance_device import Limits
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.odometry_parts.variables import NO_REFERENCE, REASON
+from safeloc.models.running.interval import Held
+from safeloc.models.running.odometer import Heading, Odometer, odometer
 from safeloc.units import COUNT, MM, NM
 
 READ = members(

@@ -8,11 +8,11 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.expr import Bool, BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
-from safeloc.models.balise_parts.odometer import Odometer, odometer
 from safeloc.models.odometry_parts.distance_device import Limits
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.reflector_parts.echo import MAX_ERROR_MM
 from safeloc.models.reflector_parts.map_data import MODEL, NO_MODEL
+from safeloc.models.running.odometer import Odometer, odometer
 from safeloc.models.turn_off import COURSE
 from safeloc.units import COUNT, MM, NM
 

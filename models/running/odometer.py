@@ -28,9 +28,9 @@ from safeloc.expr import (
     with_unit,
 )
 from safeloc.machine import Initial
-from safeloc.models.balise_parts.interval import Interval
 from safeloc.models.odometry_parts.distance_device import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.models.running.interval import Interval
 from safeloc.units import COUNT, MM, MS, NM
 
 
