@@ -43,6 +43,15 @@ class Asked:
     fault: LineFault
     at: str = ""
 
+    @property
+    def told(self) -> str:
+        """As it was asked for."""
+        return f"{self.fault.name}:{self.at}" if self.at else self.fault.name
+
+    def is_at(self, name: str, at: str) -> bool:
+        """Whether a fault of this name that struck there (empty: on a stretch, or all the way) is the one asked for."""
+        return name == self.fault.name and (not self.at or at in ("", self.at))
+
 
 def _rejected(reason: str) -> str:
     return f"rejected as {reason}, the interval untouched"

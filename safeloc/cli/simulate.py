@@ -24,7 +24,9 @@ def simulate(
     config: Annotated[
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
     ] = None,
-    seed: Annotated[int, typer.Option(help="seed of sensors and driving; the next vehicle has the next seed")] = 0,
+    seed: Annotated[
+        int, typer.Option(help="seed of sensors and driving; the next vehicle has the next seed", min=0)
+    ] = 0,
     machines: Annotated[
         list[str] | None, typer.Option("--machine", help="of a line: which machines (repeatable); else all")
     ] = None,

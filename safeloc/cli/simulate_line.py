@@ -171,8 +171,8 @@ def _slug(name: str) -> str:
 
 def _check_struck(asked: Sequence[Asked], runs: Sequence[Run], line: Line) -> None:
     """A fault that strikes in no run tests nothing."""
-    struck = {one.name for run in runs for one in run.stream.struck}
-    idle = [one.fault.name + (f":{one.at}" if one.at else "") for one in asked if one.fault.name not in struck]
+    struck = [one for run in runs for one in run.stream.struck]
+    idle = [one.told for one in asked if not any(one.is_at(found.name, found.at) for found in struck)]
     if idle:
         raise InputError(f"fault {idle[0]} strikes nowhere on the routes driven of {line.name}; choose another place.")
     if not runs:

@@ -166,6 +166,9 @@ REFUSED = {
     ("fig1", "--out", "x", "--machine", "balise", "--faults", "decoy"): "fault decoy is for reflector",
     ("fig3", "--out", "x", "--machine", "odometry", "--route", "308,303-305,305-307,310", "--faults", "group-missed:106"):
         "fault group-missed:106 strikes nowhere on the routes driven of fig3",
+    ("fig3", "--out", "x", "--machine", "odometry", "--route", "308,303-305,305-307,310", "--faults",
+     "group-missed:319,group-missed:106"): "fault group-missed:106 strikes nowhere",
+    ("fig1", "--out", "x", "--seed", "-1"): "should be greater than or equal to 0",
     ("fig1", "--out", "x", "--from", "103@0"): "--from and --to belong together",
     ("fig1", "--out", "x", "--from", "103", "--to", "103@9"): "--from '103': expected EDGE@MM",
     ("fig1", "--out", "x", "--from", "103@9", "--to", "103@0"): "no route leads from 103@9 to 103@0",
