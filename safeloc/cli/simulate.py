@@ -58,17 +58,14 @@ def simulate(
     )  # fmt: skip
     if "help" in options.faults:
         out.print(told(), markup=False)
-        return
-    if where is None:
+    elif where is None:
         raise typer.BadParameter("say where to write: --out FILE, or of a line --out FOLDER.")
-    if is_line(target):
-        if config is not None:
-            raise typer.BadParameter("--config is of one machine; on a line the machines follow --vehicle.")
+    elif not is_line(target):
+        _machine(target, where, config, options.named(), seed)
+    elif config is not None:
+        raise typer.BadParameter("--config is of one machine; on a line the machines follow --vehicle.")
+    else:
         simulate_line(target, where, options)
-        return
-    if options.named():
-        raise typer.BadParameter(f"{', '.join(options.named())} is for lines, and {target!r} is none.")
-    _machine(target, where, config, seed)
 
 
 def is_line(target: str) -> bool:
@@ -76,7 +73,9 @@ def is_line(target: str) -> bool:
     return target in shipped_lines() or (target not in ENTRIES and Path(target).suffix in (".toml", ".json"))
 
 
-def _machine(target: str, where: Path, config: Path | None, seed: int) -> None:
+def _machine(target: str, where: Path, config: Path | None, of_lines: list[str], seed: int) -> None:
+    if of_lines:
+        raise typer.BadParameter(f"{', '.join(of_lines)} is for lines, and {target!r} is none.")
     loaded = load_target(target, config)
     if loaded.simulate is None:
         able = [name for name in ENTRIES if load_target(name).simulate is not None]
