@@ -30,6 +30,7 @@ from safeloc.expr import (
     Var,
     abs_,
     all_of,
+    any_of,
     as_num,
     between,
     boolean,
@@ -160,8 +161,8 @@ class Parts:
     @property
     def lost(self) -> Bool:
         """The train may be farther than a passage is followed."""
-        low, high = self.runs
-        return (low < -self.config.run_limit_um) | (high > self.config.run_limit_um)
+        most = self.config.run_limit_um
+        return any_of(~between(-most, run, most) for run in self.runs)
 
     @property
     def length_known(self) -> Bool:
@@ -364,12 +365,18 @@ def _ran(own: Parts) -> dict[Var, Expr]:
 # ------------------------------------------------------------------ the environment, and what helps to prove
 
 
+def _run_after(own: Parts, first: Bool) -> tuple[Num, Num]:
+    """Ghosts: a new train's run begins at its first axle; the length is the run at the last axle."""
+    run = ite(first, own.step, own.run + own.step)
+    return run, ite(first, own.axle_step, ite(own.true_axles > 0, own.run + own.axle_step, own.length))
+
+
 def _moves(own: Parts, first: Bool) -> dict[Var, Expr]:
-    """A new train's run begins at its first axle; the length is the run at the last axle."""
+    run, length = _run_after(own, first)
     return {
         own.speed: own.next_speed,
-        own.run: ite(first, own.step, own.run + own.step),
-        own.length: ite(first, own.axle_step, ite(own.true_axles > 0, own.run + own.axle_step, own.length)),
+        own.run: run,
+        own.length: length,
         own.axles: ite(first, own.true_axles, minimum(own.axles + own.true_axles, own.axles.high)),
     }
 
@@ -382,8 +389,10 @@ def _assumption(own: Parts, first: Bool) -> Bool:
     told = own.slow.present & own.fast.present
     axle = ite(first, abs_(own.next_speed - own.axle_speed) <= change, between(low, own.axle_speed, high))
     near = abs_(own.next_speed - own.axle_speed) <= change
+    run, length = _run_after(own, first)
     return all_of(
         [
+            between(own.run.low, run, own.run.high) & between(own.length.low, length, own.length.high),
             (~own.fault).implies(own.true_axles.eq(ite(own.counted, own.number, 0))),
             (own.counted & ~own.fault & told).implies(truly & axle & near),
             first | between(low, own.next_speed, high),

@@ -1,0 +1,216 @@
+"""A position code made of localization sections: raised or lowered, short or long (FWG-10, FWG-15).
+
+The symbol of a section is what the guide does in it (the amplitude rises or falls) and its length (short or long). Two
+laws make a code of a row of symbols:
+
+reach    any two sections at most `reach` apart differ in their symbol
+window   any `window` sections in a row occur once on the line, read in either direction
+
+What they guarantee, with no counting and no measured distance (each is a function here, tested over whole lines):
+
+1. While the count is known, the next section read after up to `reach - 1` missed ones has another symbol than the one
+   expected: a missed section is noticed with the next one that is read. So is a false section, at once if its symbol
+   differs, or else with the next true one.
+2. `window` symbols that were read truly tell place and direction without counting.
+3. `window` symbols with one section missed among them, or one false one between two others, or one misread, are no
+   window of the line at any other place (`strict` codes): such a reading tells nothing rather than a wrong place.
+
+What no code of symbols can notice: a false section after the last true one whose symbol is just that of the next. The
+count is then one ahead until the next true section; the window of expected places in the fibre machine, or an additional
+localization, tells it at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from safeloc.errors import InputError
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """What one section looks like."""
+
+    rises: bool
+    long: bool
+
+    @property
+    def number(self) -> int:
+        """0 to 3, as the fibre machine's words hold it."""
+        return 2 * self.rises + self.long
+
+
+ALPHABET = tuple(Symbol(rises, long) for rises, long in product((False, True), repeat=2))
+Word = tuple[Symbol, ...]
+
+
+@dataclass(frozen=True)
+class PositionCode:
+    """The symbols of a line's sections, in order of growing position, and the laws they keep."""
+
+    symbols: Word
+    window: int
+    reach: int
+
+    def __post_init__(self) -> None:
+        """InputError for a row of symbols that breaks one of its laws."""
+        if self.window < 2 or not 1 <= self.reach < self.window:
+            raise InputError(f"window {self.window}, reach {self.reach}: 1 <= reach < window is needed.")
+        for law in (_too_near, _ambiguous):
+            broken = law(self.symbols, self.window, self.reach)
+            if broken:
+                raise InputError(f"no position code: {broken}.")
+
+    def decode(self, read: Sequence[Symbol]) -> tuple[int, int] | None:
+        """Where the last of the symbols read is (section number, from 1), and the direction (1 or -1).
+
+        None where they are no window of this line: fewer symbols than a window, or an error among them.
+        """
+        return self.places.get(tuple(read[-self.window :])) if len(read) >= self.window else None
+
+    @property
+    def places(self) -> dict[Word, tuple[int, int]]:
+        """Every window, read either way, with the section that is read last."""
+        return dict(_windows(self.symbols, self.window))
+
+    def faulty(self) -> Iterator[tuple[Word, int, int]]:
+        """Every window with one inner error, with the section truly read last and the direction of reading."""
+        for line, step in ((self.symbols, 1), (self.symbols[::-1], -1)):
+            for last in range(1, len(line) + 1):
+                number = last if step == 1 else len(line) - last + 1
+                for read in _one_error(line[:last], self.window):
+                    yield read, number, step
+
+    def undetected(self) -> list[tuple[Word, int]]:
+        """Readings with one inner error that tell another place than the section truly read last."""
+        return [(read, number) for read, number, step in self.faulty() if self._misleads(read, (number, step))]
+
+    def _misleads(self, read: Word, truth: tuple[int, int]) -> bool:
+        told = self.decode(read)
+        return told is not None and told != truth
+
+
+def make_code(sections: int, window: int = 6, reach: int = 2, *, strict: bool = True) -> PositionCode:
+    """A code for so many sections: the first in order of search that keeps its laws; InputError if there is none.
+
+    strict  no reading with one inner error is a window elsewhere (guarantee 3)
+    """
+    search = _Search(window, reach, strict)
+    tries: list[Iterator[Symbol]] = [iter(ALPHABET)]
+    while len(search.row) < sections:
+        symbol = next(tries[-1], None)
+        if symbol is not None:
+            if search.push(symbol):
+                tries.append(iter(ALPHABET))
+        elif search.row:
+            tries.pop()
+            search.pop()
+        else:
+            raise InputError(f"no code of {sections} sections with window {window} and reach {reach}.")
+    return PositionCode(tuple(search.row), window, reach)
+
+
+class _Search:
+    """A row of symbols that keeps its laws, and what its last windows must not be mistaken for."""
+
+    def __init__(self, window: int, reach: int, strict: bool) -> None:
+        self.row: list[Symbol] = []
+        self._window, self._reach, self._strict = window, reach, strict
+        self._told: list[dict[Word, tuple[int, int]]] = []
+        self._wrong: list[list[tuple[Word, tuple[int, int]]]] = []
+
+    def push(self, symbol: Symbol) -> bool:
+        """Whether the row may be longer by this symbol; it is, if so."""
+        if symbol in self.row[max(0, len(self.row) - self._reach) :]:
+            return False
+        self.row.append(symbol)
+        if not self._told_apart():
+            self.row.pop()
+            return False
+        return True
+
+    def pop(self) -> None:
+        """Take the last symbol back."""
+        self.row.pop()
+        self._told.pop()
+        self._wrong.pop()
+
+    def _told_apart(self) -> bool:
+        """The new windows, and the new readings with an error, are told from all others."""
+        told, wrong = self._new_windows(), self._new_readings() if self._strict else []
+        if told is None or any(word in known for known in self._told for word in told):
+            return False
+        known = [*self._told, told]
+        if any(self._misleads(one, known) for one in wrong) or any(
+            self._misleads(one, [told]) for old in self._wrong for one in old
+        ):
+            return False
+        self._told.append(told)
+        self._wrong.append(wrong)
+        return True
+
+    def _misleads(self, reading: tuple[Word, tuple[int, int]], known: Sequence[dict[Word, tuple[int, int]]]) -> bool:
+        word, truth = reading
+        return any(word in places and places[word] != truth for places in known)
+
+    def _new_windows(self) -> dict[Word, tuple[int, int]] | None:
+        """The windows that end with the new symbol, read either way; None if they are one and the same word."""
+        first = len(self.row) - self._window
+        windows = list(_windows(tuple(self.row[max(first, 0) :]), self._window))
+        told = {word: (last + max(first, 0), step) for word, (last, step) in windows}
+        return told if len(told) == len(windows) else None
+
+    def _new_readings(self) -> list[tuple[Word, tuple[int, int]]]:
+        """Readings with an error that hold the new symbol, read either way."""
+        number, window, row = len(self.row), self._window, tuple(self.row)
+        upwards = [(word, (number, 1)) for word in _one_error(row, window)]
+        downwards = [
+            (word, (number - count + 1, -1))
+            for count in range(window - 1, window + 2)
+            if count <= number
+            for word in _one_error(row[: number - count - 1 : -1] if count < number else row[::-1], window)
+        ]
+        return upwards + downwards
+
+
+def _too_near(symbols: Word, window: int, reach: int) -> str:
+    for number, symbol in enumerate(symbols):
+        for other in range(number + 1, min(number + reach, len(symbols) - 1) + 1):
+            if symbols[other] == symbol:
+                return f"sections {number + 1} and {other + 1} are alike, and only {other - number} apart"
+    return ""
+
+
+def _ambiguous(symbols: Word, window: int, reach: int) -> str:
+    seen: dict[Word, tuple[int, int]] = {}
+    for word, place in _windows(symbols, window):
+        if word in seen:
+            return f"the {window} sections read last at {seen[word]} and at {place} are alike"
+        seen[word] = place
+    return ""
+
+
+def _windows(symbols: Word, window: int) -> Iterator[tuple[Word, tuple[int, int]]]:
+    for last in range(window, len(symbols) + 1):
+        word = symbols[last - window : last]
+        yield word, (last, 1)
+        yield word[::-1], (last - window + 1, -1)
+
+
+def _one_error(passed: Word, window: int) -> Iterator[Word]:
+    """The last `window` symbols read, where one section was missed, misread, or false, but not the last one."""
+    whole = passed[-window - 1 :]
+    if len(whole) == window + 1:
+        for missed in range(1, window):
+            yield whole[:missed] + whole[missed + 1 :]
+    last = passed[-window:]
+    if len(last) == window:
+        for wrong, symbol in product(range(window - 1), ALPHABET):
+            if last[wrong] != symbol:
+                yield (*last[:wrong], symbol, *last[wrong + 1 :])
+    fewer = passed[-(window - 1) :]
+    if len(fewer) == window - 1:
+        for false, symbol in product(range(1, window - 1), ALPHABET):
+            yield (*fewer[:false], symbol, *fewer[false:])
