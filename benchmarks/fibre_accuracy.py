@@ -49,7 +49,7 @@ class Condition:
     name: str
     coupling_cdb: int = 200
     strain: float = 2.5
-    snr_cdb: int = 3_500
+    snr_cdb: int = 5_000
     cars: int = 0
     sections: bool = True
 
@@ -60,7 +60,7 @@ CONDITIONS = (
     Condition("coupling twice as uneven (4 dB)", coupling_cdb=400),
     Condition("train 8 dB fainter", strain=1.0),
     Condition("train 8 dB louder", strain=6.0),
-    Condition("light 15 dB weaker (as from 37 km)", snr_cdb=2_000),
+    Condition("light 15 dB weaker (as from 37 km)", snr_cdb=3_500),
     Condition("five cars on a road beside", cars=5),
 )
 

@@ -58,16 +58,16 @@ class Listener:
         channels = np.flatnonzero(begins)
         if not len(channels):
             return []
-        picture = np.stack(self._tones)[:, channels] > threshold
-        return self._heard(picture, channels, time_ms)
+        return self._heard(np.stack([tone[channels] for tone in self._tones]), channels, time_ms)
 
-    def _heard(self, picture: Mask, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
+    def _heard(self, level: Single, channels: NDArray[np.intp], time_ms: float) -> list[Heard]:
         """Of channels in which a bit began after silence; neighbours hear one emitter."""
-        level = np.stack(self._tones)[:, channels].sum(axis=0)
+        loud, threshold = level.max(axis=0), 10 ** (self._rules.contrast_cdb / 1_000)
+        picture = level > np.maximum(threshold, loud * 10 ** (-self._rules.fall_cdb / 1_000))
         made: list[Heard] = []
         apart = self._rules.place_mm // self._config.interrogator.channel_mm + 1
         for group in np.split(np.arange(len(channels)), np.flatnonzero(np.diff(channels) > apart) + 1):
-            loudest = int(group[np.argmax(level[group])])
+            loudest = int(group[np.argmax(loud[group])])
             bits = self._read(picture[:, loudest])
             if bits is not None:
                 made.append(self._named(bits, int(channels[loudest]), time_ms))
@@ -79,6 +79,8 @@ class Listener:
         bits = on.reshape(-1, per)
         inner = bits[:, 1:-1] if per > 2 else bits[:, :1]
         clear = (inner == inner[:, :1]).all()
+        if not inner[SILENT_BITS, 0]:
+            return None
         quiet = not on[: SILENT_BITS * per].any() and not inner[-SILENT_BITS:].any()
         if not clear or not quiet:
             return None

@@ -116,7 +116,8 @@ class FibreFrame:
     """One block's result, at its last frame.
 
     trains   in order along the fibre, nearest to the coupler first
-    lost     confirmed trains that were seen in the block before and are not any more: silent is not gone
+    lost     trains told in the block before and not in this one: silent is not gone; it may come back under its number
+             within the hold time
     heard    test patterns that ended in this block
     """
 

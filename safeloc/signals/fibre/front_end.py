@@ -39,6 +39,16 @@ class _Watch:
     signaller: Signaller
 
 
+@dataclass(frozen=True, eq=False)
+class _Window:
+    """One window: its energies as they are and averaged, [channels], and the block's light."""
+
+    time_ms: float
+    energy: Single
+    smooth: Single
+    light: Reflections | None
+
+
 class FrontEnd:
     """Blocks of one fibre in the order of their delivery."""
 
@@ -99,8 +109,7 @@ class FrontEnd:
         disturbed = self._disturbed(shaken, block.time_ms)
         if disturbed is not None:
             return disturbed
-        ratio = np.divide(smooth, np.maximum(level, TINY), dtype=np.float32)
-        frame = self._followed(block, energies, ratio, shaken, light)
+        frame = self._followed(block, energies, smooth, shaken, light)
         self._quiet.follow(energies.band, shaken)
         return frame
 
@@ -119,41 +128,44 @@ class FrontEnd:
         return None
 
     def _followed(
-        self, block: FibreBlock, energies: Energies, ratio: Single, shaken: Mask, light: Reflections | None
+        self, block: FibreBlock, energies: Energies, smooth: Single, shaken: Mask, light: Reflections | None
     ) -> FibreFrame:
+        assert self._quiet.level is not None
+        ratio = np.divide(smooth, np.maximum(self._quiet.level, TINY), dtype=np.float32)
         before = {track.number for track in self._follower.tracks if track.confirmed}
         heard: list[Heard] = []
         for window in range(len(ratio)):
             time_ms = block.time_ms - (len(ratio) - 1 - window) * self._config.window_ms
-            self._follower.follow(time_ms, runs(ratio[window], shaken[window], self._config))
-            self._watch(energies.band[window], time_ms, None if light is None else light.faded)
+            ended = self._follower.follow(time_ms, runs(ratio[window], shaken[window], self._config))
+            self._watch(_Window(time_ms, energies.band[window], smooth[window], light), ended)
             heard += self._listen(energies, window, time_ms)
         trains = self._trains(light)
         lost = tuple(sorted(before - {train.track for train in trains}))
         return FibreFrame(block.time_ms, block.sequence, trains, lost, tuple(heard), *_troubles(light))
 
-    def _watch(self, energy: Single, time_ms: float, faded: Mask | None) -> None:
+    def _watch(self, window: _Window, ended: Sequence[Track]) -> None:
         """Courses, counts and signals go on with one window."""
         tracks = self._follower.tracks
-        self._watches = {one.number: self._watches.get(one.number) or self._new_watch() for one in tracks}
+        for gone in ended:
+            self._watches.pop(gone.number, None)
+        for track in tracks:
+            self._watches.setdefault(track.number, _Watch(Counter(self._config), Signaller(self._config)))
         for track in tracks:
             fit = track.fit()
             if fit is None:
                 continue
             track.judge(fit, self._config)
             if track.confirmed:
-                self._watches[track.number].signaller.follow(track.last, fit, energy, time_ms, faded)
-                self._count(track, fit, energy, time_ms)
+                faded = None if window.light is None else window.light.faded
+                self._watches[track.number].signaller.follow(track.last, fit, window.smooth, window.time_ms, faded)
+                self._count(track, fit, window)
 
-    def _new_watch(self) -> _Watch:
-        return _Watch(Counter(self._config), Signaller(self._config))
-
-    def _count(self, track: Track, fit: Fit, energy: Single, time_ms: float) -> None:
+    def _count(self, track: Track, fit: Fit, window: _Window) -> None:
         run = track.last
         if not (run.cut_low or run.cut_high):
             length = fit.high_mm - fit.low_mm
             self._watches[track.number].counter.follow(
-                time_ms, (run.low_mm + run.high_mm) / 2, length, fit.speed_mm_s, energy
+                window.time_ms, (run.low_mm + run.high_mm) / 2, length, fit.speed_mm_s, window.energy
             )
 
     def _listen(self, energies: Energies, window: int, time_ms: float) -> list[Heard]:

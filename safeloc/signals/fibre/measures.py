@@ -18,7 +18,15 @@ HALF = Fraction(1, 2)
 def at_last_frame(fit: Fit, config: FibreConfig) -> Fit:
     """The course later by half of the windows averaged: energies belong to their middle."""
     run = fit.speed_mm_s * config.window_ms * config.detection.average_windows / MS_PER_S / 2
-    return Fit(fit.low_mm + run, fit.high_mm + run, fit.speed_mm_s, fit.off_low_mm, fit.off_high_mm, fit.apart_mm_s)
+    return Fit(
+        fit.low_mm + run,
+        fit.high_mm + run,
+        fit.speed_mm_s,
+        fit.off_low_mm,
+        fit.off_high_mm,
+        fit.usual_off_mm,
+        fit.apart_mm_s,
+    )
 
 
 def end(
@@ -46,10 +54,10 @@ def _measured(place_mm: float, off_mm: float, outward: int, config: FibreConfig)
 
 
 def speed(fit: Fit, config: FibreConfig) -> Bounds:
-    """Along the fibre: error of the fit, and what traction and brake may have changed since its middle."""
+    """Along the fibre: error of the fit, the ends' disagreement, and what traction and brake changed since its middle."""
     detection = config.detection
     changed = Fraction(detection.most_change_mm_s2 * detection.fit_ms, 2 * MS_PER_S)
-    error = detection.speed_error_mm_s + changed
+    error = detection.speed_error_mm_s + changed + Fraction(fit.apart_mm_s) / 2
     return Bounds.outward(Interval(Fraction(fit.speed_mm_s), Fraction(fit.speed_mm_s)).widened(error))
 
 

@@ -56,8 +56,9 @@ def _run(ratio: Single, channels: NDArray[np.intp], config: FibreConfig) -> Run:
     inter = config.interrogator
     near = max(1, NEIGHBOURHOOD_MM // inter.channel_mm)
     span = last - first + 1
-    low = _edge(ratio[first : first + min(near, span)], config)
-    high = _edge(ratio[last - min(near, span) + 1 : last + 1][::-1], config)
+    half = (span - 1) * inter.channel_mm / 2
+    low = min(half, _edge(ratio[first : first + min(near, span)], config))
+    high = min(half, _edge(ratio[last - min(near, span) + 1 : last + 1][::-1], config))
     middle = inter.span_mm / 2
     return Run(
         first,

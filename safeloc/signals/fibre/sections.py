@@ -20,7 +20,7 @@ from safeloc.signals.fibre.figures import FibreConfig
 
 Single = NDArray[np.float32]
 Mask = NDArray[np.bool_]
-MEDIAN_WINDOWS = 5
+MEDIAN_WINDOWS = 9
 SAMPLE_MM = 1_000
 CDB_PER_DECADE = 1_000
 
@@ -64,7 +64,8 @@ class Watcher:
         self._normal: deque[tuple[float, float]] = deque()
         self._recent: deque[float] = deque(maxlen=MEDIAN_WINDOWS)
         self._inside: Effect | None = None
-        self._entered_mm = 0.0
+        self._told = False
+        self._entered_mm = self._towards = 0.0
 
     def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
         """The end's place along the fibre and the amplitude of the pattern there."""
@@ -94,9 +95,9 @@ class Watcher:
         if abs(change) < self._rules.change_cdb:
             self._learn(place_mm, level)
             return None
-        self._inside = Effect.RAISES if change > 0 else Effect.LOWERS
-        self._entered_mm = place_mm
-        return Change(self._inside, Edge.RISE if change > 0 else Edge.FALL, True, None, round(change))
+        self._inside, self._told = Effect.RAISES if change > 0 else Effect.LOWERS, False
+        self._entered_mm, self._towards = place_mm, place_mm - self._normal[-1][0] or place_mm - self._normal[0][0]
+        return None
 
     def _within(self, place_mm: float, level: float, change: float) -> Change | None:
         assert self._inside is not None
@@ -104,13 +105,24 @@ class Watcher:
         signed = change if self._inside is Effect.RAISES else -change
         endless = run > self._rules.longest_mm
         if signed > self._rules.return_cdb and not endless:
-            return None
+            return self._lasting(run, change)
         effect, self._inside = self._inside, None
         if endless:
             self._start_again(place_mm, level)
-        crossed = self._rules.window_mm < run and not endless
+        if not self._told:
+            return None
+        crossed = (place_mm - self._entered_mm) * self._towards > 0 and not endless
         edge = Edge.FALL if effect is Effect.RAISES else Edge.RISE
         return Change(effect, edge, False, run if crossed else None, round(change))
+
+    def _lasting(self, run: float, change: float) -> Change | None:
+        """The change is told once, when it has lasted."""
+        assert self._inside is not None
+        if self._told or run < self._rules.persist_mm:
+            return None
+        self._told = True
+        edge = Edge.RISE if self._inside is Effect.RAISES else Edge.FALL
+        return Change(self._inside, edge, True, None, round(change))
 
     def _start_again(self, place_mm: float, level: float) -> None:
         """Changed for longer than any section: that is normal now."""

@@ -21,6 +21,7 @@ from safeloc.signals.fibre.runs import Run
 LEAST_POINTS = 8
 HALF = 2
 TRIM = 2.5
+USUAL_SHARE = 0.8
 Numbers = NDArray[np.float64]
 
 
@@ -37,6 +38,7 @@ class Fit:
     """A straight course at the last window: places of both ends' axles in mm of fibre, speed, and how well it fits.
 
     off_low_mm, off_high_mm   greatest distance of a single window's end from the course
+    usual_off_mm              distance that four in five windows keep, at either end
     apart_mm_s                how much faster one end goes than the other, as measured
     """
 
@@ -45,6 +47,7 @@ class Fit:
     speed_mm_s: float
     off_low_mm: float
     off_high_mm: float
+    usual_off_mm: float
     apart_mm_s: float
 
 
@@ -80,9 +83,11 @@ class Track:
         time = np.array([one.time_ms - self.seen[-1].time_ms for one in self.seen]) / MS_PER_S
         low, low_speed, off_low = _line(time, [one.run.low_mm for one in self.seen])
         high, high_speed, off_high = _line(time, [one.run.high_mm for one in self.seen])
+        usual = max(_usual(off_low), _usual(off_high))
         speed = _one_speed(low_speed, high_speed, self.last)
         cut = self.last.cut_low or self.last.cut_high
-        return Fit(low, high, speed, off_low, off_high, 0.0 if cut else abs(high_speed - low_speed))
+        worst_low, worst_high = float(off_low.max()), float(off_high.max())
+        return Fit(low, high, speed, worst_low, worst_high, usual, 0.0 if cut else abs(high_speed - low_speed))
 
     def judge(self, fit: Fit, config: FibreConfig) -> None:
         """It is a train once it lasted, moved, and went steadily all the while; no train any more if it cannot be one."""
@@ -105,18 +110,22 @@ def _impossible(fit: Fit, config: FibreConfig) -> bool:
 def _unsteady(fit: Fit, config: FibreConfig) -> bool:
     """Ends that jump, or go their own ways, or too short: not yet a train."""
     detection = config.detection
-    jumps = max(fit.off_low_mm, fit.off_high_mm) > detection.scatter_mm
+    jumps = fit.usual_off_mm > detection.scatter_mm
     return jumps or fit.apart_mm_s > detection.apart_mm_s or fit.high_mm - fit.low_mm < detection.least_length_mm
 
 
-def _line(seconds: Numbers, places: Sequence[float]) -> tuple[float, float, float]:
-    """Place at second 0 and speed, from windows not far off a first line; and the greatest distance of any."""
+def _line(seconds: Numbers, places: Sequence[float]) -> tuple[float, float, Numbers]:
+    """Place at second 0 and speed, from windows not far off a first line; and the distance of all."""
     place = np.array(places)
     at_zero, speed = _least_squares(seconds, place)
     off = np.abs(place - at_zero - speed * seconds)
     near = off <= TRIM * np.median(off)
     at_zero, speed = _least_squares(seconds[near], place[near])
-    return at_zero, speed, float(np.abs(place - at_zero - speed * seconds).max())
+    return at_zero, speed, np.abs(place - at_zero - speed * seconds)
+
+
+def _usual(off: Numbers) -> float:
+    return float(np.sort(off)[int(USUAL_SHARE * len(off))])
 
 
 def _least_squares(seconds: Numbers, place: Numbers) -> tuple[float, float]:
@@ -133,39 +142,52 @@ def _one_speed(low: float, high: float, run: Run) -> float:
 
 
 class Follower:
-    """All tracks of a fibre."""
+    """All tracks of a fibre; `tracks` are those with a run in the last window, in order along the fibre."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._numbers = count(1)
-        self._slack_mm = config.detection.most_speed_mm_s * config.window_ms / MS_PER_S + config.interrogator.channel_mm
+        self._fastest_mm_s = config.detection.most_speed_mm_s
+        self._hold_ms = config.detection.hold_ms
         self._channel_mm = config.interrogator.channel_mm
         self._keep = max(LEAST_POINTS, round(config.detection.fit_ms / config.window_ms))
         self.tracks: list[Track] = []
+        self._unseen: list[Track] = []
 
     def follow(self, time_ms: float, found: Sequence[Run]) -> list[Track]:
-        """Continue with one window's runs; tracks that ended are returned."""
-        heirs = {track.number: [run for run in found if self._continues(track, run)] for track in self.tracks}
-        parents = [[track for track in self.tracks if run in heirs[track.number]] for run in found]
-        before, self.tracks = self.tracks, []
-        for run, from_ in zip(found, parents, strict=True):
-            trains = [track for track in from_ if track.confirmed] or from_
-            if len(trains) == 1 and len(heirs[trains[0].number]) == 1:
-                track = trains[0]
-            else:
-                track = Track(next(self._numbers), tuple(one.number for one in trains), self._keep)
+        """Continue with one window's runs; tracks that ended are returned.
+
+        A track without a run is unseen, and may go on for a short time where it can have got to meanwhile.
+        """
+        known = [*self.tracks, *self._unseen]
+        heirs = {track.number: [run for run in found if self._continues(track, run, time_ms)] for track in known}
+        self.tracks = [
+            self._heir(run, [track for track in known if run in heirs[track.number]], heirs) for run in found
+        ]
+        for track, run in zip(self.tracks, found, strict=True):
             track.add(time_ms, run)
-            self.tracks.append(track)
-        return [track for track in before if track not in self.tracks]
+        gone = [track for track in known if track not in self.tracks]
+        self._unseen = [track for track in gone if not heirs[track.number] and self._may_come_back(track, time_ms)]
+        return [track for track in gone if track not in self._unseen]
+
+    def _heir(self, run: Run, parents: list[Track], heirs: dict[int, list[Run]]) -> Track:
+        """The track that goes on with a run: the only train there, if this is its only run; else a new one."""
+        seen = [track for track in parents if track in self.tracks] or parents
+        trains = [track for track in seen if track.confirmed] or seen
+        if len(trains) == 1 and heirs[trains[0].number] == [run]:
+            return trains[0]
+        return Track(next(self._numbers), tuple(one.number for one in trains), self._keep)
+
+    def _may_come_back(self, track: Track, time_ms: float) -> bool:
+        return track.confirmed and time_ms - track.seen[-1].time_ms <= self._hold_ms
 
     def drop(self) -> list[Track]:
         """Forget all tracks; they are returned."""
-        dropped, self.tracks = self.tracks, []
+        dropped, self.tracks, self._unseen = [*self.tracks, *self._unseen], [], []
         return dropped
 
-    def _continues(self, track: Track, run: Run) -> bool:
-        before = track.last
-        low, high = before.first * self._channel_mm, before.last * self._channel_mm
-        return (
-            run.first * self._channel_mm <= high + self._slack_mm
-            and run.last * self._channel_mm >= low - self._slack_mm
-        )
+    def _continues(self, track: Track, run: Run, time_ms: float) -> bool:
+        """Whether the run overlaps where the track can have got to since it was seen."""
+        before, since_ms = track.last, time_ms - track.seen[-1].time_ms
+        slack = self._fastest_mm_s * since_ms / MS_PER_S + self._channel_mm
+        low, high = before.first * self._channel_mm - slack, before.last * self._channel_mm + slack
+        return run.first * self._channel_mm <= high and run.last * self._channel_mm >= low

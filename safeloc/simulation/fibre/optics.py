@@ -32,7 +32,7 @@ class OpticsFigures(Config):
 
     wave_nm: int = quantity(1_550, "nm", 500, 2_000, "[M, sure] telecommunication fibre")
     photoelastic_percent: int = quantity(78, "%", 50, 100, "[M, sure] the index falls with strain: 0.78 remains")
-    snr_cdb: int = quantity(3_500, "cdB", 0, 10_000, "[M] of the mean scatter from the near end, a pulse")
+    snr_cdb: int = quantity(5_000, "cdB", 0, 10_000, "[M] of the mean scatter from the near end, a pulse")
     loss_cdb_km: int = quantity(20, "cdB/km", 0, 1_000, "[M, sure] 0.2 dB/km one way")
     laser_mrad: int = quantity(5, "mrad a frame", 0, 3_000, "[M] frequency noise over the gauge, in all channels alike")
     laser_drift_mrad_s: int = quantity(50, "mrad/s", -100_000, 100_000, "[M] frequency drift over the gauge")

@@ -50,6 +50,11 @@ def test_a_return_to_normal_is_no_section_even_when_it_overshoots_a_little() -> 
     assert [True, False] == [change.entering for _, change in changes]
 
 
+def test_a_short_change_is_no_section() -> None:
+    """20 m of better coupling."""
+    assert [] == watched(course([(600, 620, 1_200)]))
+
+
 def test_wavering_about_the_threshold_is_one_section() -> None:
     """Between return and change nothing happens."""
     wavering = [(place, level + (250 if place % 8 < 4 else 0)) for place, level in course([(600, 700, 800)])]
@@ -69,7 +74,7 @@ def test_nothing_is_told_before_normal_is_known() -> None:
 
 def test_a_train_that_turns_back_inside_has_run_through_no_length() -> None:
     """It leaves the way it came."""
-    there, back = course([(600, 700, 1_200)], high=620), course([(600, 700, 1_200)], low=620, high=300)
+    there, back = course([(600, 700, 1_200)], high=650), course([(600, 700, 1_200)], low=650, high=300)
     (_, enter), (_, leave) = watched(there + back)
     assert (True, False) == (enter.entering, leave.entering)
     assert leave.length_mm is None
