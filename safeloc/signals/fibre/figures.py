@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
 from itertools import combinations
 from typing import Literal
 
@@ -16,6 +15,7 @@ from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.signals.fibre.time_of_flight import most_pulses_hz, speed_mm_s
+from safeloc.signals.figures import LIGHT_MM_S, MILLION
 
 HALVES_OF_NS_PER_S = 2 * 10**9
 MS_PER_S = 1_000
@@ -59,32 +59,32 @@ class Interrogator(Config):
             raise ValueError(f"pulse_hz ({self.pulse_hz}) is a multiple of pulses_per_frame ({self.pulses_per_frame}).")
         return self
 
-    @cached_property
+    @property
     def frame_hz(self) -> int:
         """Frames a second."""
         return self.pulse_hz // self.pulses_per_frame
 
-    @cached_property
+    @property
     def pulse_mm(self) -> int:
         """Fibre that one pulse lights at a time: V times duration, halved for there and back; rounded up."""
-        return math.ceil(speed_mm_s(self.index_ppm) * self.pulse_ns / HALVES_OF_NS_PER_S)
+        return -(-LIGHT_MM_S * MILLION * self.pulse_ns // (self.index_ppm * HALVES_OF_NS_PER_S))
 
-    @cached_property
+    @property
     def channels(self) -> int:
         """Channels whose whole gauge and pulse lie in the fibre."""
         return (self.fibre_mm - self.gauge_mm - self.pulse_mm) // self.channel_mm + 1
 
-    @cached_property
+    @property
     def gauge_channels(self) -> int:
         """Channels between the two ends of a gauge."""
         return self.gauge_mm // self.channel_mm
 
-    @cached_property
+    @property
     def light_channels(self) -> int:
         """Places, a channel apart, whose light is told: up to the fibre's end."""
         return -(-self.fibre_mm // self.channel_mm)
 
-    @cached_property
+    @property
     def span_mm(self) -> int:
         """Fibre that one channel feels."""
         return self.gauge_mm + self.pulse_mm
@@ -288,7 +288,7 @@ class FibreConfig(Config):
         _unique([one.id for one in self.point_places], "reflecting points")
         return self
 
-    @cached_property
+    @property
     def window_ms(self) -> float:
         """Duration of a window."""
         return MS_PER_S * self.band.window_frames / self.interrogator.frame_hz

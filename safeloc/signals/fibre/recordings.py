@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ def read_array(path: Path, *, name: str = "data", channels_first: bool = False) 
                 key: float(loaded[key]) for key in ("scale", "fs_hz", "dx_m") if key in loaded and loaded[key].size == 1
             }
             return _recording(path, loaded[name], told, channels_first)
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, EOFError, BadZipFile) as error:
         if isinstance(error, StreamError):
             raise
         raise StreamError(f"{path}: not an array that numpy reads without pickles ({error}).") from error
