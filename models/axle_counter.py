@@ -50,7 +50,16 @@ from safeloc.units import COUNT, MM_S, MS, NM, UM, Unit
 
 UM_S = Unit("um/s", length=1, time=-1, scale=UM.scale)
 FLAW = members(
-    "flaw", "NONE", "POWER_UP", "HEAD_FAULT", "NO_SPEED", "SPEED_CONTRADICTED", "TURNED", "TOO_MANY", "TOO_LONG", "LENGTH_UNKNOWN"
+    "flaw",
+    "NONE",
+    "POWER_UP",
+    "HEAD_FAULT",
+    "NO_SPEED",
+    "SPEED_CONTRADICTED",
+    "TURNED",
+    "TOO_MANY",
+    "TOO_LONG",
+    "LENGTH_UNKNOWN",
 )
 SOUND, POWER_UP, HEAD_FAULT, NO_SPEED, SPEED_CONTRADICTED, TURNED, TOO_MANY, TOO_LONG, LENGTH_UNKNOWN = FLAW
 TRACE = ("FVA-3", "FVA-5")
@@ -197,8 +206,8 @@ def parts(config: AxleCounterConfig) -> Parts:
         number("true_step_nm", NM, -step, step),
         number("true_step_to_axle_nm", NM, -step, step),
         number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle),
-        number("true_run_nm", NM, -10**15, 10**15),
-        number("true_length_nm", NM, -10**15, 10**15),
+        number("true_run_nm", NM, -(10**15), 10**15),
+        number("true_length_nm", NM, -(10**15), 10**15),
         number("true_axles", COUNT, 0, 2**31),
     )
 
@@ -295,12 +304,19 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield spoil("head at fault", (idle, passing, done), own.fault, HEAD_FAULT, 0)
     yield spoil("first axle without a speed", free, heard & ~speeds_told, NO_SPEED, 1)
     yield Transition("first axle", free, passing, heard & speeds_told, _first(own), TRACE, 1)
-    yield spoil("train too long, or lost", passing, long, TOO_LONG, 1)
-    yield spoil("train turned", passing, heard & ~own.onward, TURNED, 2)
-    yield spoil("axle without a speed", passing, onward & ~speeds_told, NO_SPEED, 2)
-    yield spoil("speed contradicted", passing, onward & speeds_told & ~agrees, SPEED_CONTRADICTED, 2)
-    yield spoil("too many axles", passing, onward & agrees & full, TOO_MANY, 2)
-    yield Transition("next axle", passing, passing, onward & agrees & ~full, _next(own), TRACE, 2)
+    flaws = [
+        (long, TOO_LONG),
+        (heard & ~own.onward, TURNED),
+        (onward & ~speeds_told, NO_SPEED),
+        (onward & ~agrees, SPEED_CONTRADICTED),
+        (onward & full, TOO_MANY),
+    ]
+    flaw: Num = SOUND
+    for wrong, why in reversed(flaws):
+        flaw = ite(wrong, why, flaw)
+    spoiling = {**_nothing(own), own.flaw: flaw}
+    yield Transition("passage spoilt", passing, spoilt, any_of(wrong for wrong, _ in flaws), spoiling, TRACE, 1)
+    yield Transition("next axle", passing, passing, onward, _next(own), TRACE, 2)
     sound = {**_ran(own), own.flaw: ite(own.length_known, SOUND, LENGTH_UNKNOWN)}
     yield Transition("train has passed", passing, done, own.passed, sound, TRACE, 3)
     yield Transition("between axles", passing, passing, TRUE, _ran(own), TRACE, 4)
@@ -405,7 +421,9 @@ def _since_first(own: Parts, change: Num) -> Bool:
     """The run in what is left of the cycle after the first axle."""
     most = Lit(own.config.max_speed_mm_s * UM_PER_MM, UM_S)
     low, high = _nm(own, maximum(own.axle_speed - change, -most)), _nm(own, minimum(own.axle_speed + change, most))
-    return between(minimum(low, 0), own.step, maximum(high, 0)) & between(minimum(low, 0), own.axle_step, maximum(high, 0))
+    return between(minimum(low, 0), own.step, maximum(high, 0)) & between(
+        minimum(low, 0), own.axle_step, maximum(high, 0)
+    )
 
 
 def _since_before(own: Parts, low: Num, high: Num) -> Bool:

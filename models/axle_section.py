@@ -199,7 +199,11 @@ def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Tran
     zero = as_num(0, COUNT)
     quiet = ite(own.moved, zero, ite(own.quiet >= own.config.lead_cycles, own.quiet, own.quiet + 1))
     told: dict[Var, Expr | int | bool] = {own.quiet: quiet, own.answer: answer}
-    fresh: dict[Var, Expr | int | bool] = {**told, own.count: 0, **dict.fromkeys((*own.swept_from, *own.swept_to), False)}
+    fresh: dict[Var, Expr | int | bool] = {
+        **told,
+        own.count: 0,
+        **dict.fromkeys((*own.swept_from, *own.swept_to), False),
+    }
     counted: dict[Var, Expr | int | bool] = {**told, own.count: own.counted}
     sweep = counted | {var: var | (axles > 0) for var, axles in _ways(own)}
     believed = (clear, occupied, sweeping)

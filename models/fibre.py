@@ -21,7 +21,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import FALSE, TRUE, Bool, Expr, Lit, Num, NumVar, Var, abs_, all_of, as_num, between, ceil_to, exact_to, ite
+from safeloc.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    abs_,
+    all_of,
+    as_num,
+    between,
+    ceil_to,
+    exact_to,
+    ite,
+)
 from safeloc.machine import Machine, Transition, current_mode, modes
 from safeloc.models.fibre_parts import variables as v
 from safeloc.models.fibre_parts.cycle import Cycle
@@ -116,7 +132,9 @@ def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[T
     passed = {**cycle.edge(v.PASSED), own.base: own.far}
     turned = {**cycle.edge(v.TURNED_BACK), own.count: _uncounted(own)}
 
-    def row(name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int) -> Transition:
+    def row(
+        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
+    ) -> Transition:
         return Transition(name, located, target, when, updates, trace, rank)
 
     yield row("error", faulted, cycle.error, error, (*CHECKED, *CODE, *COUNTS), 2)
@@ -131,12 +149,17 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
     turns = own.counted & cycle.forwards.iff(~own.upwards)
     edge = cycle.edge(v.PASSED)
     anew = {**cycle.nowhere(), own.why: v.NO_END_OF_SECTION}
-    entered = {**cycle.enter(own.count + cycle.one), **{var: ite(turns, as_num(0, COUNT), var) for var in (own.word, own.read)}}
+    entered = {
+        **cycle.enter(own.count + cycle.one),
+        **{var: ite(turns, as_num(0, COUNT), var) for var in (own.word, own.read)},
+    }
     back = {**cycle.edge(v.TURNED_BACK), **cycle.no_word(), own.count: _uncounted(own)}
     found: dict[Var, Expr] = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
     whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
 
-    def row(name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int) -> Transition:
+    def row(
+        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
+    ) -> Transition:
         return Transition(name, counting, target, when, updates, trace, rank)
 
     yield row("no end of the section", waiting, cycle.endless | (cycle.enters & cycle.full), anew, SEEN, 2)
@@ -210,7 +233,9 @@ def _code_law(own: Parts, cycle: Cycle, located: Bool) -> Bool:
     other = ahead.ne(0) & (abs_(ahead) <= own.config.reach)
     read_long = cycle.reads_long.iff(own.long)
     passed = located & own.real & cycle.read
-    return all_of([(passed & other).implies(~read_long), (passed & ahead.eq(0)).implies(read_long), _true_count(own, cycle)])
+    return all_of(
+        [(passed & other).implies(~read_long), (passed & ahead.eq(0)).implies(read_long), _true_count(own, cycle)]
+    )
 
 
 def _true_count(own: Parts, cycle: Cycle) -> Bool:

@@ -163,9 +163,7 @@ def _assumption(own: Parts) -> Bool:
 
 
 def _lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
-    interval = between(
-        exact_to(own.front - own.front_under, NM), own.truth, exact_to(own.front + own.front_over, NM)
-    )
+    interval = between(exact_to(own.front - own.front_under, NM), own.truth, exact_to(own.front + own.front_over, NM))
     return {
         "a trusted position holds the truth": trusted.implies(interval),
         "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),

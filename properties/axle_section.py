@@ -80,7 +80,9 @@ def properties(model: AxleSection) -> list[Property]:
         ),
         always(
             "an impossible count is disturbed",
-            (before_.one_of(clear, occupied, sweeping) & (before(own.count) + own.change < 0)).implies(mode.eq(disturbed)),
+            (before_.one_of(clear, occupied, sweeping) & (before(own.count) + own.change < 0)).implies(
+                mode.eq(disturbed)
+            ),
             statement="more axles out than in: disturbed in the same cycle",
             trace=TRACE,
             unconditional=True,

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from safeloc.expr import abs_, all_of, as_num, before, between, exact_to, ite, was
 from safeloc.models.fibre import CHECKED, CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre_parts import variables as v
-
 from safeloc.properties.step import guard
 from safeloc.spec import Property, always, reachable
 from safeloc.units import COUNT, NM
@@ -49,9 +48,7 @@ def _place(model: Fibre) -> Iterator[Property]:
     )
     yield always(
         "no resurrection",
-        (valid & before(machine.mode).ne(machine.modes[2])).implies(
-            machine.fired("reference accepted", "word found")
-        ),
+        (valid & before(machine.mode).ne(machine.modes[2])).implies(machine.fired("reference accepted", "word found")),
         statement="a place is known again only from an accepted reference, or from a whole word of the code",
         trace=CODE,
         unconditional=True,
@@ -59,7 +56,7 @@ def _place(model: Fibre) -> Iterator[Property]:
 
 
 def _counting(model: Fibre) -> Iterator[Property]:
-    machine, own, cycle = model.machine, model.own, model.cycle
+    machine, own = model.machine, model.own
     waiting, counting, located, _ = machine.modes
     mode = machine.mode
     counts = before(mode).one_of(counting, located) & mode.one_of(counting, located) & ~own.reference
@@ -102,7 +99,9 @@ def _counting(model: Fibre) -> Iterator[Property]:
     )
     yield always(
         "every signal counts by direction",
-        (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(ite(own.forwards, as_num(1, COUNT), as_num(-1, COUNT)))),
+        (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(
+            change.eq(ite(own.forwards, as_num(1, COUNT), as_num(-1, COUNT)))
+        ),
         statement="each signal counts one up where the train runs forwards, and one down where it runs back",
         trace=COUNTS,
         unconditional=True,
@@ -116,7 +115,9 @@ def _counting(model: Fibre) -> Iterator[Property]:
     )
     yield always(
         "a section left again is uncounted",
-        (counts & own.signal.eq(v.TURNED_BACK)).implies(change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))),
+        (counts & own.signal.eq(v.TURNED_BACK)).implies(
+            change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))
+        ),
         statement="a section that is left on the side it was entered no longer counts",
         trace=COUNTS,
         unconditional=True,
@@ -129,7 +130,6 @@ def _counting(model: Fibre) -> Iterator[Property]:
         trace=COUNTS,
         unconditional=True,
     )
-    del cycle
 
 
 def _code(model: Fibre) -> Iterator[Property]:
@@ -147,9 +147,9 @@ def _code(model: Fibre) -> Iterator[Property]:
     )
     yield always(
         "disagreement raises F",
-        (was_located & was(own.real) & guard(machine, cycle.read) & off.ne(0) & (abs_(off) <= own.config.reach)).implies(
-            mode.ne(located) | own.reference
-        ),
+        (
+            was_located & was(own.real) & guard(machine, cycle.read) & off.ne(0) & (abs_(off) <= own.config.reach)
+        ).implies(mode.ne(located) | own.reference),
         statement="a real section that is passed while the count is wrong ends the location in that cycle",
         trace=(*CODE, *COUNTS),
         assumption=LAW,
@@ -170,7 +170,9 @@ def _code(model: Fibre) -> Iterator[Property]:
         trace=CODE,
         unconditional=True,
     )
-    symbol = ite(before(own.band).eq(v.RAISED), as_num(2, COUNT), 0) + ite(guard(machine, cycle.reads_long), as_num(1, COUNT), 0)
+    symbol = ite(before(own.band).eq(v.RAISED), as_num(2, COUNT), 0) + ite(
+        guard(machine, cycle.reads_long), as_num(1, COUNT), 0
+    )
     spelt = machine.fired("symbol read") & before(own.read).eq(0)
     yield always(
         "the word is what was read",

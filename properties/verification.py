@@ -270,4 +270,6 @@ def _reached(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     yield reachable("trusted", machine.flag("trusted"), statement="a train can be trusted", trace=CLAIM)
     both = any_of([own.by_speed & own.by_place & own.by_count & own.by_length])
-    yield reachable("all verified", machine.flag("trusted") & both, statement="all parameters can be verified", trace=ENTRY)
+    yield reachable(
+        "all verified", machine.flag("trusted") & both, statement="all parameters can be verified", trace=ENTRY
+    )

@@ -11,8 +11,13 @@ from pydantic import BaseModel
 
 from safeloc.machine import Machine
 from safeloc.models import (
+    axle_counter,
+    axle_head,
+    axle_section,
     balise,
     delocalized,
+    emitter,
+    fibre,
     odometry,
     reflector,
     route,
@@ -23,6 +28,7 @@ from safeloc.models import (
     supervised_odometry,
     travel_direction,
     turn_off,
+    verification,
 )
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.balise_parts.variables import parts as balise_parts
@@ -38,8 +44,13 @@ from safeloc.models.stop_point_parts.picture import picture as stop_picture
 from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_parts.variables import parts as stop_point_parts
 from safeloc.nodes import Value
+from safeloc.properties import axle_counter as counter_properties
+from safeloc.properties import axle_head as head_properties
+from safeloc.properties import axle_section as axle_section_properties
 from safeloc.properties import balise as balise_properties
 from safeloc.properties import delocalized as delocalized_properties
+from safeloc.properties import emitter as emitter_properties
+from safeloc.properties import fibre as fibre_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import reflector as reflector_properties
@@ -51,6 +62,7 @@ from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import supervised_odometry as supervised_properties
 from safeloc.properties import travel_direction as direction_properties
 from safeloc.properties import turn_off as turn_off_properties
+from safeloc.properties import verification as verification_properties
 from safeloc.reported import Reported
 from safeloc.spec import Property
 from safeloc.streams.steps import Cell
@@ -213,6 +225,58 @@ def _satellite(config: BaseModel) -> Target:
     return Target("satellite", machines, whole.composition.system, properties, config, doc, reported=reported)
 
 
+def _fibre(config: BaseModel) -> Target:
+    assert isinstance(config, fibre.FibreConfig)
+    model = fibre.build(fibre.parts(config))
+    made = _made(model.machine, fibre_properties.properties(model), config)
+    return replace(made, reported=Reported(), simulate=lambda seed: _fibre_simulated(config, seed))
+
+
+def _fibre_simulated(config: fibre.FibreConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.fibre_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+def _verification(config: BaseModel) -> Target:
+    assert isinstance(config, verification.VerificationConfig)
+    model = verification.build(verification.parts(config))
+    made = _made(model.machine, verification_properties.properties(model), config)
+    return replace(
+        made, reported=Reported(valid="trusted"), simulate=lambda seed: _verification_simulated(config, seed)
+    )
+
+
+def _verification_simulated(config: verification.VerificationConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.fibre_streams import simulate_stay  # numpy is loaded only where something is simulated
+
+    return simulate_stay(config, seed=seed)
+
+
+def _axle_head(config: BaseModel) -> Target:
+    assert isinstance(config, axle_head.AxleHeadConfig)
+    model = axle_head.build(axle_head.parts(config))
+    return _made(model.machine, head_properties.properties(model), config)
+
+
+def _axle_counter(config: BaseModel) -> Target:
+    assert isinstance(config, axle_counter.AxleCounterConfig)
+    model = axle_counter.build(axle_counter.parts(config))
+    return _made(model.machine, counter_properties.properties(model), config)
+
+
+def _axle_section(config: BaseModel) -> Target:
+    assert isinstance(config, axle_section.AxleSectionConfig)
+    model = axle_section.build(axle_section.parts(config))
+    return _made(model.machine, axle_section_properties.properties(model), config)
+
+
+def _emitter(config: BaseModel) -> Target:
+    assert isinstance(config, emitter.EmitterConfig)
+    model = emitter.build(emitter.parts(config))
+    return _made(model.machine, emitter_properties.properties(model), config)
+
+
 def _made(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
     """A single machine with the streams that ship under its name."""
     name = machine.name
@@ -238,6 +302,22 @@ ENTRIES: Mapping[str, Entry] = {
         ),
         Entry("satellite", "position along the track from usable satellites", SatelliteConfig, _satellite),
         Entry("turn_off", "straight on or turning off, seen by radar", turn_off.TurnOffConfig, _turn_off),
+        Entry("fibre", "place from localization sections in a fibre", fibre.FibreConfig, _fibre),
+        Entry(
+            "verification",
+            "a train's fibre position, verified against an axle counter",
+            verification.VerificationConfig,
+            _verification,
+        ),
+        Entry("axle_head", "axles and direction from two overlapping pulses", axle_head.AxleHeadConfig, _axle_head),
+        Entry("axle_counter", "a train's entry record from its axles", axle_counter.AxleCounterConfig, _axle_counter),
+        Entry(
+            "axle_section",
+            "clear or occupied by axles counted in and out",
+            axle_section.AxleSectionConfig,
+            _axle_section,
+        ),
+        Entry("emitter", "function check of the fibre by a test emitter", emitter.EmitterConfig, _emitter),
         Entry(
             "travel_direction",
             "direction of travel from reflectors around a balise",

@@ -58,10 +58,9 @@ class PositionCode:
         """InputError for a row of symbols that breaks one of its laws."""
         if self.window < 2 or not 1 <= self.reach < self.window:
             raise InputError(f"window {self.window}, reach {self.reach}: 1 <= reach < window is needed.")
-        for law in (_too_near, _ambiguous):
-            broken = law(self.symbols, self.window, self.reach)
-            if broken:
-                raise InputError(f"no position code: {broken}.")
+        broken = _too_near(self.symbols, self.reach) or _ambiguous(self.symbols, self.window)
+        if broken:
+            raise InputError(f"no position code: {broken}.")
 
     def decode(self, read: Sequence[Symbol]) -> tuple[int, int] | None:
         """Where the last of the symbols read is (section number, from 1), and the direction (1 or -1).
@@ -175,7 +174,7 @@ class _Search:
         return upwards + downwards
 
 
-def _too_near(symbols: Word, window: int, reach: int) -> str:
+def _too_near(symbols: Word, reach: int) -> str:
     for number, symbol in enumerate(symbols):
         for other in range(number + 1, min(number + reach, len(symbols) - 1) + 1):
             if symbols[other] == symbol:
@@ -183,7 +182,7 @@ def _too_near(symbols: Word, window: int, reach: int) -> str:
     return ""
 
 
-def _ambiguous(symbols: Word, window: int, reach: int) -> str:
+def _ambiguous(symbols: Word, window: int) -> str:
     seen: dict[Word, tuple[int, int]] = {}
     for word, place in _windows(symbols, window):
         if word in seen:

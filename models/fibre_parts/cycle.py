@@ -23,7 +23,9 @@ class Cycle:
         """The amplitude's band after the cycle: with hysteresis, and back to normal before the other band."""
         own, config, value = self.own, self.own.config, self.own.amplitude.value
         from_normal = ite(value >= config.change_cdb, v.RAISED, ite(value <= -config.change_cdb, v.LOWERED, v.NORMAL))
-        still = own.band.eq(v.RAISED) & (value > config.return_cdb) | own.band.eq(v.LOWERED) & (value < -config.return_cdb)
+        still = own.band.eq(v.RAISED) & (value > config.return_cdb) | own.band.eq(v.LOWERED) & (
+            value < -config.return_cdb
+        )
         after = ite(own.band.eq(v.NORMAL), from_normal, ite(still, own.band, v.NORMAL))
         return ite(own.amplitude.present, after, own.band)
 
@@ -233,7 +235,9 @@ class Cycle:
     def spell(self) -> dict[Var, Expr]:
         """The symbol of the section just passed joins the word."""
         own = self.own
-        symbol = ite(own.band.eq(v.RAISED), as_num(2, COUNT), as_num(0, COUNT)) + ite(self.reads_long, as_num(1, COUNT), 0)
+        symbol = ite(own.band.eq(v.RAISED), as_num(2, COUNT), as_num(0, COUNT)) + ite(
+            self.reads_long, as_num(1, COUNT), 0
+        )
         oldest = v.SYMBOLS ** (own.config.window - 1)
         kept = own.word - floor_div(own.word, oldest) * oldest
         read = ite(own.read >= own.config.window, own.read, own.read + 1)

@@ -334,4 +334,3 @@ def _scaled(cycles: Num, per_cycle: int, like: Num) -> Num:
     """So much a cycle, in the unit of `like`."""
     assert isinstance(like.unit, Unit)
     return with_unit(cycles * per_cycle, like.unit)
-
