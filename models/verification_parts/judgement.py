@@ -296,7 +296,7 @@ class Judged:
             own.age: self.age,
             own.by_count: ite(new, self.count_matches, own.by_count),
             own.by_length: ite(new, self.length_matches, own.by_length),
-            own.by_control: self.controlled | (own.by_control & ~new),
+            own.by_control: self.controlled | own.by_control,
             own.by_emitter: own.chain_tested,
         }
 

@@ -112,7 +112,10 @@ def test_a_silent_pattern_is_lost() -> None:
     for step in steps[20:30]:
         del step["run_mm"]
     trace = replayed(lower(made().machine), steps)
-    assert labels(trace, "reason")[20 + CONFIG.gap_limit_cycles - 1 : 20 + CONFIG.gap_limit_cycles + 1] == ["LOCATED", "SILENT"]
+    assert labels(trace, "reason")[20 + CONFIG.gap_limit_cycles - 1 : 20 + CONFIG.gap_limit_cycles + 1] == [
+        "LOCATED",
+        "SILENT",
+    ]
 
 
 def test_everything_is_proved() -> None:

@@ -1,0 +1,103 @@
+"""The test emitter: only its own pattern, from its place, when it is due; a dead chain is told in time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.expr import FALSE, TRUE
+from safeloc.interpret import run
+from safeloc.models.emitter import Emitter, EmitterConfig, build, parts
+from safeloc.properties.emitter import properties
+from safeloc.streams.steps import Cell
+from safeloc.system import lower, without_ghosts
+from safeloc.trace import Trace
+from tests.models.fibre_family import labels, mode_labels, unproved_of
+from tests.models.one_step import changed, not_kept
+
+CONFIG = EmitterConfig()
+OWN: dict[str, Cell] = {"heard_pattern": CONFIG.pattern, "heard_place_mm": CONFIG.place_mm}
+
+
+@cache
+def made() -> Emitter:
+    """The machine with its variables."""
+    return build(parts(CONFIG))
+
+
+def heard(cycles: int, at: dict[int, dict[str, Cell]]) -> Trace:
+    """So many cycles, with something heard or asked in some."""
+    steps = [{"test_requested": False, **at.get(cycle, {})} for cycle in range(cycles)]
+    return run(without_ghosts(lower(made().machine)), steps)
+
+
+def test_regular_patterns_keep_the_chain_tested() -> None:
+    """One pattern in every due window."""
+    trace = heard(60, {18: OWN, 37: OWN, 56: OWN})
+    assert mode_labels(made().machine, trace)[18:] == ["TESTED"] * 42
+
+
+def test_a_missing_pattern_fails_in_time() -> None:
+    """Tested up to the due time after the last pattern, failed one cycle later."""
+    found = mode_labels(made().machine, heard(60, {18: OWN}))
+    assert found[18 + CONFIG.due_cycles] == "TESTED"
+    assert found[18 + CONFIG.due_cycles + 1] == "FAILED"
+
+
+@pytest.mark.parametrize(
+    ("cells", "verdict", "mode"),
+    [
+        ({"heard_pattern": CONFIG.pattern ^ 1, "heard_place_mm": CONFIG.place_mm}, "FOREIGN", "TESTED"),
+        ({"heard_pattern": CONFIG.pattern}, "NO_PLACE", "TESTED"),
+        (OWN, "NOT_DUE", "TESTED"),
+        ({"heard_pattern": CONFIG.pattern, "heard_place_mm": CONFIG.place_mm + 20_001}, "ELSEWHERE", "FAILED"),
+    ],
+)
+def test_what_does_not_pass(cells: dict[str, Cell], verdict: str, mode: str) -> None:
+    """It renews nothing; the own pattern from another place fails the chain at once."""
+    trace = heard(30, {18: OWN, 23: cells})
+    assert (labels(trace, "heard")[23], mode_labels(made().machine, trace)[23]) == (verdict, mode)
+    assert trace.steps[23].outputs["next_due_in_cycles"] < CONFIG.due_cycles
+
+
+def test_a_request_is_answered_or_fails() -> None:
+    """An answer counts before its regular time; none fails within its own time and one cycle."""
+    ask: dict[str, Cell] = {"test_requested": True}
+    assert labels(heard(30, {18: OWN, 22: ask, 25: OWN}), "heard")[25] == "PASSED"
+    found = mode_labels(made().machine, heard(40, {18: OWN, 22: ask}))
+    assert found.index("FAILED") == 22 + CONFIG.answer_cycles
+
+
+def test_recovery_takes_several_patterns() -> None:
+    """After a failure one pattern is not enough."""
+    found = mode_labels(made().machine, heard(90, {18: OWN, 45: OWN, 62: OWN}))
+    assert (found[45], found[62]) == ("FAILED", "TESTED")
+
+
+def test_everything_is_proved() -> None:
+    """All properties, without bound."""
+    assert unproved_of(made().machine, properties(made())) == {}
+
+
+@pytest.mark.parametrize(
+    ("row", "fields", "broken"),
+    [
+        ("pattern does not come", {"when": FALSE}, "dead chain is told"),
+        ("own pattern from elsewhere", {"when": FALSE}, "own pattern from elsewhere fails"),
+        ("first pattern passes", {"when": TRUE}, "tested rests on a pattern"),
+        ("wait for the next pattern", {"set": {}}, "dead chain is told"),
+    ],
+)
+def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
+    """A pattern that is not waited for, or not looked at, loses a proof."""
+    wrong = replace(made(), machine=changed(made().machine, row, **fields))
+    assert not_kept(wrong.machine, next(prop for prop in properties(wrong) if prop.name == broken))
+
+
+def test_a_pattern_that_counts_at_any_time_is_refused() -> None:
+    """A window as long as the due time tests nothing."""
+    with pytest.raises(ValidationError, match="tests nothing"):
+        EmitterConfig(window_cycles=20)

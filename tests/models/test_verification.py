@@ -1,0 +1,219 @@
+"""A train's fibre position, verified against the axle counter: what is trusted, withheld, revoked and latched."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from safeloc.expr import FALSE, TRUE
+from safeloc.models.fibre_streams import Stay, simulate_stay
+from safeloc.models.verification import Verification, VerificationConfig, build, parts
+from safeloc.monitor import check_all
+from safeloc.properties.verification import properties
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.streams.steps import Cell
+from safeloc.system import lower
+from safeloc.trace import Trace
+from safeloc.verdict import Violated, word
+from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
+from tests.models.one_step import changed, not_kept
+
+CONFIG = VerificationConfig()
+ENTRY = 2
+
+
+@cache
+def made(config: VerificationConfig = CONFIG) -> Verification:
+    """The machine with its variables."""
+    return build(parts(config))
+
+
+def stayed(stay: Stay, *, config: VerificationConfig = CONFIG, **changes: dict[int, dict[str, Cell | None]]) -> Trace:
+    """A stay, with cells changed (None: absent) in single cycles; the machine holds its properties on it."""
+    steps = simulate_stay(config, seed=1, stay=stay)
+    for cycle, cells in changes.get("at", {}).items():
+        merged = steps[cycle] | cells  # type: ignore[operator]
+        steps[cycle] = {name: value for name, value in merged.items() if value is not None}
+    model = made(config)
+    trace = replayed(lower(model.machine), steps)
+    assert not [one for one in check_all(trace, properties(model)) if isinstance(one, Violated)]
+    return trace
+
+
+def modes(trace: Trace) -> list[str]:
+    """The mode after every step."""
+    return mode_labels(made().machine, trace)
+
+
+def test_a_stay() -> None:
+    """Nothing before the reference, trusted from it on, nothing after the train has left."""
+    trace = stayed(Stay())
+    assert modes(trace) == ["NO_REFERENCE"] * ENTRY + ["TRUSTED"] * (60 - ENTRY - 1) + ["NO_REFERENCE"]
+    last = trace.steps[-2].outputs
+    flags = ("count", "length", "speed_at_entry", "place_at_entry", "train_control", "by_emitter")
+    assert [last[f"verified_{name}"] for name in flags] == [True] * 6
+
+
+@pytest.mark.parametrize(
+    ("stay", "reason", "revoked"),
+    [
+        (Stay(counted=41), "COUNT", False),
+        (Stay(lost_from=30), "COUNT", True),
+        (Stay(reference=None), "REFERENCE_LOST", False),
+        (Stay(emitter_fails=25), "CHAIN_FAILED", True),
+        (Stay(error_from=20), "FIBRE_ERROR", True),
+    ],
+    ids=["miscount", "split train", "lost hand-over", "emitter fails", "error F"],
+)
+def test_named_faults(stay: Stay, reason: str, *, revoked: bool) -> None:
+    """Each fault ends in UNTRUSTED with its reason; what had been given out is revoked."""
+    trace = stayed(stay)
+    assert modes(trace)[-2] == "UNTRUSTED"
+    assert labels(trace, "reason")[-2] == reason
+    assert trace.steps[-2].outputs["revoked"] is revoked
+
+
+@pytest.mark.parametrize(
+    ("cells", "reason"),
+    [
+        ({"fibre_length_mm": 160_000}, "LENGTH"),
+        ({"fibre_length_mm": 229_001}, "LENGTH"),
+        ({"fibre_speed_mm_s": 35_000}, "SPEED_CHANGED"),
+        ({"fibre_position_mm": 900_000}, "JUMP"),
+        ({"control_axles": 38}, "CONTROL_COUNT"),
+        ({"control_length_mm": 100_000}, "CONTROL_LENGTH"),
+        ({"reference_due": True, "record_axles": 44}, "REFERENCE_CONTRADICTS"),
+        ({"reference_due": True, "record_sound": False}, "REFERENCE_REFUSED"),
+        ({"reference_due": True, "record_age_cycles": 5}, "REFERENCE_REFUSED"),
+        ({"reference_due": True, "record_speed_low_mm_s": 10_000, "record_speed_high_mm_s": 11_000}, "SPEED_AT_ENTRY"),
+        ({"reference_due": True, "record_place_low_mm": 0, "record_place_high_mm": 10_000}, "PLACE_AT_ENTRY"),
+    ],
+)
+def test_a_mismatch_is_latched(cells: dict[str, Cell | None], reason: str) -> None:
+    """One cycle that does not match withholds in that cycle, and for the rest of the stay."""
+    trace = stayed(Stay(), at={30: cells})
+    assert modes(trace)[29:59] == ["TRUSTED"] + ["UNTRUSTED"] * 29
+    assert set(labels(trace, "reason")[30:59]) == {reason}
+
+
+@pytest.mark.parametrize(
+    ("cells", "reason"),
+    [
+        ({"associated": False}, "NOT_ASSOCIATED"),
+        ({"fibre_located": False}, "NOT_LOCATED"),
+        ({"fibre_position_mm": None}, "NOT_LOCATED"),
+        ({"chain_tested": False}, "CHAIN_UNTESTED"),
+    ],
+)
+def test_what_is_missing_withholds(cells: dict[str, Cell | None], reason: str) -> None:
+    """It withholds in that cycle, and a new verification is needed before anything is trusted again."""
+    trace = stayed(Stay(), at={31: cells})
+    assert labels(trace, "reason")[31] == reason
+    assert modes(trace)[30:35] == ["TRUSTED", "WITHHELD", "WITHHELD", "WITHHELD", "TRUSTED"]
+
+
+def test_a_verification_grows_old() -> None:
+    """Without count and length the trust ends when the last verification is too old."""
+    silent: dict[int, dict[str, Cell | None]] = {
+        cycle: {"fibre_axles": None, "fibre_length_mm": None} for cycle in range(31, 59)
+    }
+    found = modes(stayed(Stay(), at=silent))
+    assert found[30 : 30 + CONFIG.currency_cycles + 2] == ["TRUSTED"] * (CONFIG.currency_cycles + 1) + ["WITHHELD"]
+
+
+def test_place_and_speed_are_compared_at_entry_only() -> None:
+    """A record with another place in a cycle in which none is due changes nothing: the train has long run on."""
+    trace = stayed(Stay(), at={40: {"record_place_low_mm": -9_000, "record_place_high_mm": -8_000}})
+    assert set(modes(trace)[ENTRY:59]) == {"TRUSTED"}
+
+
+def test_only_another_reference_ends_a_mismatch() -> None:
+    """The next counter's sound record starts anew; until then nothing does."""
+    front = 25_000 * 50 // 2
+    fresh: dict[str, Cell | None] = {
+        "reference_due": True,
+        "record_place_low_mm": front - 5_000,
+        "record_place_high_mm": front + 5_000,
+    }
+    trace = stayed(Stay(), at={30: {"fibre_axles": 39}, 50: fresh})
+    assert modes(trace)[29:52] == ["TRUSTED"] + ["UNTRUSTED"] * 20 + ["TRUSTED"] * 2
+
+
+def test_handover_between_neighbours() -> None:
+    """What the one area hands over is the other one's reference; an untrusted train is not taken over."""
+    given = stayed(Stay()).steps[40].outputs
+    cells: dict[str, Cell | None] = {
+        "reference_from": "NEIGHBOUR",
+        "record_sound": given["handover_trusted"],
+        "record_axles": given["handover_axles"],
+        "record_length_low_mm": given["handover_length_low_mm"],
+        "record_length_high_mm": given["handover_length_high_mm"],
+    }
+    assert modes(stayed(Stay(), at={ENTRY: cells}))[ENTRY] == "TRUSTED"
+    refused = stayed(Stay(), at={ENTRY: cells | {"record_sound": False}})
+    assert labels(refused, "reason")[ENTRY] == "REFERENCE_REFUSED"
+
+
+def test_silent_train_control() -> None:
+    """Where control data are required, silence withholds; where not, it is not listed as verified."""
+    silent: dict[int, dict[str, Cell | None]] = {
+        cycle: {"control_axles": None, "control_length_mm": None} for cycle in range(59)
+    }
+    trace = stayed(Stay(), at=silent)
+    assert (modes(trace)[30], trace.steps[30].outputs["verified_train_control"]) == ("TRUSTED", False)
+    strict = VerificationConfig(needs_control_data=True)
+    assert set(labels(stayed(Stay(), config=strict, at=silent), "reason")[ENTRY:59]) == {"CONTROL_DATA_MISSING"}
+
+
+def test_gravity_run_wagons_brake_as_control_says() -> None:
+    """A braking ability told by train control narrows what the speed may change by."""
+    slower: dict[int, dict[str, Cell | None]] = {
+        cycle: {"control_brake_mm_s2": 100, "fibre_speed_mm_s": 25_000 if cycle < 31 else 21_900} for cycle in range(60)
+    }
+    assert labels(stayed(Stay(), at=slower), "reason")[31] == "SPEED_CHANGED"
+
+
+def test_everything_is_proved() -> None:
+    """All properties and lemmas, without bound."""
+    assert unproved_of(made().machine, properties(made())) == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "config",
+    [
+        VerificationConfig(needs_control_data=True),
+        VerificationConfig(needs_emitter=False, currency_cycles=0),
+    ],
+)
+def test_other_configurations_are_proved(config: VerificationConfig) -> None:
+    """The same holds where control data are required, and where every cycle has to be verified."""
+    model = made(config)
+    found = prove(lower(model.machine), properties(model), Limits(seconds=30), jobs=1)
+    assert {one.id: word(one.result) for one in found if word(one.result) != "proved"} == {}
+
+
+@pytest.mark.parametrize(
+    ("row", "fields", "broken"),
+    [
+        ("mismatch", {"when": FALSE}, "mismatch withholds in the same cycle"),
+        ("mismatch", {"when": FALSE}, "a lost hand-over is untrusted"),
+        ("mismatch", {"when": FALSE}, "fibre error withholds"),
+        ("mismatch", {"when": FALSE}, "another train is withheld"),
+        ("still verified", {"when": TRUE}, "trusted is currently verified"),
+        ("verified", {"when": TRUE}, "trust begins with a verification"),
+        ("mismatch is kept", {"target": "WITHHELD"}, "mismatch is latched"),
+        ("no train", {"target": "WITHHELD"}, "no train without a reference"),
+        ("still verified", {"set": {}}, "containment"),
+    ],
+)
+def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
+    """A row without its guard, its updates or its target loses a proof."""
+    table = {mode.label: mode for mode in made().machine.modes}
+    given = {name: table.get(value, value) if isinstance(value, str) else value for name, value in fields.items()}
+    wrong = replace(made(), machine=changed(made().machine, row, **given))
+    prop = next(one for one in properties(wrong) if one.name == broken)
+    assert not_kept(wrong.machine, prop)
