@@ -122,7 +122,7 @@ class Counter:
         middle = np.array([one.middle_mm for one in self._moments])
         if len(time) <= DEGREE:
             return middle
-        return np.asarray(np.polyval(np.polyfit(time, middle, DEGREE), time))
+        return np.asarray(np.polyval(np.polyfit(time, middle, DEGREE), time), dtype=np.float64)
 
     def _gather(self, channel: int, length_mm: float, ahead: int) -> None:
         """One channel's course, laid over the distance behind the middle: a smooth run, fitted over all that is kept."""

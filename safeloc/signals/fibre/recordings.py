@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -71,7 +72,8 @@ def read_das(path: Path) -> Recording:
             f"{path} is read with dascore: pip install 'safeloc[das]'; .npy and .npz need nothing."
         ) from error
     try:
-        patch = dascore.spool(path)[0].transpose("time", "distance")
+        library: Any = dascore
+        patch = library.spool(path)[0].transpose("time", "distance")
     except Exception as error:
         raise StreamError(f"{path}: dascore cannot read it ({type(error).__name__}: {error}).") from error
     data = np.asarray(patch.data)

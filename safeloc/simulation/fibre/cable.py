@@ -63,7 +63,7 @@ class Cable:
     @property
     def places_m(self) -> Numbers:
         """Middle of each cell along the fibre."""
-        return np.asarray((np.arange(len(self.track_m)) + 0.5) * self.cell_m)
+        return np.asarray((np.arange(len(self.track_m)) + 0.5) * self.cell_m, dtype=np.float64)
 
 
 def cable(

@@ -48,8 +48,8 @@ def counted(config: FibreConfig, speed_m_s: float, joints: int, run_m: float) ->
 
 @pytest.mark.parametrize("speed", [-40.0, 12.0, 40.0])
 def test_a_moving_train_is_counted(speed: float) -> None:
-    """Confidently after two profiles, in both directions."""
-    found = counted(CONFIG, speed, 6, 1_200)
+    """Confidently after three profiles, in both directions."""
+    found = counted(CONFIG, speed, 6, 1_500)
     assert Count(6, None, True) == found
 
 
@@ -67,7 +67,7 @@ def test_no_run_no_count() -> None:
 def test_axles_follow_from_the_kind_of_vehicle() -> None:
     """Five coaches of four axles have six clusters."""
     coaches = CONFIG.model_copy(update={"counting": Counting(axles_per_vehicle=4)})
-    assert Count(6, 20, True) == counted(coaches, 40.0, 6, 1_200)
+    assert Count(6, 20, True) == counted(coaches, 40.0, 6, 1_500)
 
 
 def test_turning_back_starts_the_profile_again() -> None:

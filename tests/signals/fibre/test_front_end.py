@@ -39,7 +39,7 @@ WAVE = (SectionPlace(id="S1", from_mm=900_000, to_mm=960_000, effect="raises"),)
 @cache
 def plain_run(speed: float = 40.0) -> Outcomes:
     """Five coaches along the fibre, 30 s."""
-    return tuple(seen(world(coaches(5, 200 if speed > 0 else 1_800, speed)), 60))
+    return tuple(seen(world(coaches(5, 200 if speed > 0 else 1_800, speed)), 80))
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
