@@ -149,10 +149,8 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
     turns = own.counted & cycle.forwards.iff(~own.upwards)
     edge = cycle.edge(v.PASSED)
     anew = {**cycle.nowhere(), own.why: v.NO_END_OF_SECTION}
-    entered = {
-        **cycle.enter(own.count + cycle.one),
-        **{var: ite(turns, as_num(0, COUNT), var) for var in (own.word, own.read)},
-    }
+    spelt: dict[Var, Expr] = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
+    entered = {**cycle.enter(own.count + cycle.one), **spelt}
     back = {**cycle.edge(v.TURNED_BACK), **cycle.no_word(), own.count: _uncounted(own)}
     found: dict[Var, Expr] = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
     whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)

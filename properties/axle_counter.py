@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from safeloc.expr import Lit, before, between, exact_to
-from safeloc.models.axle_counter import SOUND, UM_PER_MM, UM_S, AxleCounter
+from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_head import NO_AXLE
+from safeloc.models.axle_parts.passage import SOUND, UM_PER_MM, UM_S
 from safeloc.spec import Property, always, reachable
 from safeloc.units import NM, UM
 

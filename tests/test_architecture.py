@@ -26,6 +26,7 @@ ROOMS = {
         "safeloc/simulation/",
         "models/odometry_streams.py",
         "models/balise_streams.py",
+        "models/fibre_streams.py",
         "models/reflector_streams.py",
         "models/route_streams.py",
         "models/sections_streams.py",

@@ -22,7 +22,7 @@ from safeloc.expr import (
     minimum,
     with_unit,
 )
-from safeloc.models.axle_counter import UM_S
+from safeloc.models.axle_parts.passage import UM_S
 from safeloc.models.verification_parts import variables as v
 from safeloc.models.verification_parts.variables import Parts
 from safeloc.units import COUNT, MM, MM_S2, MS, Unit

@@ -18,7 +18,7 @@ from safeloc.expr import (
     optional,
 )
 from safeloc.machine import Initial
-from safeloc.models.axle_counter import UM_S
+from safeloc.models.axle_parts.passage import UM_S
 from safeloc.units import COUNT, MM, MM_S, MM_S2, NM, UM
 
 REASON = members(

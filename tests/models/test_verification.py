@@ -26,8 +26,13 @@ ENTRY = 2
 
 
 @cache
-def made(config: VerificationConfig = CONFIG) -> Verification:
+def made() -> Verification:
     """The machine with its variables."""
+    return made_for(CONFIG)
+
+
+def made_for(config: VerificationConfig) -> Verification:
+    """The machine of another configuration."""
     return build(parts(config))
 
 
@@ -37,7 +42,7 @@ def stayed(stay: Stay, *, config: VerificationConfig = CONFIG, **changes: dict[i
     for cycle, cells in changes.get("at", {}).items():
         merged = steps[cycle] | cells  # type: ignore[operator]
         steps[cycle] = {name: value for name, value in merged.items() if value is not None}
-    model = made(config)
+    model = made_for(config)
     trace = replayed(lower(model.machine), steps)
     assert not [one for one in check_all(trace, properties(model)) if isinstance(one, Violated)]
     return trace
@@ -191,7 +196,7 @@ def test_everything_is_proved() -> None:
 )
 def test_other_configurations_are_proved(config: VerificationConfig) -> None:
     """The same holds where control data are required, and where every cycle has to be verified."""
-    model = made(config)
+    model = made_for(config)
     found = prove(lower(model.machine), properties(model), Limits(seconds=30), jobs=1)
     assert {one.id: word(one.result) for one in found if word(one.result) != "proved"} == {}
 

@@ -1,0 +1,189 @@
+"""What an entry record rests on: the axles that a head tells, and bounds of speed and run between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.config import Config, quantity
+from safeloc.expr import (
+    Bool,
+    BoolVar,
+    Lit,
+    Num,
+    NumVar,
+    Optional,
+    any_of,
+    between,
+    boolean,
+    choice,
+    enumeration,
+    maximum,
+    members,
+    minimum,
+    number,
+    optional,
+)
+from safeloc.models.axle_head import AXLE, NO_AXLE
+from safeloc.units import COUNT, MM_S, MS, NM, UM, Unit
+
+UM_S = Unit("um/s", length=1, time=-1, scale=UM.scale)
+FLAW = members(
+    "flaw",
+    "NONE",
+    "POWER_UP",
+    "HEAD_FAULT",
+    "NO_SPEED",
+    "SPEED_CONTRADICTED",
+    "TURNED",
+    "TOO_MANY",
+    "TOO_LONG",
+    "LENGTH_UNKNOWN",
+)
+SOUND, POWER_UP, HEAD_FAULT, NO_SPEED, SPEED_CONTRADICTED, TURNED, TOO_MANY, TOO_LONG, LENGTH_UNKNOWN = FLAW
+UM_PER_MM = 1_000
+MS_PER_S = 1_000
+
+
+class AxleCounterConfig(Config):
+    """What the record rests on."""
+
+    period_ms: int = quantity(100, "ms", 1, 1_000, "[S] EVC cycles <= 100 ms; several axles may pass in one")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+    change_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure] traction and brake, figures section 2")
+    axles_a_cycle: int = quantity(10, "axles", 1, 400, "[D] 1.8 m apart at 350 km/h in 100 ms: 6, with room")
+    axle_gap_mm: int = quantity(20_000, "mm", 1_000, 50_000, "[M] longest distance between two axles of a train")
+    axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
+    length_limit_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
+    length_spread_mm: int = quantity(20_000, "mm", 1, 1_000_000, "[D] wider bounds give no length")
+
+    @property
+    def change_mm_s(self) -> int:
+        """Greatest change of speed in one cycle, rounded up."""
+        return -(-self.change_mm_s2 * self.period_ms // MS_PER_S)
+
+    @property
+    def run_limit_um(self) -> int:
+        """Farthest a passage is followed."""
+        step = self.max_speed_mm_s * self.period_ms
+        return (self.length_limit_mm + self.axle_gap_mm) * UM_PER_MM + step
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    axle, number     axles were counted in this cycle, all in one direction, and how many
+    slow, fast       bounds of the speeds of all of them
+    fault             the head is disturbed or its two channels disagree
+    over              no train is on the counter: told by the counters around, or by the operator
+    low_speed, high_speed    bounds of the speed now
+    run_low, run_high        bounds of the run since the first axle
+    length_low, length_high  bounds of the run up to the last axle
+    speed, run, length, axles  ghosts: the train's speed, its run since the first axle, up to its last axle; its axles so far
+    """
+
+    config: AxleCounterConfig
+    axle: NumVar
+    number: NumVar
+    slow: Optional
+    fast: Optional
+    fault: BoolVar
+    over: BoolVar
+    came: NumVar
+    count: NumVar
+    low_speed: NumVar
+    high_speed: NumVar
+    run_low: NumVar
+    run_high: NumVar
+    length_low: NumVar
+    length_high: NumVar
+    flaw: NumVar
+    speed: NumVar
+    next_speed: NumVar
+    axle_speed: NumVar
+    step: NumVar
+    axle_step: NumVar
+    true_axles: NumVar
+    run: NumVar
+    length: NumVar
+    axles: NumVar
+
+    @property
+    def counted(self) -> Bool:
+        """An axle was counted."""
+        return self.axle.ne(NO_AXLE)
+
+    @property
+    def onward(self) -> Bool:
+        """The axle came in the direction of the first one."""
+        return self.axle.eq(self.came)
+
+    @property
+    def speeds(self) -> tuple[Num, Num]:
+        """Bounds of the speed at any time of this cycle, from those before it."""
+        change, most = self.config.change_mm_s, self.config.max_speed_mm_s
+        return maximum(self.low_speed - change, -most), minimum(self.high_speed + change, most)
+
+    @property
+    def runs(self) -> tuple[Num, Num]:
+        """Bounds of the run after this cycle."""
+        low, high = self.speeds
+        period = self.config.period_ms
+        after_low, after_high = self.run_low + low * Lit(period, MS), self.run_high + high * Lit(period, MS)
+        return after_low, after_high
+
+    @property
+    def measured(self) -> tuple[Num, Num]:
+        """Bounds of the speed after a cycle with axles."""
+        low, high = self.speeds
+        change = self.config.change_mm_s
+        return maximum(low, self.slow.value - change), minimum(high, self.fast.value + change)
+
+    @property
+    def passed(self) -> Bool:
+        """The train has surely run farther since its last axle than two axles are apart."""
+        return self.runs[0] > self.length_high + Lit(self.config.axle_gap_mm * UM_PER_MM, UM)
+
+    @property
+    def lost(self) -> Bool:
+        """The train may be farther than a passage is followed."""
+        most = self.config.run_limit_um
+        return any_of(~between(-most, run, most) for run in self.runs)
+
+    @property
+    def length_known(self) -> Bool:
+        """The bounds of the length are close enough."""
+        return self.length_high - self.length_low <= self.config.length_spread_mm * UM_PER_MM
+
+
+def parts(config: AxleCounterConfig) -> Parts:
+    """Fresh variables for one counter."""
+    most, far, axles = config.max_speed_mm_s, config.run_limit_um, config.axle_limit
+    step = 2 * most * config.period_ms * UM_PER_MM
+    return Parts(
+        config,
+        choice("axle", enumeration(AXLE)),
+        number("axles_in_cycle", COUNT, 1, config.axles_a_cycle),
+        optional("axle_speed_low_mm_s", MM_S, 0, most),
+        optional("axle_speed_high_mm_s", MM_S, 0, most),
+        boolean("head_fault"),
+        boolean("passage_over"),
+        choice("direction", enumeration(AXLE)),
+        number("axles_counted", COUNT, 0, axles),
+        number("speed_low_mm_s", MM_S, -most, most),
+        number("speed_high_mm_s", MM_S, -most, most),
+        number("run_low_um", UM, -far, far),
+        number("run_high_um", UM, -far, far),
+        number("length_low_um", UM, -far, far),
+        number("length_high_um", UM, -far, far),
+        choice("flaw", enumeration(FLAW)),
+        number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
+        number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
+        number("axle_true_speed_um_s", UM_S, 0, most * UM_PER_MM),
+        number("true_step_nm", NM, -step, step),
+        number("true_step_to_axle_nm", NM, -step, step),
+        number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle),
+        number("true_run_nm", NM, -(10**15), 10**15),
+        number("true_length_nm", NM, -(10**15), 10**15),
+        number("true_axles", COUNT, 0, 2**31),
+    )
