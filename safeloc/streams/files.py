@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from safeloc.errors import StreamError
 
 FORMATS = "use .jsonl, .csv or .parquet"
+LONGEST_CELL = 1_000
+"""Characters in a cell of CSV; what is longer is no number, truth value or name."""
 
 
 def text_of(path: Path) -> str:
-    """The file's text; StreamError if it is none, or cannot be read."""
+    """The file's text without a byte order mark; StreamError if it is none, or cannot be read."""
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
     except OSError as error:
@@ -47,12 +51,38 @@ def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
 
     try:
         found = json.loads(text, object_pairs_hook=once)
+    except StreamError:
+        raise
+    except RecursionError as error:
+        raise StreamError(f"{path}:{line}: nested too deeply; a line is one object of plain values.") from error
     except ValueError as error:
         what = f"{error.msg} at column {error.colno}" if isinstance(error, json.JSONDecodeError) else str(error)
         raise StreamError(f"{path}:{line}: not JSON ({what}).") from error
     if not isinstance(found, dict):
         raise StreamError(f"{path}:{line}: expected an object, got {type(found).__name__}.")
     return found
+
+
+def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Every row with its line in the file, the names of the columns first; StreamError for what is no table."""
+    reader = csv.reader(io.StringIO(text_of(path), newline=""))
+    try:
+        for row in reader:
+            longest = max(map(len, row), default=0)
+            if longest > LONGEST_CELL:
+                raise StreamError(
+                    f"{path}:{reader.line_num}: a cell of {longest} characters; a cell is one number, truth value or name."
+                )
+            yield reader.line_num, row
+    except csv.Error as error:
+        raise StreamError(
+            f"{path}:{reader.line_num}: not CSV ({error}); one row a line, commas between cells."
+        ) from error
+
+
+def truth_value(text: str) -> bool | None:
+    """What `true` or `false` says, in any case (spreadsheets write TRUE); None for other text."""
+    return {"true": True, "false": False}.get(text.lower())
 
 
 def not_finite(value: object) -> bool:

@@ -19,7 +19,17 @@ from pydantic import ValidationError
 
 from safeloc.border import Reason
 from safeloc.errors import StreamError
-from safeloc.streams.files import existing, json_object, not_finite, read_parquet, text_of, unknown_kind, write_parquet
+from safeloc.streams.files import (
+    csv_rows,
+    existing,
+    json_object,
+    not_finite,
+    read_parquet,
+    text_of,
+    truth_value,
+    unknown_kind,
+    write_parquet,
+)
 from safeloc.streams.records import RECORD, Record, Unusable
 
 WHOLE = re.compile(r"[+-]?\d+")
@@ -119,23 +129,24 @@ def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
 
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
-    reader = csv.reader(text_of(path).splitlines())
-    names = next(reader, [])
+    rows = csv_rows(path)
+    _, names = next(rows, (1, []))
     if "kind" not in names or len(set(names)) < len(names):
         raise StreamError(f"{path}:1: the first line must name every column once, `kind` among them; got {names}.")
-    for cells in reader:
+    for line, cells in rows:
         if len(cells) != len(names):
-            raise StreamError(f"{path}:{reader.line_num}: {len(cells)} cells, expected {len(names)}.")
+            raise StreamError(f"{path}:{line}: {len(cells)} cells, expected {len(names)}.")
         filled = {name: cell for name, cell in zip(names, cells, strict=True) if cell != ""}
-        yield reader.line_num, {name: _value(name, cell) for name, cell in filled.items()}
+        yield line, {name: _value(name, cell) for name, cell in filled.items()}
 
 
 def _value(name: str, text: str) -> int | bool | str:
     """Whole numbers and truth values; all else stays text, which a number field then refuses."""
     if name in TEXT_FIELDS:
         return text
-    if text in ("true", "false"):
-        return text == "true"
+    truth = truth_value(text)
+    if truth is not None:
+        return truth
     return int(text) if WHOLE.fullmatch(text) else text
 
 

@@ -1,7 +1,7 @@
 """Step streams: the inputs of a machine, one mapping a step. What `replay` reads and what traces are saved as.
 
 JSONL     optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}}, then one object a step
-CSV       one column an input; an empty cell is an absent input; `true` and `false` are truth values
+CSV       one column an input; an empty cell is an absent input; `true` and `false` are truth values, also TRUE and FALSE
 Parquet   one column an input, whole numbers, truth values or text; an empty cell is an absent input; the object of
           JSONL's first line may stand in the file's metadata under `safeloc`
 
@@ -11,16 +11,26 @@ Columns that the machine does not have (such as `truth_mm`) are kept apart as re
 from __future__ import annotations
 
 import csv
-import io
 import json
 import re
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from safeloc.errors import StreamError
 from safeloc.nodes import Value
-from safeloc.streams.files import existing, json_object, not_finite, read_parquet, text_of, unknown_kind, write_parquet
+from safeloc.streams.files import (
+    csv_rows,
+    existing,
+    json_object,
+    not_finite,
+    read_parquet,
+    text_of,
+    truth_value,
+    unknown_kind,
+    write_parquet,
+)
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str
@@ -114,7 +124,10 @@ def _header(path: Path, record: Mapping[str, object]) -> tuple[Mapping[str, Valu
     first = record.get("first", {})
     if not isinstance(first, dict):
         raise StreamError(f"{path}:1: `first` must be an object of initial values.")
-    return first, str(record.get("machine", ""))
+    machine = record.get("machine", "")
+    if not isinstance(machine, str):
+        raise StreamError(f"{path}:1: `machine` must be the name of a machine, or left out.")
+    return first, machine
 
 
 def _cell(path: Path, number: int, key: str, value: object) -> Cell:
@@ -124,28 +137,31 @@ def _cell(path: Path, number: int, key: str, value: object) -> Cell:
         raise StreamError(
             f"{path}:{number}: {key} is {value}, no measurement; leave the input out where there is none."
         )
-    raise StreamError(f"{path}:{number}: {key} is {value!r}; steps hold whole numbers, truth values and member names.")
+    raise StreamError(
+        f"{path}:{number}: {key} is {reprlib.repr(value)}; steps hold whole numbers, truth values and member names."
+    )
 
 
 def _read_csv(path: Path) -> StepStream:
     steps: list[Mapping[str, Cell]] = []
     lines: list[int] = []
-    reader = csv.reader(io.StringIO(text_of(path), newline=""))
-    names = next(reader, [])
+    rows = csv_rows(path)
+    _, names = next(rows, (1, []))
     if not names or len(set(names)) < len(names) or "" in names:
         raise StreamError(f"{path}:1: the first line must name every column once; got {names}.")
-    for row in reader:
+    for line, row in rows:
         if len(row) != len(names):
-            raise StreamError(f"{path}:{reader.line_num}: {len(row)} cells, expected {len(names)}.")
+            raise StreamError(f"{path}:{line}: {len(row)} cells, expected {len(names)}.")
         cells = zip(names, row, strict=True)
-        steps.append({key: _from_text(path, reader.line_num, key, cell) for key, cell in cells if cell != ""})
-        lines.append(reader.line_num)
+        steps.append({key: _from_text(path, line, key, cell) for key, cell in cells if cell != ""})
+        lines.append(line)
     return StepStream(tuple(steps), tuple(lines))
 
 
 def _from_text(path: Path, number: int, key: str, text: str) -> Cell:
-    if text in ("true", "false"):
-        return text == "true"
+    truth = truth_value(text)
+    if truth is not None:
+        return truth
     if WHOLE.fullmatch(text):
         return int(text)
     try:
