@@ -154,7 +154,7 @@ def _as_input_error(where: str) -> Iterator[None]:
         yield
     except (SafelocError, ModuleNotFoundError):
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         place = traceback.extract_tb(error.__traceback__)[-1]
         raise InputError(f"{where} fails: {type(error).__name__}: {error} ({place.filename}:{place.lineno})") from error
 

@@ -327,6 +327,8 @@ def as_num(value: Num | int, unit: Unit | Enumeration) -> Num:
         raise UnitError(
             f"{declared_at()}: expected a whole number or a Num term, got {type(value).__name__} {value!r}."
         )
+    if isinstance(unit, Enumeration) and not 0 <= value < len(unit.members):
+        raise UnitError(f"{declared_at()}: {value} is no member of enumeration {unit.name}: {', '.join(unit.members)}.")
     return Lit(value, unit)
 
 

@@ -20,8 +20,11 @@ from safeloc.errors import PropertyError, declared_at
 from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
 from safeloc.nodes import Node, Past, Value
 from safeloc.system import TransitionSystem
-from safeloc.terms import Substitution, children, in_order, rebuilt, variables
+from safeloc.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.units import COUNT
+
+LONGEST_NAME = 120
+NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,33 @@ class Property:
     helper: Callable[[NumVar], Bool] | None = None
     unconditional: bool = False
     src: str = field(default_factory=declared_at)
+
+    def __post_init__(self) -> None:
+        wrong = _wrong(self)
+        if wrong:
+            raise PropertyError(f"{self.src}: property {self.name!r}: {wrong}")
+
+    @property
+    def relies_on(self) -> str:
+        """What the verdict relies on, in words: the assumption and whatever the property is given besides."""
+        if self.given is TRUE:
+            return NO_ASSUMPTION if self.unconditional else self.assumption
+        given = f"given in every step: {text(self.given)}"
+        return given if self.unconditional or not self.assumption else f"{self.assumption}; {given}"
+
+
+def _wrong(prop: Property) -> str:
+    """What is wrong with a declaration, in words; empty if nothing."""
+    if not prop.name.strip() or len(prop.name) > LONGEST_NAME or not prop.name.isprintable():
+        return f"a name is 1 to {LONGEST_NAME} printable characters, on one line."
+    if prop.kind not in ("always", "within", "reachable"):
+        return f"kind {prop.kind!r} is none of always, within, reachable; use these functions."
+    for what, term in (("term", prop.term), ("response", prop.response), ("given", prop.given)):
+        if not isinstance(term, Bool):
+            return f"its {what} is {term!r}, not a truth-valued term; a constant is written TRUE or FALSE."
+    if isinstance(prop.steps, bool) or not isinstance(prop.steps, int) or prop.steps < 0:
+        return f"steps is {prop.steps!r}; it must be a whole number, 0 or more."
+    return ""
 
 
 def always(
@@ -89,7 +119,7 @@ def never(
     return Property(
         name,
         "always",
-        ~term,
+        ~term if isinstance(term, Bool) else term,
         given=given,
         statement=statement or name,
         trace=trace,
@@ -112,8 +142,6 @@ def within(
     unconditional: bool = False,
 ) -> Property:
     """After each `trigger`, `response` holds in the same step or at most `steps` later; PropertyError if negative."""
-    if steps < 0:
-        raise PropertyError(f"{declared_at()}: within({name!r}): steps is {steps}; it must be 0 or more.")
     return Property(
         name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper, unconditional
     )
@@ -175,9 +203,6 @@ def once(term: Bool) -> Bool:
 def since(term: Bool, start: Bool) -> Bool:
     """`start` held in some step up to now, and `term` in every step after it up to now."""
     return Past("since", (term, start))
-
-
-NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,12 +26,12 @@ from hypothesis.stateful import (
 )
 
 from safeloc.results import Finding
-from safeloc.runs.driver import Driver
+from safeloc.runs.driver import Driver, Statistics
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE
-from safeloc.spec import NO_ASSUMPTION, Property
+from safeloc.spec import Property
 from safeloc.system import TransitionSystem
 from safeloc.trace import Trace
-from safeloc.verdict import Held, Result, Violated
+from safeloc.verdict import Held, Result, Unknown, Violated
 
 STRETCHES = 8
 PHASES = (Phase.explicit, Phase.generate, Phase.target)
@@ -145,7 +145,14 @@ def run_tests(
     held = Held("Hypothesis", statistics.runs, statistics.steps, statistics.notes(names))
     seconds = time.monotonic() - started
     asked = [prop for prop in properties if prop.kind != "reachable"]
-    return [_finding(system, prop, broken.get(prop.name, held), seconds) for prop in asked]
+    return [_finding(system, prop, broken.get(prop.name, _held(prop, held, statistics)), seconds) for prop in asked]
+
+
+def _held(prop: Property, held: Held, statistics: Statistics) -> Result:
+    """Held, unless no step at all kept what the property relies on."""
+    if statistics.steps and not statistics.admitted[prop.name]:
+        return Unknown("no step kept what the property is given, or assumes: nothing was tested", 0)
+    return held
 
 
 def _caught(run: type[RuleBasedStateMachine], examples: int, seed: int) -> PropertyBroken | None:
@@ -180,5 +187,5 @@ def _finding(system: TransitionSystem, prop: Property, result: Result, seconds: 
         "Hypothesis, plausible and faulty streams",
         seconds,
         prop.trace,
-        NO_ASSUMPTION if prop.unconditional else prop.assumption,
+        prop.relies_on,
     )

@@ -257,3 +257,11 @@ def test_a_file_that_fails_is_wrong_input(tmp_path: Path, body: str) -> None:
     with pytest.raises(InputError, match=r"json.py.* fails: \w+Error"):
         load_target(f"{path}:machine")
     assert "json.py" not in str(sys.modules["json"].__file__) or str(tmp_path) not in str(sys.modules["json"].__file__)
+
+
+def test_a_file_that_ends_the_program_is_wrong_input(tmp_path: Path) -> None:
+    """A user's module that calls sys.exit is not taken for a result."""
+    module = tmp_path / "ends.py"
+    module.write_text("import sys\nsys.exit(0)\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"fails: SystemExit: 0 \(.*ends\.py:2\)"):
+        load_target(f"{module}:machine")

@@ -195,7 +195,7 @@ def test_unknown_reads_are_refused(prop: Property, message: str) -> None:
 
 def test_a_negative_deadline_is_refused() -> None:
     """within() needs 0 or more steps."""
-    with pytest.raises(PropertyError, match="must be 0 or more"):
+    with pytest.raises(PropertyError, match="must be a whole number, 0 or more"):
         within("never", -1, P, Q)
 
 

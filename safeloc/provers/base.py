@@ -66,6 +66,7 @@ class _Layer:
         return Query(f"{name} initially", first, dict(kept)), Query(f"{name} in every step", step, later)
 
 
+LAYERS = ("always", "facts")
 _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDictionary()
 
 

@@ -12,19 +12,21 @@ from functools import partial
 from typing import Literal, assert_never
 
 from safeloc.errors import PropertyError
-from safeloc.provers.base import Base, base, known_base, ranges_and_lemmas, remember
+from safeloc.expr import TRUE
+from safeloc.provers.base import LAYERS, Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
+from safeloc.provers.reachability import can_go_on
 from safeloc.provers.recheck import ENGINE, file_name
 from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
-from safeloc.spec import NO_ASSUMPTION, Goal, Property, always, observe
+from safeloc.spec import Goal, Property, always, observe
 from safeloc.system import TransitionSystem
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
@@ -40,6 +42,10 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     ends, said, depth = deadline(limits.seconds), list[str](), -1
     for name, engine, share in _ENGINES:
         verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share)))
+        if isinstance(verdict, Proved) and goal.prop.given is not TRUE and not can_go_on(goal.system, limits):
+            return Unknown(
+                "empty: no run keeps what the property is given, so that nothing is said by its proof", depth
+            )
         if not isinstance(verdict, Unknown):
             return verdict
         said.append(f"{name}: {verdict.reason}")
@@ -94,6 +100,10 @@ def prove(
 def _check_names(properties: Sequence[Property]) -> None:
     seen: dict[str, Property] = {}
     for prop in properties:
+        if prop.name in LAYERS:
+            raise PropertyError(
+                f"{prop.src}: property {prop.name!r} has the name of a certificate of the base; rename it."
+            )
         other = seen.setdefault(file_name(prop.name), prop)
         if other is not prop:
             raise PropertyError(
@@ -206,7 +216,7 @@ def _finding(goal: Goal, kind: Literal["lemma", "property"], verdict: Verdict, m
         method=method,
         seconds=seconds,
         requirements=prop.trace,
-        assumption=NO_ASSUMPTION if prop.unconditional else prop.assumption,
+        assumption=prop.relies_on,
     )
 
 

@@ -14,6 +14,7 @@ from safeloc.backends.smt import Unrolling
 from safeloc.backends.smtlib import Query
 from safeloc.expr import TRUE, Bool, Lit, NumVar, Var, before, was
 from safeloc.machine import Machine
+from safeloc.nodes import Value
 from safeloc.provers.base import base
 from safeloc.provers.bmc import run_of
 from safeloc.provers.evidence import admissible_run, confirmed
@@ -29,6 +30,7 @@ from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 ASSUMPTION_STEPS = 5
+FURTHER_STEPS = 60
 
 # ------------------------------------------------------------------ search for many targets at once
 
@@ -196,18 +198,66 @@ def assumption_kept(system: TransitionSystem, limits: Limits) -> Iterator[Obliga
             solver.pop()
             still.append(var.name)
     yield Obligation("assumption", statement, *_shown(system, unrolling, model, still))
+    last = unrolling.values(model, ASSUMPTION_STEPS, system.state)
+    yield _lasting(system, unrolling.values(model, 0, system.state), _stream(system, unrolling, model), last, ends)
 
 
 def _shown(
     system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, still: Sequence[str]
 ) -> tuple[Verdict, str]:
     first = unrolling.values(model, 0, system.state)
-    stream = [unrolling.values(model, number, system.inputs) for number in range(ASSUMPTION_STEPS)]
-    witness = admissible_run(system, first, stream)
+    witness = admissible_run(system, first, _stream(system, unrolling, model))
     moving = "all inputs and ghosts change" if not still else f"all inputs and ghosts change but {', '.join(still)}"
     if still and len(still) == len(list(_moving(system))):
         return Unknown("found only runs in which no input and no ghost ever changes"), "bounded search"
     return Proved(None, "bmc", ASSUMPTION_STEPS, ("interpreter",), witness=witness), f"one run in which {moving}"
+
+
+def _stream(system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef) -> list[dict[str, Value]]:
+    return [unrolling.values(model, number, system.inputs) for number in range(ASSUMPTION_STEPS)]
+
+
+def _lasting(
+    system: TransitionSystem,
+    first: Mapping[str, Value],
+    stream: list[dict[str, Value]],
+    state: Mapping[str, Value],
+    ends: Deadline,
+) -> Obligation:
+    """Goes on from the end of the run, step by step: a state from which nothing lawful follows is a dead end."""
+    statement = f"a run that keeps the assumption can go on for {FURTHER_STEPS} more steps"
+    unrolling, solver = Unrolling(system), z3.Solver()
+    solver.add(unrolling.transition(0))
+    for _ in range(FURTHER_STEPS):
+        solver.push()
+        solver.add(*(unrolling.at(var, 0) == state[var.name] for var in system.state))
+        answer = _checked(solver, ends)
+        if answer != z3.sat:
+            solver.pop()
+            return Obligation("assumption lasts", statement, _stuck(system, first, stream, answer), "step by step")
+        model = solver.model()
+        solver.pop()
+        stream.append(unrolling.values(model, 0, system.inputs))
+        state = unrolling.values(model, 1, system.state)
+    witness = admissible_run(system, first, stream)
+    verdict = Proved(None, "bmc", len(stream), ("interpreter",), witness=witness)
+    return Obligation("assumption lasts", statement, verdict, f"one run of {len(stream)} steps, step by step")
+
+
+def _stuck(
+    system: TransitionSystem, first: Mapping[str, Value], stream: list[dict[str, Value]], answer: z3.CheckSatResult
+) -> Verdict:
+    if answer == z3.unsat:
+        why = f"after these {len(stream)} steps no inputs keep the assumption: what comes later is proved of nothing"
+        return Violated(admissible_run(system, first, stream), "bmc", why)
+    return Unknown("the solver did not decide whether the run can go on", len(stream))
+
+
+def can_go_on(system: TransitionSystem, limits: Limits) -> bool:
+    """Whether some run of a few steps keeps the system's assumption; undecided counts as no."""
+    unrolling, solver = Unrolling(system), z3.Solver()
+    solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(ASSUMPTION_STEPS)))
+    return bool(_checked(solver, deadline(limits.seconds)) == z3.sat)
 
 
 def _no_run(answer: z3.CheckSatResult, solver: z3.Solver) -> Verdict:

@@ -38,6 +38,7 @@ class Statistics:
     lawful: int = 0
     seconds: float = 0.0
     fired: Counter[str] = field(default_factory=Counter)
+    admitted: Counter[str] = field(default_factory=Counter)
 
     def notes(self, transitions: Sequence[str]) -> dict[str, str]:
         """For a report."""
@@ -172,6 +173,8 @@ class Driver:
         done = self.statistics
         done.steps += 1
         done.lawful += self.kept
+        for prop, given in zip(self.properties, self._kept, strict=False):
+            done.admitted[prop.name] += given and (self.kept or prop.unconditional)
         done.deepest = max(done.deepest, len(self.stream))
         done.fired.update(self.code.fired(fired).values())
 
