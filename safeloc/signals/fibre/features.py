@@ -33,12 +33,14 @@ class End:
     fibre_mm            along the cable: Se, by time of flight
     time_of_flight_ps   between pulse and pattern
     points              reflecting points whose reflection coincides with the pattern's end (ZOS); free of drift
+    amplitude_cdb       of the pattern there over its normal, rounded to the nearest; None: normal is not known yet
     """
 
     path_mm: Bounds
     fibre_mm: Bounds
     time_of_flight_ps: Bounds
     points: tuple[str, ...]
+    amplitude_cdb: int | None = None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ still does not tell that no train stands there.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from safeloc.signals.fibre.axles import Counter
 from safeloc.signals.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, Single, admitted, unusable
 from safeloc.signals.fibre.emitters import Heard, Listener
 from safeloc.signals.fibre.energy import Analyser, Energies, Quiet, Smoother
-from safeloc.signals.fibre.features import FibreFrame, TrainSeen, Trouble
+from safeloc.signals.fibre.features import End, FibreFrame, TrainSeen, Trouble
 from safeloc.signals.fibre.fibre_map import FibreMap, one_to_one
 from safeloc.signals.fibre.figures import FibreConfig
 from safeloc.signals.fibre.measures import at_last_frame, end, length, speed
@@ -184,8 +184,8 @@ class FrontEnd:
         if fitted is None:
             return None
         fit, run, watch = at_last_frame(fitted, self._config), track.last, self._watches[track.number]
-        low = None if run.cut_low else end(fit.low_mm, fit.off_low_mm, -1, self._config, self._where, light)
-        high = None if run.cut_high else end(fit.high_mm, fit.off_high_mm, 1, self._config, self._where, light)
+        low = None if run.cut_low else self._end(fit.low_mm, fit.off_low_mm, -1, watch, light)
+        high = None if run.cut_high else self._end(fit.high_mm, fit.off_high_mm, 1, watch, light)
         whole = low is not None and high is not None
         return TrainSeen(
             track.number,
@@ -197,6 +197,10 @@ class FrontEnd:
             watch.counter.count,
             watch.signaller.taken(),
         )
+
+    def _end(self, place_mm: float, off_mm: float, side: int, watch: _Watch, light: Reflections | None) -> End:
+        found = end(place_mm, off_mm, side, self._config, self._where, light)
+        return replace(found, amplitude_cdb=watch.signaller.amplitude_cdb(side))
 
 
 def _troubles(light: Reflections | None) -> tuple[tuple[Trouble, ...], tuple[str, ...]]:

@@ -57,7 +57,7 @@ class Change:
 
 
 class Watcher:
-    """Watches the amplitude at one end of one train."""
+    """Watches the amplitude at one end of one train; `change_cdb`: over normal, in the last window."""
 
     def __init__(self, config: FibreConfig) -> None:
         self._rules = config.sections
@@ -65,6 +65,7 @@ class Watcher:
         self._recent: deque[float] = deque(maxlen=MEDIAN_WINDOWS)
         self._inside: Effect | None = None
         self._told = False
+        self.change_cdb: float | None = None
         self._entered_mm = self._towards = 0.0
 
     def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
@@ -72,6 +73,7 @@ class Watcher:
         self._recent.append(amplitude_cdb)
         level = median(self._recent)
         normal = self._level_of_normal()
+        self.change_cdb = None if normal is None else level - normal
         if normal is None:
             self._learn(place_mm, level)
             return None

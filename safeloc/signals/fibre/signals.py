@@ -39,6 +39,11 @@ class Signaller:
                 se = end(place, off, side, self._config, self._where, None).fibre_mm
                 self._made.append(self._signal(change, side == direction, direction, time_ms, se))
 
+    def amplitude_cdb(self, side: int) -> int | None:
+        """Over normal at the end towards the coupler (-1) or away from it (+1)."""
+        change = self._ends[side].change_cdb
+        return None if change is None else round(change)
+
     def taken(self) -> tuple[SectionSignal, ...]:
         """All since the last call."""
         made, self._made = tuple(self._made), []
