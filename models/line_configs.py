@@ -95,7 +95,7 @@ class LineVehicle:
             max_speed_mm_s=self._gate_mm_s,
             radar_offset_mm=self.layout.sensor_offset_mm,
             range_limit_mm=min(2_000_000, 2 * self.layout.radar_range_mm),
-            near_range_mm=self.layout.radar_blind_mm,
+            near_range_mm=max(1, self.layout.radar_blind_mm),
             map_accuracy_mm=self.layout.map_accuracy_mm,
             balise_accuracy_mm=min(63_000, self.national_mm + self.detection_mm),
             reference_distance_mm=self.layout.prescribed_distance_mm or 0,

@@ -58,7 +58,7 @@ class TurnOffConfig(Config):
     least_shift_mm: int = quantity(2_500, "mm", 1, 50_000, "[D] turnout 1:9: 6.3 degrees, 2.5 m at 23 m of range")
     decide_mm: int = quantity(30_000, "mm beyond the switch", 0, 200_000, "[M] length of a turnout 1:9")
     give_up_mm: int = quantity(60_000, "mm beyond the switch", 0, 500_000, "[D] twice the turnout")
-    miss_limit_cycles: int = quantity(20, "cycles", 0, 10_000, "[D] 2 s over the switch without a measurement")
+    miss_limit_cycles: int = quantity(20, "cycles", 1, 10_000, "[D] 2 s over the switch without a measurement")
 
     @model_validator(mode="after")
     def _can_decide(self) -> TurnOffConfig:

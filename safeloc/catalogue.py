@@ -6,10 +6,12 @@ import difflib
 import importlib
 import importlib.util
 import json
+import re
+import reprlib
 import sys
 import tomllib
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -18,7 +20,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from safeloc.composition import Composition
-from safeloc.errors import InputError, SafelocError
+from safeloc.errors import InputError, ModelError, SafelocError
 from safeloc.machine import Machine
 from safeloc.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
@@ -49,7 +51,32 @@ def load_target(spec: str, config: Path | None = None) -> Target:
             f"no machine {spec!r}; there are {', '.join(ENTRIES)}, or package.module:name for your own.{hint}"
         )
     entry = ENTRIES[spec]
-    return entry.make(read_config(entry.config, config))
+    return _made(entry, read_config(entry.config, config), config)
+
+
+def _made(entry: Entry, config: BaseModel, path: Path | None) -> Target:
+    """The shipped machine of a configuration; InputError where each figure is permitted but no machine comes of all."""
+    if path is None:
+        return entry.make(config)
+    try:
+        return entry.make(config)
+    except ModelError as error:
+        without = list(dict.fromkeys(re.findall(r"transition '([^']+)'", str(error))))
+        what = f"transitions that never, or always, fire: {', '.join(without)}" if without else str(error)
+        raise InputError(
+            f"{path}: these figures leave machine {entry.name!r} without a meaning ({what}). {_to_mend(config)}"
+        ) from error
+    except ValidationError as error:
+        wrong = "; ".join(_fields(error))
+        raise InputError(
+            f"{path}: these figures do not go together in machine {entry.name!r} ({wrong}). {_to_mend(config)}"
+        ) from error
+
+
+def _to_mend(config: BaseModel) -> str:
+    """The figures among which the wrong one is: those that are not the defaults."""
+    own = config.model_dump(mode="json", exclude_defaults=True)
+    return f"Mend one of: {', '.join(f'{name} = {value}' for name, value in own.items())}."
 
 
 def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
@@ -58,24 +85,32 @@ def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
     try:
         return kind.model_validate(content)
     except ValidationError as error:
-        wrong = [f"  - {'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}" for e in error.errors()]
+        wrong = [f"  - {field}" for field in _fields(error)]
         fields = "1 field is" if len(wrong) == 1 else f"{len(wrong)} fields are"
         raise InputError("\n".join([f"{path or 'configuration'}: {fields} wrong:", *wrong])) from error
 
 
+def _fields(error: ValidationError) -> list[str]:
+    """Each wrong field, what is wrong with it, and what it was."""
+    return [f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}" for e in error.errors()]
+
+
 def _given(error: Mapping[str, Any]) -> str:
     """What stands there, unless it is the whole file."""
-    return "" if isinstance(error["input"], (dict, list)) else f" (got {error['input']!r})"
+    return "" if isinstance(error["input"], (dict, list)) else f" (got {reprlib.repr(error['input'])})"
 
 
 def _content(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise InputError(f"{path}: {'a folder, not a configuration file' if path.is_dir() else 'no such file'}.")
+    kind = "JSON" if path.suffix == ".json" else "TOML"
     try:
-        text = path.read_text(encoding="utf-8")
-        content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        text = path.read_text(encoding="utf-8-sig")
+        content = json.loads(text) if kind == "JSON" else tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{path}: nested too deeply; expected a table of fields.") from error
     except (OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: cannot be read as {'JSON' if path.suffix == '.json' else 'TOML'}: {error}"
-        ) from error
+        raise InputError(f"{path}: cannot be read as {kind}: {error}") from error
     if not isinstance(content, dict):
         raise InputError(f"{path}: expected a table of fields.")
     return content
@@ -91,6 +126,8 @@ def _own(spec: str, config: Path | None) -> Target:
     if callable(found):
         with _as_input_error(spec):
             found = found(_content(config)) if config is not None else found()
+    elif config is not None:
+        raise InputError(f"{config}: {spec} takes no configuration; name a function that gets its content.")
     if isinstance(found, Machine):
         return _target(module, found, lower(found), found.doc)
     if isinstance(found, Composition):
@@ -112,10 +149,12 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
 
 
 def _pictures(module: ModuleType, system: TransitionSystem) -> tuple[Picture, ...]:
-    declared = getattr(module, "pictures", ())
+    declared = _listed(module, "pictures", getattr(module, "pictures", ()))
     wrong = [item for item in declared if not isinstance(item, Picture)]
     if wrong:
-        raise InputError(f"{module.__name__}.pictures holds {wrong[0]!r}; expected Deviation, Approach or Recognition.")
+        raise InputError(
+            f"{module.__name__}.pictures holds {_told(wrong[0])}; expected Deviation, Approach or Recognition."
+        )
     for picture in declared:
         missing = unreadable(picture, system)
         if missing:
@@ -160,11 +199,33 @@ def _as_input_error(where: str) -> Iterator[None]:
 
 
 def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Property, ...]:
-    declared: Sequence[Property] | Callable[[Any], Sequence[Property]] = getattr(module, "properties", ())
-    listed = declared(found) if callable(declared) else declared
-    wrong = [item for item in listed if not isinstance(item, Property)]
-    if wrong:
+    declared: object = getattr(module, "properties", ())
+    if callable(declared):
+        with _as_input_error(f"{module.__name__}.properties"):
+            declared = declared(found)
+    listed = _listed(module, "properties", declared)
+    for number, item in enumerate(listed):
+        if not isinstance(item, Property):
+            raise InputError(
+                f"{module.__name__}.properties holds {_told(item)} at place {number} ({_file(module)}); "
+                "expected always(...), never(...), within(...) or reachable(...)."
+            )
+    return listed
+
+
+def _listed(module: ModuleType, name: str, declared: object) -> tuple[Any, ...]:
+    """What a user's module declares under this name, which must be a list."""
+    if not isinstance(declared, Sequence) or isinstance(declared, (str, bytes)):
         raise InputError(
-            f"{module.__name__}.properties holds {wrong[0]!r}; expected always(...), never(...), within(...)."
+            f"{module.__name__}.{name} is {_told(declared)} ({_file(module)}); "
+            f"expected a list{', or a function of the machine that returns one' if name == 'properties' else ''}."
         )
-    return tuple(listed)
+    return tuple(declared)
+
+
+def _told(item: object) -> str:
+    return f"{reprlib.repr(item)} of type {type(item).__name__}"
+
+
+def _file(module: ModuleType) -> str:
+    return str(getattr(module, "__file__", module.__name__))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from safeloc.catalogue import ENTRIES, Target, load_target, read_config
-from safeloc.errors import InputError
+from safeloc.errors import InputError, ModelError
 from safeloc.models.odometry_parts.variables import OdometryConfig
 
 OWN = """
@@ -163,7 +164,72 @@ def test_files_that_are_no_configuration(name: str, content: str, message: str, 
 
 def test_a_missing_configuration_file(tmp_path: Path) -> None:
     """A file that does not exist is an input error, not a crash."""
-    assert "none.toml: cannot be read" in refused("odometry", tmp_path / "none.toml")
+    assert refused("odometry", tmp_path / "none.toml") == f"{tmp_path / 'none.toml'}: no such file."
+    assert refused("odometry", tmp_path) == f"{tmp_path}: a folder, not a configuration file."
+
+
+@pytest.mark.parametrize(("name", "left"), [("deep.json", '{"a": '), ("deep.toml", "a = ")])
+def test_a_deeply_nested_configuration(name: str, left: str, tmp_path: Path) -> None:
+    """Deeper than Python recurses: refused, not a crash."""
+    (tmp_path / name).write_text(left + "[" * 100_000, encoding="utf-8")
+    assert "nested too deeply" in refused("odometry", tmp_path / name)
+
+
+WHEEL = 'kind = "wheel"\n'
+FIGURES = [
+    ("turn_off", "miss_limit_cycles = 0", "miss_limit_cycles: Input should be greater than or equal to 1 (got 0)"),
+    ("reflector", "pause_limit_cycles = 0", "pause_limit_cycles: Input should be greater than or equal to 1"),
+    ("reflector", "loss_limit_cycles = 0", "loss_limit_cycles: Input should be greater than or equal to 1"),
+    ("reflector", "near_range_mm = 0", "near_range_mm: Input should be greater than or equal to 1"),
+    ("reflector", "range_limit_mm = 1001", "range_limit_mm 1001 is not above near_range_mm 3000: no echo can be used."),
+    ("reflector", f"[odometer]\n{WHEEL}rate_ppm = 1000000", "odometer.rate_ppm must not exceed 900000"),
+    ("balise", "telegram_age_limit_ms = 1", "telegram_age_limit_ms 1 must be above a tenth of period_ms 100"),
+    (
+        "reflector",
+        "max_speed_mm_s = 138889\nmeasuring_step_mm = 10000\nreference_distance_mm = 299999",
+        "these figures do not go together in machine 'reflector' (radar_error_mm: Input should be less than or equal to "
+        "10000 (got 12146)). Mend one of: max_speed_mm_s = 138889, measuring_step_mm = 10000, reference_distance_mm = ",
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "content", "message"), FIGURES)
+def test_figures_without_a_machine(name: str, content: str, message: str, tmp_path: Path) -> None:
+    """Refused in the words of the configuration, never by a guard of the model or by a rule of another class."""
+    path = tmp_path / "figures.toml"
+    path.write_text(content, encoding="utf-8")
+    assert message in refused(name, path)
+
+
+def test_least_figures_make_a_machine(tmp_path: Path) -> None:
+    """The documented minima of what counts cycles are enough."""
+    path = tmp_path / "least.toml"
+    for name, fields in (
+        ("turn_off", ["miss_limit_cycles"]),
+        ("reflector", ["pause_limit_cycles", "loss_limit_cycles"]),
+    ):
+        path.write_text("".join(f"{field} = 1\n" for field in fields), encoding="utf-8")
+        assert load_target(name, path).name == name
+
+
+def test_a_machine_without_a_meaning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What only the whole shows is told as such, with the transitions and the figures; defaults are no one's figures."""
+
+    def fails(_: object) -> Target:
+        raise ModelError(
+            "machine 'lamp' (x.py:1):\n  - transition 'on' (x.py:2): a comparison in its guard never changes."
+        )
+
+    entry = replace(ENTRIES["delocalized"], make=fails)
+    monkeypatch.setattr("safeloc.catalogue.ENTRIES", {"delocalized": entry})
+    path = tmp_path / "own.toml"
+    path.write_text("tolerance_mm = 7", encoding="utf-8")
+    assert refused("delocalized", path) == (
+        f"{path}: these figures leave machine 'delocalized' without a meaning (transitions that never, or always, fire: "
+        "on). Mend one of: tolerance_mm = 7."
+    )
+    with pytest.raises(ModelError):
+        load_target("delocalized")
 
 
 # ------------------------------------------------------------------ a user's own
@@ -213,6 +279,12 @@ def test_a_function(place: Path) -> None:
         assert {var.name: var.high for var in found.system.state if hasattr(var, "high")}["built_level"] == high
 
 
+def test_a_configuration_nobody_reads(place: Path) -> None:
+    """A machine that stands ready takes none, and it is not dropped in silence."""
+    (place / "own.toml").write_text("high = 7\n", encoding="utf-8")
+    assert "takes no configuration" in refused(f"{own(place)}:machine", place / "own.toml")
+
+
 def test_properties_as_a_function_of_the_machine(place: Path) -> None:
     """`properties` may be a function: it gets the machine that was asked for."""
     path = own(place, OF_THE_MACHINE)
@@ -226,7 +298,12 @@ def test_properties_as_a_function_of_the_machine(place: Path) -> None:
         ("", "lamps", "has no 'lamps'; machines in it: ['machine', 'pair']"),
         ("", "number_of_lamps", "is of type int; expected a Machine, a Composition or a function returning one"),
         ("", "nothing", "is of type NoneType; expected a Machine"),
-        (WRONG_PROPERTIES, "machine", "properties holds 'light'; expected always(...), never(...), within(...)"),
+        (WRONG_PROPERTIES, "machine", "properties holds 'light' of type str at place 0 ("),
+        ("properties = 5", "machine", "properties is 5 of type int ("),
+        ("properties = 'lit'", "machine", "); expected a list, or a function of the machine that returns one."),
+        ("def properties(found): return 5", "machine", "properties is 5 of type int ("),
+        ("def properties(found): return 1 / 0", "machine", "my_lamps.properties fails: ZeroDivisionError: "),
+        ("pictures = 5", "machine", "pictures is 5 of type int ("),
         (INTERVAL, "machine", "reported names 'somewhere'"),
     ],
 )

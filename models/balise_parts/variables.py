@@ -36,7 +36,7 @@ from safeloc.models.balise_parts.linking import (
 )
 from safeloc.models.balise_parts.telegram import Reader, Telegram, telegram
 from safeloc.models.odometry_parts.distance_device import Limits
-from safeloc.models.odometry_parts.error_law import NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.odometry_parts.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.odometry_parts.variables import NO_REFERENCE, REASON
 from safeloc.models.running.interval import Held
 from safeloc.models.running.odometer import Heading, Odometer, odometer
@@ -87,7 +87,6 @@ READ = members(
     OUT_OF_PLACE,
     TOO_COARSE,
 ) = READ
-MOST_RATE_PPM = 900_000
 FARTHEST_MM = 10**12
 """Where the count of measured distance ends: a million kilometres."""
 DIRECTION = members("direction", "UNKNOWN", "ALONG")
@@ -127,6 +126,11 @@ class BaliseConfig(Config):
         if self.odometer.rate_ppm > MOST_RATE_PPM:
             raise ValueError(
                 f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance."
+            )
+        if 10 * self.telegram_age_limit_ms <= self.period_ms:
+            raise ValueError(
+                f"telegram_age_limit_ms {self.telegram_age_limit_ms} must be above a tenth of period_ms {self.period_ms}: "
+                "a telegram read within a cycle is up to that cycle old at its end."
             )
         if self.odometer.drift_mm_s2:
             raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")

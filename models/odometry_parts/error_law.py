@@ -19,6 +19,8 @@ from safeloc.expr import Lit, Num, as_num, exact_to, floor_to, maximum, with_uni
 from safeloc.units import MM, MM_S, MS, NM, PPM
 
 NM_PER_MM = 1_000_000
+MOST_RATE_PPM = 900_000
+"""A machine with one odometer takes none that errs more: what it measures would be hardly any distance."""
 UnitKind = Literal["wheel", "radar", "accelerometer", "eddy_current", "optical"]
 
 

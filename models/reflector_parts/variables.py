@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number, optional
-from safeloc.models.odometry_parts.error_law import NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.odometry_parts.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.reflector_parts.balise_reading import BaliseReading, balise_reading
 from safeloc.models.reflector_parts.dead_reckoning import Odometer, Track, track
 from safeloc.models.reflector_parts.echo import LATERAL_LIMIT_MM, MAX_ERROR_MM, RadarLaw, Slot, slot
@@ -57,7 +57,7 @@ class ReflectorConfig(Config):
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
     radar_offset_mm: int = quantity(0, "mm behind end A", 0, 500_000, "[D] radar at the front end")
     range_limit_mm: int = quantity(300_000, "mm", 1_000, 2_000_000, "[M] 24/77 GHz radar: 100 to 200 m")
-    near_range_mm: int = quantity(3_000, "mm", 0, 100_000, "[M] nearer, the radar hears itself (source l. 209)")
+    near_range_mm: int = quantity(3_000, "mm", 1, 100_000, "[M] nearer, the radar hears itself (source l. 209)")
     minimum_intensity_cdb: int = quantity(-8_500, "0.01 dB", -20_000, 5_000, "[D] 20 dB over noise, full scale 105")
     map_accuracy_mm: int = quantity(50, "mm", 0, 10_000, "[M] surveying of one place against another")
     frame_latency_ms: int = quantity(50, "ms", 0, 1_000, "[M] one frame at 20 Hz")
@@ -65,8 +65,8 @@ class ReflectorConfig(Config):
     reference_distance_mm: int = quantity(0, "mm, 0: none", 0, 300_000, "[S] source l. 205: a variable of the system")
     reference_run_mm: int = quantity(500_000, "mm", 1, 10_000_000, "[D] the self-test ends here at the latest")
     search_run_mm: int = quantity(20_000, "mm", 0, 300_000, "[D] into the view zone; the tolerance is added")
-    pause_limit_cycles: int = quantity(20, "cycles", 0, 10_000, "[D] 2 s without a radar frame")
-    loss_limit_cycles: int = quantity(5, "cycles", 0, 10_000, "[D] 0.5 s of frames without the echo")
+    pause_limit_cycles: int = quantity(20, "cycles", 1, 10_000, "[D] 2 s without a radar frame")
+    loss_limit_cycles: int = quantity(5, "cycles", 1, 10_000, "[D] 0.5 s of frames without the echo")
     balise_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m; overridden per balise")
     balise_latency_ms: int = quantity(12, "ms", 0, 1_000, "[S] balise reader 10 +- 2 ms")
     last_balise_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
@@ -82,6 +82,18 @@ class ReflectorConfig(Config):
             raise ValueError(
                 "odometer.drift_mm_s2 must be 0: a unit that integrates acceleration drifts with the time since a "
                 "reference; use it as one unit of the odometry machine, beside one that measures distance."
+            )
+        if self.odometer.rate_ppm > MOST_RATE_PPM:
+            raise ValueError(
+                f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance."
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _can_measure(self) -> ReflectorConfig:
+        if self.range_limit_mm <= self.near_range_mm:
+            raise ValueError(
+                f"range_limit_mm {self.range_limit_mm} is not above near_range_mm {self.near_range_mm}: no echo can be used."
             )
         if max(self.frame_latency_ms, self.balise_latency_ms) > self.period_ms:
             raise ValueError("frame_latency_ms and balise_latency_ms must not exceed period_ms: older data is stale.")
