@@ -29,6 +29,7 @@ Single = NDArray[np.float32]
 BEYOND_MM = 40_000
 SMOOTH_MM = 2_000
 LEAST_HEIGHT = 0.2
+FAINTEST = 0.03
 SLOWEST_MM_S = 3_000
 TURNED_MM = 30_000
 DEGREE = 2
@@ -156,11 +157,13 @@ def _added(profile: Numbers, course: Numbers) -> Numbers:
 
 
 def clusters(profile: Numbers, config: FibreConfig) -> int:
-    """Clusters of axles in a profile over distance: tops with a dip between them, none much lower than the rest."""
+    """Clusters of axles in a profile over distance: tops with a dip beside them, in proportion to their own height.
+
+    A locomotive is louder than its coaches: what counts is a top's own dip, and that it is no mere ripple beside most tops.
+    """
     smooth = ndimage.gaussian_filter1d(profile, SMOOTH_MM / config.counting.bin_mm)
-    base = float(np.percentile(smooth, 5))
-    height = float(np.percentile(smooth - base, 90))
-    tops, _ = signal.find_peaks(
-        smooth - base, height=LEAST_HEIGHT * height, prominence=config.counting.dip_percent / 100 * height
-    )
-    return len(tops)
+    above = smooth - np.percentile(smooth, 5)
+    _, found = signal.find_peaks(above, height=FAINTEST * above.max(), prominence=0)
+    heights, dips = found["peak_heights"], found["prominences"]
+    clear = heights[dips >= config.counting.dip_percent / 100 * heights]
+    return int((clear >= LEAST_HEIGHT * np.median(clear)).sum()) if len(clear) else 0
