@@ -26,6 +26,7 @@ from safeloc.models import (
     sections,
     stop_point,
     supervised_odometry,
+    train_order,
     travel_direction,
     turn_off,
     verification,
@@ -60,6 +61,7 @@ from safeloc.properties import satellite_selection as selection_properties
 from safeloc.properties import sections as sections_properties
 from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import supervised_odometry as supervised_properties
+from safeloc.properties import train_order as order_properties
 from safeloc.properties import travel_direction as direction_properties
 from safeloc.properties import turn_off as turn_off_properties
 from safeloc.properties import verification as verification_properties
@@ -271,6 +273,12 @@ def _axle_section(config: BaseModel) -> Target:
     return _made(model.machine, axle_section_properties.properties(model), config)
 
 
+def _train_order(config: BaseModel) -> Target:
+    assert isinstance(config, train_order.TrainOrderConfig)
+    model = train_order.build(train_order.parts(config))
+    return _made(model.machine, order_properties.properties(model), config)
+
+
 def _emitter(config: BaseModel) -> Target:
     assert isinstance(config, emitter.EmitterConfig)
     model = emitter.build(emitter.parts(config))
@@ -317,6 +325,7 @@ ENTRIES: Mapping[str, Entry] = {
             axle_section.AxleSectionConfig,
             _axle_section,
         ),
+        Entry("train_order", "whose a pattern is, by order on the track", train_order.TrainOrderConfig, _train_order),
         Entry("emitter", "function check of the fibre by a test emitter", emitter.EmitterConfig, _emitter),
         Entry(
             "travel_direction",
