@@ -1,0 +1,104 @@
+"""GPS ephemerides from RINEX navigation files, versions 2 and 3 (RINEX 3.04, table A6; RINEX 2.11, table A4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from safeloc.errors import InputError, StreamError
+from safeloc.signals.satellite.atmosphere import Four, Klobuchar
+from safeloc.signals.satellite.ephemeris import FIT_HOURS, Ephemeris
+from safeloc.signals.satellite.times import gps_seconds, of_week
+
+_LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
+
+
+@dataclass(frozen=True, slots=True)
+class Navigation:
+    """The GPS ephemerides of a file, and its broadcast ionosphere where it has one."""
+
+    ephemerides: tuple[Ephemeris, ...]
+    ionosphere: Klobuchar | None
+
+
+def read_navigation(path: Path) -> Navigation:
+    """All GPS records; other constellations are passed over. StreamError names file and line."""
+    lines = path.read_text(encoding="ascii", errors="replace").splitlines()
+    end = next((i for i, line in enumerate(lines) if line[60:].strip() == "END OF HEADER"), None)
+    version = lines[0][:9].strip() if lines else ""
+    if end is None or version[:1] not in ("2", "3") or "NAV" not in lines[0][20:60]:
+        raise StreamError(f"{path.name}:1: not a RINEX 2 or 3 navigation file; NMEA and others lack the ephemerides.")
+    records = _records_2(lines, end) if version.startswith("2") else _records_3(lines, end, path)
+    return Navigation(tuple(_record(*one, path) for one in records), _ionosphere(lines[:end]))
+
+
+def _records_2(lines: list[str], end: int) -> Iterator[tuple[int, str, str, list[str]]]:
+    for at in range(end + 1, len(lines) - 7, 8):
+        head = lines[at]
+        year = int(head[2:5])
+        date = f"{2000 + year if year < 80 else 1900 + year}{head[5:22]}"
+        yield at + 1, f"G{int(head[:2]):02d}", date, [head[22:], *(line[3:] for line in lines[at + 1 : at + 8])]
+
+
+def _records_3(lines: list[str], end: int, path: Path) -> Iterator[tuple[int, str, str, list[str]]]:
+    at = end + 1
+    while at < len(lines):
+        head = lines[at]
+        size = _LINES.get(head[:1])
+        if size is None or at + size > len(lines):
+            raise StreamError(f"{path.name}:{at + 1}: no record starts here, or it is cut short; mend the file.")
+        if head[0] == "G":
+            yield at + 1, head[:3], head[4:23], [head[23:], *(line[4:] for line in lines[at + 1 : at + 8])]
+        at += size
+
+
+def _record(line: int, satellite: str, date: str, fields: list[str], path: Path) -> Ephemeris:
+    try:
+        return _ephemeris(satellite, date, [_numbers(field) for field in fields])
+    except (ValueError, IndexError) as error:
+        raise StreamError(f"{path.name}:{line}: record of {satellite}: {error}; mend or drop it.") from error
+
+
+def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
+    year, month, day, hour, minute, second = date.split()
+    clock, one, two, three, four, five, six, seven = rows
+    fit = seven[1] if len(seven) > 1 and seven[1] > 0 else FIT_HOURS
+    return Ephemeris(
+        satellite,
+        gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second)),
+        *clock[:3],
+        *one[1:4],
+        *two[:4],
+        of_week(int(five[2]), three[0]),
+        *three[1:4],
+        *four[:4],
+        five[0],
+        healthy=six[1] == 0,
+        group_delay_s=six[2],
+        sent_s=of_week(int(five[2]), seven[0]),
+        fit_hours=fit if fit >= FIT_HOURS else FIT_HOURS,
+    )
+
+
+def _numbers(text: str) -> list[float]:
+    cells = (text[at : at + 19] for at in range(0, len(text.rstrip()), 19))
+    return [float(cell.replace("D", "E").replace("d", "e")) for cell in cells if cell.strip()]
+
+
+def _ionosphere(header: list[str]) -> Klobuchar | None:
+    found = {
+        name: _four(line, start)
+        for line in header
+        for name, mark, start in (("a", "GPSA", 5), ("b", "GPSB", 5), ("a", "ION ALPHA", 2), ("b", "ION BETA", 2))
+        if line.startswith(mark) or line[60:].startswith(mark)
+    }
+    return Klobuchar(found["a"], found["b"]) if {"a", "b"} <= found.keys() else None
+
+
+def _four(line: str, start: int) -> Four:
+    try:
+        a, b, c, d = (float(line[at : at + 12].replace("D", "E")) for at in range(start, start + 48, 12))
+    except ValueError as error:
+        raise InputError(f"ionosphere coefficients cannot be read from {line!r}; mend the header.") from error
+    return a, b, c, d

@@ -1,0 +1,89 @@
+"""GPS L1 C/A pseudorange and Doppler from RINEX 3 observation files (RINEX 3.04, tables A2 and A3)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from safeloc.errors import StreamError
+from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
+from safeloc.signals.satellite.predicted import rate_of_doppler
+from safeloc.signals.satellite.times import gps_seconds
+
+
+def read_observations(path: Path) -> list[Epoch]:
+    """All epochs with the GPS satellites of each. StreamError names file and line; NMEA is refused.
+
+    InputError for epochs out of order or repeated.
+    """
+    lines = path.read_text(encoding="ascii", errors="replace").splitlines()
+    _refuse_others(lines, path)
+    end = next((i for i, line in enumerate(lines) if line[60:].strip() == "END OF HEADER"), None)
+    if end is None:
+        raise StreamError(f"{path.name}:1: the header does not end; mend the file.")
+    return list(in_order(_epochs(lines, end + 1, _columns(lines[:end], path), path)))
+
+
+def _refuse_others(lines: list[str], path: Path) -> None:
+    first = lines[0] if lines else ""
+    if first.startswith("$"):
+        raise StreamError(f"{path.name}:1: NMEA has positions, but no pseudorange and no Doppler; record RINEX 3.")
+    if not first[:9].strip().startswith("3") or first[20:21] != "O":
+        raise StreamError(f"{path.name}:1: not a RINEX 3 observation file; convert it.")
+
+
+def _columns(header: list[str], path: Path) -> tuple[int, int]:
+    names: list[str] = []
+    system = ""
+    for line in header:
+        if line[60:].strip() == "SYS / # / OBS TYPES":
+            system = line[0] if line[0] != " " else system
+            names += line[7:60].split() if system == "G" else []
+    if not {"C1C", "D1C"} <= set(names):
+        raise StreamError(f"{path.name}:1: no GPS C1C and D1C among the observation types; record both.")
+    return names.index("C1C"), names.index("D1C")
+
+
+def _epochs(lines: list[str], at: int, columns: tuple[int, int], path: Path) -> Iterator[Epoch]:
+    while at < len(lines):
+        head, count = _head(lines, at, path)
+        body = lines[at + 1 : at + 1 + count]
+        if len(body) < count:
+            raise StreamError(f"{path.name}:{at + 1}: {count} satellites announced, {len(body)} follow; it is cut.")
+        if head[31] in "01":
+            yield Epoch(_time(head), _satellites(body, at + 2, columns, path))
+        at += 1 + count
+
+
+def _head(lines: list[str], at: int, path: Path) -> tuple[str, int]:
+    try:
+        if lines[at].startswith(">"):
+            return lines[at], int(lines[at][32:35])
+    except ValueError:
+        pass
+    raise StreamError(f"{path.name}:{at + 1}: no epoch starts here; mend the file.")
+
+
+def _time(head: str) -> float:
+    year, month, day, hour, minute, second = head[1:29].split()
+    return gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second))
+
+
+def _satellites(body: list[str], first: int, columns: tuple[int, int], path: Path) -> dict[str, Measured]:
+    found: dict[str, Measured] = {}
+    for number, line in enumerate(body, first):
+        if not line.startswith("G"):
+            continue
+        if line[:3] in found:
+            raise StreamError(f"{path.name}:{number}: {line[:3]} stands twice in one epoch; drop the epoch.")
+        found[line[:3]] = _measured(line, columns, f"{path.name}:{number}")
+    return found
+
+
+def _measured(line: str, columns: tuple[int, int], where: str) -> Measured:
+    texts = [line[3 + 16 * column : 17 + 16 * column].strip() for column in columns]
+    try:
+        code, doppler = (float(text) if text else None for text in texts)
+        return Measured(code, None if doppler is None else rate_of_doppler(doppler))
+    except ValueError as error:
+        raise StreamError(f"{where}: {error}; mend or drop the epoch.") from error
