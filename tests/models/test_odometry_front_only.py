@@ -41,8 +41,9 @@ def test_no_true_reading_is_refused(devices: int) -> None:
 def test_the_comparison_is_not_empty() -> None:
     """Some run keeps its assumption, and comes where the front reader alone reports and the other one is better."""
     whole = compose_comparison(OdometryConfig(trust_first_marker=True))
-    [found] = assumption_kept(whole.composition.system, Limits(seconds=30))
+    found, lasts = assumption_kept(whole.composition.system, Limits(seconds=120))
     assert isinstance(found.verdict, Proved)
+    assert isinstance(lasts.verdict, Proved)
     other = whole.of_alone.bool(whole.alone.machine.flag("valid"))
     better = whole.of_both.num(whole.both.lead.margin) < whole.of_alone.num(whole.alone.lead.margin)
     goal = reachable("better", other & better, trace=())
