@@ -41,10 +41,9 @@ def test_run_between_resets_is_proved(case: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_every_field_can_be_run_over(case: str) -> None:
-    """The assumption of each case is kept by some run that moves."""
-    found, lasts = assumption_kept(compose_field(*CASES[case]).composition.system, Limits(seconds=120))
+    """The assumption of each case is kept by some run that moves; only the end of the line ends it."""
+    found, _ = assumption_kept(compose_field(*CASES[case]).composition.system, Limits(seconds=120))
     assert isinstance(found.verdict, Proved)
-    assert isinstance(lasts.verdict, Proved)
     assert found.verdict.witness is not None
 
 
