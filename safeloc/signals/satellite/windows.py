@@ -1,0 +1,34 @@
+"""Variability of a satellite's difference over its last epochs: the covariance figure of the criterion (SAT-3, SAT-4).
+
+The prediction has no noise of its own, so the figure is the variance of measured minus predicted. Before the window is
+full there is none, and a satellite without one may not be used.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from fractions import Fraction
+
+from safeloc.errors import InputError
+
+
+class Window:
+    """The last differences of one satellite, in whole mm or mm/s. InputError for fewer than two epochs."""
+
+    def __init__(self, epochs: int) -> None:
+        if epochs < 2:
+            raise InputError(f"a window of {epochs} epochs has no variance; take two or more.")
+        self._values: deque[int] = deque(maxlen=epochs)
+
+    def add(self, difference: int | None) -> int | None:
+        """The variance with this one, rounded up; None until the window is full. None (not measured) empties it."""
+        if difference is None:
+            self._values.clear()
+            return None
+        self._values.append(difference)
+        return self._variance() if len(self._values) == self._values.maxlen else None
+
+    def _variance(self) -> int:
+        count = len(self._values)
+        mean = Fraction(sum(self._values), count)
+        return -(-sum((value - mean) ** 2 for value in self._values) // (count - 1))
