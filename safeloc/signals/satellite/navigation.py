@@ -29,13 +29,15 @@ def read_navigation(path: Path) -> Navigation:
     version = lines[0][:9].strip() if lines else ""
     if end is None or version[:1] not in ("2", "3") or "NAV" not in lines[0][20:60]:
         raise StreamError(f"{path.name}:1: not a RINEX 2 or 3 navigation file; NMEA and others lack the ephemerides.")
-    records = _records_2(lines, end) if version.startswith("2") else _records_3(lines, end, path)
+    records = _records_2(lines, end, path) if version.startswith("2") else _records_3(lines, end, path)
     return Navigation(tuple(_record(*one, path) for one in records), _ionosphere(lines[:end]))
 
 
-def _records_2(lines: list[str], end: int) -> Iterator[tuple[int, str, str, list[str]]]:
-    for at in range(end + 1, len(lines) - 7, 8):
+def _records_2(lines: list[str], end: int, path: Path) -> Iterator[tuple[int, str, str, list[str]]]:
+    for at in range(end + 1, len(lines), 8):
         head = lines[at]
+        if len(lines) < at + 8 or not (head[:2].strip().isdigit() and head[3:5].strip().isdigit()):
+            raise StreamError(f"{path.name}:{at + 1}: no record starts here, or it is cut short; mend the file.")
         year = int(head[2:5])
         date = f"{2000 + year if year < 80 else 1900 + year}{head[5:22]}"
         yield at + 1, f"G{int(head[:2]):02d}", date, [head[22:], *(line[3:] for line in lines[at + 1 : at + 8])]
@@ -65,19 +67,31 @@ def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
     clock, one, two, three, four, five, six, seven = rows
     fit = seven[1] if len(seven) > 1 and seven[1] > 0 else FIT_HOURS
     return Ephemeris(
-        satellite,
-        gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second)),
-        *clock[:3],
-        *one[1:4],
-        *two[:4],
-        of_week(int(five[2]), three[0]),
-        *three[1:4],
-        *four[:4],
-        five[0],
+        satellite=satellite,
+        clock_time_s=gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second)),
+        af0_s=clock[0],
+        af1=clock[1],
+        af2_per_s=clock[2],
+        crs_m=one[1],
+        delta_n=one[2],
+        m0=one[3],
+        cuc=two[0],
+        eccentricity=two[1],
+        cus=two[2],
+        sqrt_a=two[3],
+        orbit_time_s=of_week(int(five[2]), three[0]),
+        cic=three[1],
+        omega0=three[2],
+        cis=three[3],
+        i0=four[0],
+        crc_m=four[1],
+        omega=four[2],
+        omega_dot=four[3],
+        idot=five[0],
         healthy=six[1] == 0,
         group_delay_s=six[2],
         sent_s=of_week(int(five[2]), seven[0]),
-        fit_hours=fit if fit >= FIT_HOURS else FIT_HOURS,
+        fit_hours=max(fit, FIT_HOURS),
     )
 
 

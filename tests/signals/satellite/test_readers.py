@@ -11,6 +11,7 @@ from safeloc.signals.satellite.android import read_android
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
 from safeloc.signals.satellite.navigation import read_navigation
 from safeloc.signals.satellite.observations import read_observations
+from tests.data_sources import data_file
 
 NMEA = "$GPGGA,082000.00,3508.08,N,13658.65,E,1,12,0.7,66.0,M,38.0,M,,*55\n"
 
@@ -40,3 +41,13 @@ def test_measured_values_are_finite() -> None:
         Measured(float("nan"), None)
     with pytest.raises(InputError, match="no range rate"):
         Measured(2e7, None).rate()
+
+
+def test_a_navigation_file_cut_short_is_refused(tmp_path: Path) -> None:
+    """The last line of a record missing: the error names the line the record starts on."""
+    for name, start in (("gnss_septentrio/base.nav", 11), ("gnss_android/hour1820.16n", 9)):
+        lines = data_file(name).read_text().splitlines()[: start + 6]
+        path = tmp_path / "cut.nav"
+        path.write_text("\n".join(lines))
+        with pytest.raises(StreamError, match=f"cut.nav:{start}: .*cut short"):
+            read_navigation(path)
