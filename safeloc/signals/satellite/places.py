@@ -28,6 +28,21 @@ class Place:
         """From degrees."""
         return cls(math.radians(latitude), math.radians(longitude), height_m)
 
+    @classmethod
+    def of_earth_fixed(cls, point_m: Vector) -> Place:
+        """From Earth-fixed coordinates, to a micrometre near the surface. InputError far from it (6200 to 6500 km from the centre)."""
+        x, y, z = point_m
+        if not 6.2e6 < math.hypot(x, y, z) < 6.5e6:
+            raise InputError(f"{point_m} is not near the Earth's surface; give Earth-fixed metres.")
+        level, squared = math.hypot(x, y), EARTH_FLATTENING * (2 - EARTH_FLATTENING)
+        latitude = math.atan2(z, level * (1 - squared))
+        for _ in range(6):
+            normal = EARTH_RADIUS_M / math.sqrt(1 - squared * math.sin(latitude) ** 2)
+            latitude = math.atan2(z + squared * normal * math.sin(latitude), level)
+        normal = EARTH_RADIUS_M / math.sqrt(1 - squared * math.sin(latitude) ** 2)
+        height = level * math.cos(latitude) + z * math.sin(latitude) - EARTH_RADIUS_M**2 / normal
+        return cls(latitude, math.atan2(y, x), height)
+
     def earth_fixed_m(self) -> Vector:
         """Earth-centred, Earth-fixed coordinates."""
         squared = EARTH_FLATTENING * (2 - EARTH_FLATTENING)
