@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from safeloc.trace import Trace
@@ -35,6 +36,7 @@ class Finding:
     assumption    the assumption it was shown under, in words ("" for none)
     truth_mm      of a recording that holds it: the truth after each step of the violated run, None where it is not known
     replayed      the recorded run that it was found on
+    notes         what a reader of it has to know besides, such as what was not checked
     """
 
     id: str
@@ -48,3 +50,4 @@ class Finding:
     assumption: str = ""
     truth_mm: tuple[int | None, ...] = ()
     replayed: Replayed | None = None
+    notes: Mapping[str, str] = field(default_factory=dict)

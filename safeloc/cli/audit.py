@@ -23,7 +23,7 @@ def audit_line(
     vehicles: Annotated[
         list[str] | None,
         typer.Option(
-            "--vehicle", help="file with [localization], or a shipped vehicle (repeatable); else the defaults"
+            "--vehicle", help="file with \\[localization], or a shipped vehicle (repeatable); else the defaults"
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only: a list of safeloc-audit/1")] = False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -47,7 +48,15 @@ TargetArgument = Annotated[
 ConfigOption = Annotated[Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")]
 JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/1)")]
 DepthOption = Annotated[int, typer.Option(help="steps of bounded search", min=1)]
-SecondsOption = Annotated[float, typer.Option(help="time limit for each property", min=0.1)]
+
+
+def _finite(seconds: float) -> float:
+    if not math.isfinite(seconds):
+        raise typer.BadParameter(f"{seconds} is no time limit; give a number of seconds.")
+    return seconds
+
+
+SecondsOption = Annotated[float, typer.Option(help="time limit for each property", min=0.1, callback=_finite)]
 JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
 SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]

@@ -24,7 +24,7 @@ from safeloc.system import TransitionSystem, without_ghosts
 from safeloc.terms import variables
 from safeloc.trace import Trace, shown
 from safeloc.units import Enumeration
-from safeloc.verdict import Held, Result, Violated
+from safeloc.verdict import Held, Result, Unknown, Violated
 
 
 @dataclass(frozen=True)
@@ -79,11 +79,13 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
     stream, faults = (read_steps(path), None) if period_ms is None else recorded_steps(target, path, period_ms)
     if not stream.steps:
         raise StreamError(f"{path}: no steps, so nothing was replayed.")
+    _refuse_other(target, path, stream)
     system = target.system if _is_whole(target, stream) else without_ghosts(target.system)
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = _run(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
-    properties = [prop for prop in _applicable(target, system) if prop.kind != "reachable"]
+    asked = [prop for prop in target.properties if prop.kind != "reachable"]
+    properties = [prop for prop in asked if _is_applicable(prop, system)]
     verdicts = check_all(trace, properties)
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if target.reported is not None and any(value is not None for value in truth):
@@ -91,12 +93,44 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
     if faults is not None:
         findings.append(_border(target, path, len(rows), faults, started))
     replayed = Replayed(path.stem, trace, tuple(truth))
-    return rows, [replace(finding, replayed=replayed) for finding in findings]
+    findings = [replace(finding, replayed=replayed) for finding in findings]
+    return rows, _noted(target, path, findings, [prop for prop in asked if prop not in properties], started)
+
+
+def _noted(
+    target: Target, path: Path, findings: Sequence[Finding], unchecked: Sequence[Property], started: float
+) -> list[Finding]:
+    """The findings, the first of them with a note of what was not checked; undecided where that is all."""
+    if not unchecked:
+        return list(findings)
+    names = "; ".join(prop.name for prop in unchecked)
+    note = {"not checked": f"{_number(unchecked)} ({names}), the stream has no ghosts"}
+    if findings:
+        return [replace(findings[0], notes=note), *findings[1:]]
+    reason = "every property speaks of ghosts, and the stream has none; simulate one, or record the truth as truth_mm"
+    said, name = "something of the recording was checked", f"{target.name}/replay/{path.stem}: nothing checked"
+    seconds = time.monotonic() - started
+    method = f"replay of {path.name}"
+    return [Finding(name, target.name, "replay", said, Unknown(reason, 0), method, seconds, notes=note)]
+
+
+def _number(unchecked: Sequence[Property]) -> str:
+    return "1 property" if len(unchecked) == 1 else f"{len(unchecked)} properties"
+
+
+def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
+    """A stream says in its header which machine it is for, or nothing."""
+    if stream.machine not in ("", target.name):
+        raise StreamError(
+            f"{path}:1: a stream for machine {stream.machine!r}, and {target.name!r} is replayed; "
+            "take the machine of the stream, or leave `machine` out of the header."
+        )
 
 
 def whole_run(target: Target, path: Path) -> Trace | None:
     """A stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
     stream = read_steps(path)
+    _refuse_other(target, path, stream)
     return _run(target.system, path, stream) if _is_whole(target, stream) else None
 
 
@@ -174,16 +208,11 @@ def _truth_mm(path: Path, stream: StepStream, index: int) -> int | None:
     raise StreamError(f"{path}:{stream.lines[index]}: truth_mm is {truth!r}; give whole mm, or leave it out.")
 
 
-def _applicable(target: Target, system: TransitionSystem) -> list[Property]:
+def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
+    """Whether the property speaks of nothing that the system lacks."""
     known: set[Var] = {*system.state, *system.inputs, *system.fired}
-    return [
-        prop
-        for prop in target.properties
-        if all(
-            (var if var.before is None else var.before) in known
-            for var in variables([prop.term, prop.response, prop.given])
-        )
-    ]
+    read = variables([prop.term, prop.response, prop.given])
+    return all((var if var.before is None else var.before) in known for var in read)
 
 
 def _finding(target: Target, path: Path, prop: Property, verdict: Result, started: float) -> Finding:

@@ -91,6 +91,8 @@ def findings_table(findings: Sequence[Finding]) -> None:
         _table(findings)
     for finding in findings:
         _evidence(finding)
+        for what, text in finding.notes.items():
+            out.print(f"\n{what}: {text}", markup=False)
     counts = {verdict: sum(word(f.result) == verdict for f in findings) for verdict in EXIT_CODES}
     out.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count) or "nothing to check")
 

@@ -86,7 +86,7 @@ def result_data(finding: Finding) -> dict[str, Any]:
         "requirements": list(finding.requirements),
         "assumption": finding.assumption,
         "reason": _reason(finding),
-        "notes": dict(finding.result.notes) if isinstance(finding.result, Held) else {},
+        "notes": {**(finding.result.notes if isinstance(finding.result, Held) else {}), **finding.notes},
         "trace": trace_data(_trace(finding), finding.truth_mm),
     }
 

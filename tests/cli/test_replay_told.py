@@ -1,0 +1,60 @@
+"""What replay says of a stream: what it did not check, and which machine a stream is for."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.calling import DOOR, Call
+
+STREAM = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl"
+NOTE = "1 property (containment), the stream has no ghosts"
+
+
+def without_ghosts(folder: Path, *, machine: str = "odometry", steps: int = 20) -> str:
+    """The first steps of a shipped stream, as a vehicle would record them."""
+    lines = [json.loads(line) for line in STREAM.read_text(encoding="utf-8").splitlines()[1 : steps + 1]]
+    kept = [{k: v for k, v in line.items() if not k.endswith("_nm") and k != "truth_mm"} for line in lines]
+    header = {"schema": "safeloc-stream/1", "machine": machine}
+    path = folder / "recorded.jsonl"
+    path.write_text("\n".join(map(json.dumps, [header, *kept])), encoding="utf-8")
+    return str(path)
+
+
+def test_what_is_not_checked_is_told(call: Call, tmp_path: Path) -> None:
+    """A property that speaks of the truth is named, and is not among what held."""
+    called = call("replay", "odometry", without_ghosts(tmp_path))
+    assert called.code == 0
+    assert f"\nnot checked: {NOTE}\n" in called.out
+    assert "recorded: containment" not in called.out
+
+
+def test_what_is_not_checked_in_json(call: Call, tmp_path: Path) -> None:
+    """Once, in the notes of the first finding of the replay; a simulated stream leaves nothing out."""
+    rows = json.loads(call("replay", "odometry", without_ghosts(tmp_path), "--json").out)["results"]
+    assert [row["notes"].get("not checked") for row in rows] == [NOTE, *[None] * (len(rows) - 1)]
+    whole = json.loads(call("replay", "odometry", str(STREAM), "--json").out)["results"]
+    assert not any("not checked" in row["notes"] for row in whole)
+
+
+def test_a_stream_of_another_machine(call: Call, tmp_path: Path) -> None:
+    """Refused by its header; a header without a machine is for any."""
+    wrong = call("replay", "odometry", without_ghosts(tmp_path, machine="balise"))
+    assert (wrong.code, wrong.out) == (2, "")
+    assert ":1: a stream for machine 'balise', and 'odometry' is replayed; take the machine" in wrong.err
+    assert call("replay", "odometry", without_ghosts(tmp_path, machine="")).code == 0
+
+
+@pytest.mark.parametrize("seconds", ["inf", "nan"])
+def test_no_time_limit(call: Call, seconds: str) -> None:
+    """A limit is a number of seconds; the option is named."""
+    called = call("prove", DOOR, "--seconds", seconds)
+    assert called.code == 2
+    assert "--seconds" in called.err
+
+
+def test_help_shows_brackets(call: Call) -> None:
+    """A name in brackets is text, not a style."""
+    assert "[localization]" in call("audit", "--help").out
