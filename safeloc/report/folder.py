@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, assert_never
 
@@ -12,7 +15,7 @@ from jinja2 import UndefinedError
 
 from safeloc.catalogue import Target
 from safeloc.errors import InputError
-from safeloc.report.data import SCHEMA, report_data
+from safeloc.report.data import SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import file_names, to_html
 from safeloc.results import Finding
@@ -37,19 +40,33 @@ def usable(folder: Path) -> None:
 def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Target]) -> Path:
     """Write everything and return the path of the page. Evidence of an earlier report in this folder is removed.
 
+    Of two runs that write into one folder at once the second waits, so that the report is always of one run.
     Raises InputError where the folder cannot be written.
     """
     data = report_data(findings, targets)
     try:
-        _clear(folder)
-        for name in EVIDENCE:
-            (folder / name).mkdir(parents=True, exist_ok=True)
-        (folder / DATA).write_text(json.dumps(data, indent=1), encoding="utf-8")
-        (folder / "junit.xml").write_text(to_junit(findings), encoding="utf-8")
-        _write_evidence(folder, findings)
-        return _write_page(folder, data)
+        folder.mkdir(parents=True, exist_ok=True)
+        with _alone(folder):
+            _clear(folder)
+            for name in EVIDENCE:
+                (folder / name).mkdir(exist_ok=True)
+            (folder / DATA).write_text(json.dumps(data, indent=1), encoding="utf-8")
+            (folder / "junit.xml").write_text(to_junit(findings), encoding="utf-8")
+            _write_evidence(folder, findings)
+            return _write_page(folder, data)
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """While no other run writes here. The folder itself is what is locked: nothing is left behind, even by a crash."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def render_folder(folder: Path) -> Path:
@@ -57,14 +74,31 @@ def render_folder(folder: Path) -> Path:
     path = folder / DATA
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError as error:
+        raise InputError(f"{path}: nested too deeply to be a report.") from error
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: cannot be read as a report: {error}") from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise InputError(f"{path}: not a report of schema {SCHEMA}; write it with `safeloc verify --out {folder}`.")
     try:
-        return _write_page(folder, data)
+        _refuse_unknown_verdicts(path, data)
+        with _alone(folder):
+            return _write_page(folder, data)
     except (KeyError, TypeError, UndefinedError) as error:
         raise InputError(f"{path}: does not keep to schema {SCHEMA}: {error}") from error
+
+
+def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
+    """A page must never show a word that is no verdict as if it were one."""
+    known: list[str] = schema()["$defs"]["verdict"]["enum"]
+    said = [("the report", data["verdict"]), *((row["id"], row["verdict"]) for row in data["results"])]
+    said += [(row["id"], row["verdict"]) for row in data["requirements"] if row["verdict"] != ""]
+    for what, verdict in said:
+        if verdict not in known:
+            raise InputError(
+                f"{path}: does not keep to schema {SCHEMA}: the verdict of {what} is {verdict!r}; "
+                f"there are {', '.join(known)}."
+            )
 
 
 def _write_page(folder: Path, data: Mapping[str, Any]) -> Path:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import re
+import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +22,7 @@ from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.monitor import check_all
 from safeloc.report.data import report_data, schema
-from safeloc.report.folder import write_folder
+from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.junit import to_junit
 from safeloc.report.page import file_names, to_html
 from safeloc.report.plot import line_chart
@@ -333,6 +336,38 @@ def test_the_saved_trace_replays(folder: Path) -> None:
     new, tears = check_all(again, target().properties)
     assert isinstance(new, Held)
     assert isinstance(tears, Violated)
+
+
+@pytest.mark.parametrize("where", ["whole", "results", "requirements"])
+def test_an_unknown_verdict_is_refused(folder: Path, tmp_path: Path, where: str) -> None:
+    """A page is never made of a word that is no verdict."""
+    data = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    changed = data if where == "whole" else data[where][0]
+    changed["verdict"] = "fine"
+    (tmp_path / "report.json").write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(InputError, match=r"report.json: does not keep to schema .* is 'fine'; there are proved, held"):
+        render_folder(tmp_path)
+    assert not (tmp_path / "index.html").exists()
+
+
+def test_a_deeply_nested_report(tmp_path: Path) -> None:
+    """Refused, not a crash."""
+    (tmp_path / "report.json").write_text("[" * 100_000, encoding="utf-8")
+    with pytest.raises(InputError, match=r"nested too deeply to be a report\.$"):
+        render_folder(tmp_path)
+
+
+def test_two_runs_into_one_folder(tmp_path: Path) -> None:
+    """While one run writes, another one waits: what comes out is the report of one of them."""
+    handle = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    other = threading.Thread(target=write_folder, args=(tmp_path, [UNDECIDED], [target()]))
+    other.start()
+    other.join(0.5)
+    assert (other.is_alive(), list(tmp_path.iterdir())) == (True, [])
+    os.close(handle)
+    other.join(30)
+    assert (tmp_path / "index.html").is_file()
 
 
 def test_undecided_leaves_no_evidence(tmp_path: Path) -> None:
