@@ -293,11 +293,14 @@ def test_awaitable() -> None:
 
 
 def test_the_example_of_the_readme_runs(tmp_path: Path) -> None:
-    """The ten lines of README.md run as they stand."""
+    """The lines of README.md run as they stand: out of DELOCALIZED, back into it with its reason in words, and out again."""
     text = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Embedding")[2]
     code = text.partition("```python\n")[2].partition("```")[0]
     assert "to_fsm" in code
     command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT)!r})\n{code}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "DELOCALIZED" in done.stdout
+    told = [line.split()[0] if line[0].isupper() else line for line in done.stdout.splitlines()]
+    changes = [line for number, line in enumerate(told) if told[max(number - 1, 0)] != line or number == 0]
+    out_of_it, back = ["located", "FRONT"], ["restrictive: SENSOR_FAILURE", "DELOCALIZED"]
+    assert changes == ["DELOCALIZED", *out_of_it, *back, *out_of_it]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import StreamError
-from safeloc.streams.record_files import read_raw
+from safeloc.streams.record_files import FIELDS, read_raw
 from safeloc.streams.steps import read_steps
 
 Reader = Callable[[Path], object]
@@ -74,3 +74,13 @@ def test_the_machine_of_a_header_is_a_name(tmp_path: Path, machine: str) -> None
     """Anything else is refused, not turned into text."""
     header = f'{{"schema": "safeloc-stream/1", "machine": {machine}}}\n'
     assert re.match(r":1: `machine` must be the name", refused(read_steps, tmp_path / "run.jsonl", header))
+
+
+def test_the_sample_of_the_documentation(tmp_path: Path) -> None:
+    """The recording in docs/records.md is read as it stands, and every column of a table is described there."""
+    text = (Path(__file__).parents[2] / "docs" / "records.md").read_text(encoding="utf-8")
+    path = tmp_path / "records.csv"
+    path.write_text(text.split("```")[1].lstrip(), encoding="utf-8")
+    assert [record.channel for record in read_raw(path)] == ["front_wheel", "front_radar", "front_marker"]
+    described = "\n".join(line.split("|")[1] for line in text.splitlines() if line.startswith("|"))
+    assert [name for name in FIELDS if f"`{name}`" not in described] == []
