@@ -164,6 +164,6 @@ def clusters(profile: Numbers, config: FibreConfig) -> int:
     smooth = ndimage.gaussian_filter1d(profile, SMOOTH_MM / config.counting.bin_mm)
     above = smooth - np.percentile(smooth, 5)
     _, found = signal.find_peaks(above, height=FAINTEST * above.max(), prominence=0)
-    heights, dips = found["peak_heights"], found["prominences"]
+    heights, dips = found.get("peak_heights", np.empty(0)), found["prominences"]
     clear = heights[dips >= config.counting.dip_percent / 100 * heights]
     return int((clear >= LEAST_HEIGHT * np.median(clear)).sum()) if len(clear) else 0

@@ -62,13 +62,17 @@ def _air_m(
 def _seen(ephemeris: Ephemeris, received_s: float, at: Vector) -> tuple[SatelliteState, float]:
     """The satellite when it transmitted, in the Earth-fixed frame of reception, and its distance."""
     travel_s = 0.075
-    for _ in range(3):
-        sent = satellite_state(ephemeris, received_s - travel_s)
-        position = _turned(sent.position_m, travel_s)
-        range_m = math.dist(position, at)
-        travel_s = range_m / LIGHT_M_PER_S
-    velocity = _turned(sent.velocity_m_per_s, travel_s)
+    for _ in range(2):
+        travel_s = math.dist(_turned(_sent(ephemeris, received_s - travel_s), travel_s), at) / LIGHT_M_PER_S
+    sent = satellite_state(ephemeris, received_s - travel_s)
+    position = _turned(sent.position_m, travel_s)
+    range_m = math.dist(position, at)
+    velocity = _turned(sent.velocity_m_per_s, range_m / LIGHT_M_PER_S)
     return SatelliteState(position, velocity, sent.clock_s, sent.clock_drift), range_m
+
+
+def _sent(ephemeris: Ephemeris, sent_s: float) -> Vector:
+    return satellite_state(ephemeris, sent_s).position_m
 
 
 def _turned(vector: Vector, travel_s: float) -> Vector:

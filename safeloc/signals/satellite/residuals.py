@@ -35,15 +35,17 @@ def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: 
     """
     valid = _valid(epoch, navigation.ephemerides)
     whole = {name: one for name, one in epoch.satellites.items() if name in valid and one.whole()}
-    clock_s = 0.0
-    for _ in range(2):
-        seen = {
-            name: predicted(valid[name], epoch.time_s - clock_s, place, velocity_m_per_s, navigation.ionosphere)
-            for name in whole
-        }
-        seen = {name: one for name, one in seen.items() if one.elevation_rad >= MASK_RAD}
-        codes = {name: whole[name].code() - one.pseudorange_m for name, one in seen.items()}
-        clock_s = common_part(codes) / LIGHT_M_PER_S
+
+    def expected(clock_s: float) -> dict[str, Predicted]:
+        at = epoch.time_s - clock_s
+        every = {name: predicted(valid[name], at, place, velocity_m_per_s, navigation.ionosphere) for name in whole}
+        return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
+
+    def against(seen: Mapping[str, Predicted]) -> dict[str, float]:
+        return {name: whole[name].code() - one.pseudorange_m for name, one in seen.items()}
+
+    seen = expected(common_part(against(expected(0.0))) / LIGHT_M_PER_S)
+    codes = against(seen)
     rates = {name: whole[name].rate() - one.rate_m_per_s for name, one in seen.items()}
     return Residuals(without_clock(codes), without_clock(rates), seen, frozenset(epoch.satellites) - valid.keys())
 
