@@ -24,6 +24,8 @@ def find_layout(name: str) -> LayoutConfig:
     try:
         text = path.read_text(encoding="utf-8")
         data = tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{path}: nested too deeply to be a vehicle.") from error
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path}: cannot be read: {error}.") from error
     return _layout(path, text, data)

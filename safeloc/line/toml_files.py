@@ -26,6 +26,8 @@ def from_toml(text: str, name: str) -> Line:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: not TOML: {error}.") from error
+    except RecursionError as error:
+        raise InputError(f"{name}: nested too deeply to be a line.") from error
     return _line(data, name, lambda path: f"{name}:{line_of(text, path)}")
 
 
@@ -35,6 +37,8 @@ def from_json(text: str, name: str) -> Line:
         data = json.loads(text, object_pairs_hook=lambda pairs: _without_double_keys(pairs, name))
     except json.JSONDecodeError as error:
         raise InputError(f"{name}:{error.lineno}: not JSON: {error.msg}.") from error
+    except RecursionError as error:
+        raise InputError(f"{name}: nested too deeply to be a line.") from error
     return _line(data, name, lambda _: name)
 
 
@@ -72,6 +76,8 @@ def _line(data: Any, name: str, where: Any) -> Line:
         raise InputError(f"{name}: a line is a table of keys, not {type(data).__name__}.")
     try:
         return Line.model_validate_json(json.dumps(data, allow_nan=True, default=str))
+    except RecursionError as error:
+        raise InputError(f"{name}: nested too deeply to be a line.") from error
     except ValidationError as error:
         raise InputError(_told(error, where)) from error
 

@@ -21,6 +21,8 @@ def load_vehicle(path: Path) -> VehicleConfig:
         return VehicleConfig.model_validate({key: value for key, value in data.items() if key != "localization"})
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file.") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: nested too deeply to be a vehicle.") from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not TOML ({error}).") from error
     except ValidationError as error:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.audit.vehicle import find_layout
 from safeloc.errors import InputError
 from safeloc.line.model import sealed
 from safeloc.line.toml_files import find_line, from_json, from_toml, load_line, shipped_lines, to_toml
@@ -135,3 +136,16 @@ def test_lines_of_nested_tables() -> None:
         )
     ]
     assert 1 == line_of(text, ("absent",))
+
+
+@pytest.mark.parametrize("depth", [150, 900, 100_000])
+@pytest.mark.parametrize("name", ["deep.toml", "deep.json"])
+def test_deep_nesting(tmp_path: Path, name: str, depth: int) -> None:
+    """Refused with the file's name, however deep; as a vehicle, too."""
+    left = "a = " if name == "deep.toml" else '{"a": '
+    text = left + "[" * depth + "]" * depth + ("" if name == "deep.toml" else "}")
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    for read in (load_line, lambda path: find_layout(str(path))):
+        with pytest.raises(InputError, match=f"{name}.*"):
+            read(path)
