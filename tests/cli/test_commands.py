@@ -63,7 +63,7 @@ def test_list_properties(call: Call) -> None:
         (["prove", "door.py"], "For a machine in this file give its name as well: door.py:machine."),
         (["prove", DOOR.replace(":machine", ":door")], "machines in it: ['machine']"),
         (["prove", DOOR, "--property", "none"], "has no property 'none'"),
-        (["prove", "odometry", "--config", "no_such.toml"], "no_such.toml: cannot be read as TOML"),
+        (["prove", "odometry", "--config", "no_such.toml"], "no_such.toml: no such file."),
         (["list", "trains"], "choose one of machines, properties, requirements"),
         (["replay", "odometry", "no_such.jsonl"], "no_such.jsonl: no such file."),
         (["replay", DOOR, "x.jsonl", "--format", "xml"], "choose table or jsonl"),
