@@ -176,7 +176,10 @@ pictures = [PICTURE]
 def test_a_user_declares_pictures(tmp_path: Path) -> None:
     """Beside the machine; one that names what is not there is refused, and so is what is no picture."""
     named = "Deviation('d', Reported('at_mm', 'at_mm', 'at_mm', 'VALID'), 30_000)"
-    wrong = {named: "no output or state 'VALID'", "3": r"pictures holds 3 of type int; expected Deviation, Approach or Recognition"}
+    wrong = {
+        named: "no output or state 'VALID'",
+        "3": r"pictures holds 3 of type int; expected Deviation, Approach or Recognition",
+    }
     for number, (declared, message) in enumerate(wrong.items()):
         path = tmp_path / f"own_{number}.py"
         path.write_text(OWN.replace("PICTURE", declared), encoding="utf-8")
