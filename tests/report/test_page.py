@@ -129,7 +129,7 @@ def test_old_evidence_goes(tmp_path: Path) -> None:
     [
         ("{", "cannot be read as a report"),
         ("[]", "not a report of schema safeloc-report/1"),
-        (json.dumps({"schema": "safeloc-report/1"}), "does not keep to schema safeloc-report/1: 'results'"),
+        (json.dumps({"schema": "safeloc-report/1"}), "does not keep to schema safeloc-report/1: 'verdict'"),
     ],
 )
 def test_no_report(tmp_path: Path, text: str, message: str) -> None:
