@@ -66,7 +66,7 @@ def _recording(path: Path, data: object, told: dict[str, float], channels_first:
 def read_das(path: Path) -> Recording:
     """A file of any format that dascore knows. EngineError without dascore; StreamError when it cannot read the file."""
     try:
-        import dascore  # type: ignore[import-untyped]
+        import dascore  # pyright: ignore[reportMissingImports] # an extra
     except ModuleNotFoundError as error:
         raise EngineError(
             f"{path} is read with dascore: pip install 'safeloc[das]'; .npy and .npz need nothing."
