@@ -111,7 +111,7 @@ def read_xml(path: Path) -> Element:
 
 def _etree() -> Any:
     try:
-        from lxml import etree
+        from lxml import etree  # pyright: ignore[reportAttributeAccessIssue] # compiled, without types
     except ImportError as error:
         raise missing("lxml", "reading railML") from error
     return etree
