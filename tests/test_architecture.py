@@ -49,7 +49,6 @@ ROOMS = {
 }
 OUTSIDE_THE_KERNEL = {
     "catalogue.py": "finds machines of models and of users",
-    "shipped.py": "configures the machines that ship",
     "target.py": "carries a configuration",
     "config.py": "pydantic checks figures read from files",
     "testing.py": "hypothesis draws the streams",

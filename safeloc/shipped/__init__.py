@@ -1,0 +1,12 @@
+"""The machines that ship, by name: each with its configuration, properties, recorded streams and simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.shipped import fibre, markers, odometry, satellite
+from safeloc.target import Entry
+
+ENTRIES: Mapping[str, Entry] = {
+    entry.name: entry for entry in (*odometry.ENTRIES, *markers.ENTRIES, *fibre.ENTRIES, *satellite.ENTRIES)
+}

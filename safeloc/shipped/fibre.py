@@ -1,0 +1,121 @@
+"""Fibre sensing, what verifies it, and the virtual sections that it clears."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from pydantic import BaseModel
+
+from safeloc.models import (
+    axle_counter,
+    axle_head,
+    axle_section,
+    emitter,
+    fibre,
+    sections,
+    train_order,
+    verification,
+)
+from safeloc.properties import axle_counter as counter_properties
+from safeloc.properties import axle_head as head_properties
+from safeloc.properties import axle_section as axle_section_properties
+from safeloc.properties import emitter as emitter_properties
+from safeloc.properties import fibre as fibre_properties
+from safeloc.properties import sections as sections_properties
+from safeloc.properties import train_order as order_properties
+from safeloc.properties import verification as verification_properties
+from safeloc.reported import Reported
+from safeloc.shipped.making import recorded, single
+from safeloc.streams.steps import Cell
+from safeloc.target import Entry, Target
+
+
+def _fibre(config: BaseModel) -> Target:
+    assert isinstance(config, fibre.FibreConfig)
+    model = fibre.build(fibre.parts(config))
+    made = single(model.machine, fibre_properties.properties(model), config)
+    return replace(made, reported=Reported(), simulate=lambda seed: _fibre_simulated(config, seed))
+
+
+def _fibre_simulated(config: fibre.FibreConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.fibre_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
+
+
+def _verification(config: BaseModel) -> Target:
+    assert isinstance(config, verification.VerificationConfig)
+    model = verification.build(verification.parts(config))
+    made = single(model.machine, verification_properties.properties(model), config)
+    return replace(
+        made, reported=Reported(valid="trusted"), simulate=lambda seed: _verification_simulated(config, seed)
+    )
+
+
+def _verification_simulated(config: verification.VerificationConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.fibre_streams import simulate_stay  # numpy is loaded only where something is simulated
+
+    return simulate_stay(config, seed=seed)
+
+
+def _axle_head(config: BaseModel) -> Target:
+    assert isinstance(config, axle_head.AxleHeadConfig)
+    model = axle_head.build(axle_head.parts(config))
+    return single(model.machine, head_properties.properties(model), config)
+
+
+def _axle_counter(config: BaseModel) -> Target:
+    assert isinstance(config, axle_counter.AxleCounterConfig)
+    model = axle_counter.build(axle_counter.parts(config))
+    return single(model.machine, counter_properties.properties(model), config)
+
+
+def _axle_section(config: BaseModel) -> Target:
+    assert isinstance(config, axle_section.AxleSectionConfig)
+    model = axle_section.build(axle_section.parts(config))
+    return single(model.machine, axle_section_properties.properties(model), config)
+
+
+def _train_order(config: BaseModel) -> Target:
+    assert isinstance(config, train_order.TrainOrderConfig)
+    model = train_order.build(train_order.parts(config))
+    return single(model.machine, order_properties.properties(model), config)
+
+
+def _emitter(config: BaseModel) -> Target:
+    assert isinstance(config, emitter.EmitterConfig)
+    model = emitter.build(emitter.parts(config))
+    return single(model.machine, emitter_properties.properties(model), config)
+
+
+def _sections(config: BaseModel) -> Target:
+    assert isinstance(config, sections.SectionsConfig)
+    whole = sections.compose_machines(config)
+    machines = (whole.area.machine, *(one.machine for one in whole.sections))
+    properties = tuple(sections_properties.properties(whole))
+    doc = "Trains of a line area between axle counters, and the virtual sections that it is cut into, in one step."
+    system = whole.composition.system
+    return Target("sections", machines, system, properties, config, doc, recorded("sections"))
+
+
+ENTRIES = (
+    Entry("fibre", "place from localization sections in a fibre", fibre.FibreConfig, _fibre),
+    Entry(
+        "verification",
+        "a train's fibre position, verified against an axle counter",
+        verification.VerificationConfig,
+        _verification,
+    ),
+    Entry("axle_head", "axles and direction from two overlapping pulses", axle_head.AxleHeadConfig, _axle_head),
+    Entry("axle_counter", "a train's entry record from its axles", axle_counter.AxleCounterConfig, _axle_counter),
+    Entry(
+        "axle_section",
+        "clear or occupied by axles counted in and out",
+        axle_section.AxleSectionConfig,
+        _axle_section,
+    ),
+    Entry("train_order", "whose a pattern is, by order on the track", train_order.TrainOrderConfig, _train_order),
+    Entry("emitter", "function check of the fibre by a test emitter", emitter.EmitterConfig, _emitter),
+    Entry("sections", "clear or not: virtual sections of a line area", sections.SectionsConfig, _sections),
+)

@@ -1,0 +1,26 @@
+"""What the makers of shipped machines share: recordings by name, and a machine that stands alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from safeloc.machine import Machine
+from safeloc.spec import Property
+from safeloc.system import lower
+from safeloc.target import Target
+
+STREAMS = Path(__file__).parents[1] / "models" / "streams"
+
+
+def recorded(name: str) -> tuple[Path, ...]:
+    """Recorded step streams that ship for a machine: those whose file names begin with its name."""
+    return tuple(sorted(STREAMS.glob(f"{name}*.jsonl")))
+
+
+def single(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
+    """A single machine with the streams that ship under its name."""
+    name = machine.name
+    return Target(name, (machine,), lower(machine), tuple(properties), config, machine.doc, recorded(name))
