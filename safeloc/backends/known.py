@@ -34,6 +34,7 @@ from safeloc.nodes import (
     any_of,
 )
 from safeloc.terms import children, in_order, rebuilt
+from safeloc.units import Enumeration
 
 MOST_VALUES = 16
 _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
@@ -140,8 +141,10 @@ def _shape(term: Expr) -> tuple[object, ...]:
     """What tells two nodes apart, given that their parts are one node where equal."""
     parts = tuple(id(part) for part in children(term))
     match term:
-        case Lit(value, _) | Truth(value):
-            return (type(term), value)
+        case Lit(value, unit):
+            return (Lit, value, unit if isinstance(unit, Enumeration) else None)  # a member keeps its label
+        case Truth(value):
+            return (Truth, value)
         case Add() | Mul() | Min() | Max():
             return (type(term), *sorted(parts))  # in either order the same
         case FloorDiv(_, divisor, _):

@@ -7,11 +7,11 @@ do without it.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from safeloc.backends.python_terms import Written
-from safeloc.nodes import Choose, ChooseBool, Expr, Lit, Not, Truth, Var
+from safeloc.backends.writing import Writing
+from safeloc.nodes import Bool, Choose, ChooseBool, Expr, Lit, Not, Truth
 from safeloc.terms import children
 
 DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
@@ -21,10 +21,11 @@ Targets = Sequence[tuple[str, Expr]]
 
 @dataclass(frozen=True)
 class Bind:
-    """A name for a value."""
+    """A name for a value, which is a number or a truth value."""
 
     name: str
     value: str
+    is_truth: bool
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,8 @@ class _Group:
 class Blocks:
     """Makes statements; knows which terms have a name at the place it has come to."""
 
-    def __init__(self, names: Mapping[Var, str]) -> None:
-        self._written = Written(names)
+    def __init__(self, written: Writing) -> None:
+        self._written = written
         self._count = 0
 
     def text(self, term: Expr) -> str:
@@ -119,7 +120,7 @@ class Blocks:
         outer, block = dict(self._written.named), list[Statement]()
         condition = self._begin(targets, block, depth)
         if condition is None:
-            block += [Bind(name, self.text(term)) for name, term in targets]
+            block += [Bind(name, self.text(term), isinstance(term, Bool)) for name, term in targets]
         else:
             left = [(name, term) for name, term in targets if self._written.named.get(term) != name]
             block += self._choice(condition, left, depth)
@@ -161,7 +162,7 @@ class Blocks:
             else:
                 block += self._prepared(term, depth)
                 value, name = self.text(term), self._new_name()
-                block.append(Bind(name, value))
+                block.append(Bind(name, value, isinstance(term, Bool)))
             self._written.named[term] = name
         return block
 

@@ -57,11 +57,11 @@ class _Case:
         return in_order(term for _, term in self.targets)
 
 
-def moves(system: TransitionSystem, names: Mapping[Var, str]) -> Block:
+def moves(system: TransitionSystem, names: Mapping[Var, str], blocks: Blocks) -> Block:
     """Statements that compute the state after a step (`next_...`), then the fired transitions (`fired_...`)."""
     moved = [(f"next_{names[var]}", system.next[var]) for var in system.state]
     fired = [(f"fired_{number}", term) for number, term in enumerate(system.fired.values())]
-    whole, blocks = _Case([*moved, *fired], 0).under({}), Blocks(names)
+    whole = _Case([*moved, *fired], 0).under({})
     room, modes = whole.work * LONGEST, _modes(system)
     events, quiet = _quiet(system, whole)
     if not events:

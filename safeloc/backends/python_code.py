@@ -8,6 +8,7 @@ from typing import assert_never
 
 from safeloc.backends.python_blocks import Bind, Block, Blocks, Choice, End, Test
 from safeloc.backends.python_cases import moves
+from safeloc.backends.python_terms import PythonTerms
 from safeloc.errors import InputError
 from safeloc.nodes import Past, Var
 from safeloc.system import TransitionSystem
@@ -20,8 +21,10 @@ def to_python(system: TransitionSystem) -> str:
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
     names = _names(system)
     held, read = [names[var] for var in system.state], [names[var] for var in system.inputs]
-    body = moves(system, names)
-    shown = Blocks(names).ending([(f"out_{number}", term) for number, term in enumerate(system.outputs.values())])
+    body = moves(system, names, Blocks(PythonTerms(names)))
+    shown = Blocks(PythonTerms(names)).ending(
+        [(f"out_{number}", term) for number, term in enumerate(system.outputs.values())]
+    )
     state = _tuple(held)
     return (
         f'"""Generated from machine {system.name}; do not edit."""\n\n\n'
@@ -47,7 +50,7 @@ def _lines(block: Block, leaf: Leaf, indent: str) -> str:
     text = ""
     for statement in block:
         match statement:
-            case Bind(name, value):
+            case Bind(name, value, _):
                 text += f"{indent}{name} = {value}\n"
             case Test(test, inner):
                 text += f"{indent}if {test}:\n{_lines(inner, leaf, indent + '    ')}"

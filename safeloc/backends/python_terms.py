@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import assert_never
 
 from safeloc.backends.shapes import is_magnitude
+from safeloc.backends.writing import Writing
 from safeloc.nodes import (
     Add,
     And,
@@ -28,20 +28,14 @@ from safeloc.nodes import (
     Past,
     Sub,
     Truth,
-    Var,
 )
-from safeloc.terms import children
 
-LONGEST_INLINE = 12
 _OPPOSITE = {"<": ">=", "<=": ">", "==": "!=", ">": "<=", ">=": "<"}
 _MIRRORED = {"<": ">", "<=": ">=", "==": "=="}
 
 
-class Written:
-    """Writes terms; knows which ones have a name."""
-
-    def __init__(self, names: Mapping[Var, str]) -> None:
-        self.named: dict[Expr, str] = dict[Expr, str](names.items())
+class PythonTerms(Writing):
+    """Writes terms as Python."""
 
     def text(self, term: Expr) -> str:
         """The term as an expression that may stand alone, as a value or as a test."""
@@ -114,33 +108,3 @@ class Written:
                 case _:
                     texts.append(self._part(rest.pop(0)))
         return texts[0][1:-1] if len(texts) == 1 else " and ".join(texts)
-
-    def unnamed(self, roots: Iterable[Expr]) -> list[Expr]:
-        """Nodes below `roots` that are no constants and have no name yet, parts before wholes."""
-        seen: set[int] = set()
-        order: list[Expr] = []
-        stack: list[tuple[Expr, bool]] = [(root, False) for root in roots]
-        while stack:
-            node, done = stack.pop()
-            if done:
-                order.append(node)
-            elif id(node) not in seen and node not in self.named and not isinstance(node, (Lit, Truth)):
-                seen.add(id(node))
-                stack.append((node, True))
-                stack.extend((part, False) for part in children(node))
-        return order
-
-    def awaited(self, term: Expr) -> list[Expr]:
-        """What must get a name before the term is written: what it uses twice, compares twice, or nests too deep."""
-        below = self.unnamed([term])
-        uses = Counter(part for node in below for part in children(node))
-        twice = {node for node, count in uses.items() if count > 1}
-        depth: dict[Expr, int] = {}
-        for node in below:
-            if isinstance(node, (Min, Max)):
-                twice |= {node.left} if is_magnitude(node) else {node.left, node.right}
-            depth[node] = 1 + max((depth.get(part, 0) for part in children(node)), default=0)
-            if depth[node] > LONGEST_INLINE:
-                twice.add(node)
-                depth[node] = 0
-        return [node for node in below if node in twice and node is not term]
