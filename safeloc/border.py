@@ -2,7 +2,7 @@
 
     reading -> Admitted(value)   the value as it came, a whole number in the channel's range (3.0 is 3), fresh and new
             -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, SURPLUS,
-                                 MISSING
+                                 MISSING, LOST, UNKNOWN
 
 A machine gets admitted values by name; a faulty input is absent, which is what an optional input is for. What came
 when is judged by `Deliveries`, what it says by `admitted`; a host's `Border` and the cycle builder use both.
@@ -32,6 +32,8 @@ class Reason(Enum):
     OUT_OF_ORDER = "older than one delivered before"
     SURPLUS = "a second one where a step takes one"
     MISSING = "nothing was delivered, or too little"
+    LOST = "something may have been lost on its way"
+    UNKNOWN = "no channel of this machine"
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ SafelocError
 │   ├── UnitError          ... its units do not fit (also a TypeError)
 │   └── TruthValueError    ... a symbolic term was used as a Python value (also a TypeError)
 ├── InputError             a value given to a machine is wrong (also a ValueError)
-│   └── StreamError        ... in a stream, with its file and line
+│   ├── StreamError        ... in a stream, with its file and line
+│   └── SnapshotError      ... a snapshot that is damaged, or of something else
 ├── PropertyError          a property cannot be checked on this machine or trace
 ├── EngineError            a solver or back end answered what it must not, or is missing
 └── NotProvedError         a verdict that was required to be Proved is not
@@ -40,6 +41,10 @@ class InputError(SafelocError, ValueError):
 
 class StreamError(InputError):
     """A recorded stream cannot be read; the message names file and line."""
+
+
+class SnapshotError(InputError):
+    """A snapshot does not fit: it is damaged, newer, or of another machine or configuration."""
 
 
 class PropertyError(SafelocError):

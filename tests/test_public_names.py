@@ -26,8 +26,8 @@ PUBLIC = {
     interpret: ("run",),
     verdict: ("Held", "Proved", "Unknown", "Violated", "require_proved"),
     errors: (
-        "EngineError", "InputError", "ModelError", "NotProvedError", "PropertyError", "SafelocError", "StreamError",
-        "TruthValueError", "UnitError",
+        "EngineError", "InputError", "ModelError", "NotProvedError", "PropertyError", "SafelocError", "SnapshotError",
+        "StreamError", "TruthValueError", "UnitError",
     ),
 }  # fmt: skip
 HEAVY = ("cvc5", "hypothesis", "jinja2", "numpy", "pyarrow", "pydantic", "pytest", "rich", "transitions", "typer", "z3")

@@ -45,24 +45,99 @@ class Cycle:
         return {**self.inputs, **self.remarks}
 
 
-@dataclass
-class _Open:
-    """The cycle being filled."""
+class CycleBuilder:
+    """Fills one cycle after the other. What it remembers between cycles: their number, and what each channel said last.
 
-    number: int
-    begin_ms: int
-    end_ms: int
-    used: dict[str, list[Record]] = field(default_factory=dict)
-    faults: list[Fault] = field(default_factory=list)
+    channels    ranges of machine inputs by their names (`channels_of`); what lies outside is no input
+    expected    channel -> records it makes in every cycle; one with fewer gives no input and is MISSING
+    done        cycles closed before, with their `deliveries`: to go on where another builder stopped
 
+    InputError for a period below 1 ms.
+    """
 
-@dataclass(frozen=True)
-class _Builder:
-    """What all cycles share: ranges by input name, least records by channel, and what each channel said last."""
+    def __init__(
+        self,
+        period_ms: int,
+        *,
+        start_ms: int = 0,
+        channels: Sequence[Channel] = (),
+        expected: Mapping[str, int] | None = None,
+        done: int = 0,
+        deliveries: Deliveries | None = None,
+    ) -> None:
+        if period_ms < 1:
+            raise InputError(f"period_ms is {period_ms}; a cycle takes at least 1 ms.")
+        self.period_ms, self.start_ms, self.done = period_ms, start_ms, done
+        self.deliveries = deliveries or Deliveries()
+        self._limits = {channel.name: channel for channel in channels}
+        self._expected = expected or {}
+        self._used: dict[str, list[Record]] = {}
+        self._faults: list[Fault] = []
 
-    limits: Mapping[str, Channel]
-    expected: Mapping[str, int]
-    deliveries: Deliveries = field(default_factory=Deliveries)
+    @property
+    def begin_ms(self) -> int:
+        """The last instant that is too early for the open cycle."""
+        return self.end_ms - self.period_ms if self.done else self.start_ms - 1
+
+    @property
+    def end_ms(self) -> int:
+        """The last instant of the open cycle."""
+        return self.start_ms + (self.done + 1) * self.period_ms
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing came in the open cycle."""
+        return not self._used and not self._faults
+
+    def take(self, number: int, record: Record | Unusable) -> None:
+        """One record for the open cycle; `number` is its place in the stream."""
+        fault = self._fault(record)
+        if fault is not None:
+            self._faults.append(replace(fault, number=number))
+        elif not isinstance(record, Unusable):
+            self._used.setdefault(record.channel, []).append(record)
+
+    def refuse(self, fault: Fault) -> None:
+        """A fault that was found before: its channel gives no input in the open cycle."""
+        self._faults.append(fault)
+
+    def close(self) -> Cycle:
+        """The open cycle is over; the next one is open."""
+        faults = [*self._faults, *self._missing()]
+        doubtful = {fault.channel for fault in faults}
+        sound = {name: said for name, said in self._used.items() if name not in doubtful}
+        inputs: dict[str, int | str] = {}
+        for name, said in sound.items():
+            total = _total(said)
+            outside = _outside(self._limits, name, total)
+            if outside is None:
+                inputs |= total
+            else:
+                faults.append(outside)
+        cycle = Cycle(self.done + 1, self.end_ms, inputs, _remarks(sound.get("truth", ())), tuple(faults))
+        self.done, self._used, self._faults = self.done + 1, {}, []
+        return cycle
+
+    def _missing(self) -> Iterator[Fault]:
+        for name, least in self._expected.items():
+            came = len(self._used.get(name, ()))
+            if came < least:
+                yield Fault(name, Reason.MISSING, f"{came} of {least}")
+
+    def _fault(self, record: Record | Unusable) -> Fault | None:
+        """When it came, whether there is room for it, and what it says; the sum of increments is judged at the end."""
+        end_ms = self.end_ms
+        oldest_ms = end_ms - self.begin_ms - 1
+        late = self.deliveries.fault(record.channel, Raw(None, record.time_ms), end_ms, oldest_ms)
+        if late is not None:
+            return late
+        if isinstance(record, Unusable):
+            return Fault(record.channel, record.reason, record.detail)
+        if record.is_increment or isinstance(record, TruthRecord):
+            return None
+        if record.channel in self._used:
+            return Fault(record.channel, Reason.SURPLUS, f"at {record.time_ms} ms")
+        return _outside(self._limits, record.channel, record.inputs())
 
 
 def cycles(
@@ -76,78 +151,30 @@ def cycles(
 ) -> Iterator[Cycle]:
     """Steps up to the last record, none left out: a silent period gives steps without inputs.
 
-    channels        ranges of machine inputs by their names (`channels_of`); what lies outside is no input
-    expected        channel -> records it makes in every cycle; one with fewer gives no input and is MISSING
-    longest_gap_ms  a leap of time beyond it is taken for a wrong clock: InputError
+    channels, expected  as for the CycleBuilder
+    longest_gap_ms      a leap of time beyond it is taken for a wrong clock: InputError
     """
-    if period_ms < 1:
-        raise InputError(f"period_ms is {period_ms}; a cycle takes at least 1 ms.")
-    builder = _Builder({channel.name: channel for channel in channels}, expected or {})
-    current = _Open(1, start_ms - 1, start_ms + period_ms)
+    builder = CycleBuilder(period_ms, start_ms=start_ms, channels=channels, expected=expected)
     for number, record in enumerate(records):
-        if record.time_ms > current.end_ms + longest_gap_ms:
+        if record.time_ms > builder.end_ms + longest_gap_ms:
             raise InputError(
-                f"record {number} ({record.channel}) is {record.time_ms - current.end_ms} ms ahead, more than "
+                f"record {number} ({record.channel}) is {record.time_ms - builder.end_ms} ms ahead, more than "
                 f"longest_gap_ms {longest_gap_ms}; mend its time, split the recording there, or allow a longer gap."
             )
-        while record.time_ms > current.end_ms:
-            yield _closed(builder, current)
-            current = _Open(current.number + 1, current.end_ms, current.end_ms + period_ms)
-        _take(builder, current, number, record)
-    if current.used or current.faults:
-        yield _closed(builder, current)
+        while record.time_ms > builder.end_ms:
+            yield builder.close()
+        builder.take(number, record)
+    if not builder.empty:
+        yield builder.close()
 
 
-def _take(builder: _Builder, current: _Open, number: int, record: Record | Unusable) -> None:
-    fault = _fault(builder, current, record)
-    if fault is not None:
-        current.faults.append(replace(fault, number=number))
-    elif not isinstance(record, Unusable):
-        current.used.setdefault(record.channel, []).append(record)
-
-
-def _fault(builder: _Builder, current: _Open, record: Record | Unusable) -> Fault | None:
-    """When it came, whether there is room for it, and what it says; the sum of increments is judged at the end."""
-    oldest_ms = current.end_ms - current.begin_ms - 1
-    late = builder.deliveries.fault(record.channel, Raw(None, record.time_ms), current.end_ms, oldest_ms)
-    if late is not None:
-        return late
-    if isinstance(record, Unusable):
-        return Fault(record.channel, record.reason, record.detail)
-    if record.is_increment or isinstance(record, TruthRecord):
-        return None
-    if record.channel in current.used:
-        return Fault(record.channel, Reason.SURPLUS, f"at {record.time_ms} ms")
-    return _outside(builder, record.channel, record.inputs())
-
-
-def _outside(builder: _Builder, channel: str, inputs: Mapping[str, int | str]) -> Fault | None:
+def _outside(limits: Mapping[str, Channel], channel: str, inputs: Mapping[str, int | str]) -> Fault | None:
     """The first of these inputs that is not in its range."""
     for name, value in inputs.items():
-        judged = admitted(builder.limits[name], value) if name in builder.limits else None
+        judged = admitted(limits[name], value) if name in limits else None
         if isinstance(judged, Fault):
             return Fault(channel, judged.reason, f"{name}: {judged.detail}")
     return None
-
-
-def _closed(builder: _Builder, current: _Open) -> Cycle:
-    faults = list(current.faults)
-    faults += [
-        Fault(name, Reason.MISSING, f"{len(current.used.get(name, ()))} of {least}")
-        for name, least in builder.expected.items()
-        if len(current.used.get(name, ())) < least
-    ]
-    doubtful = {fault.channel for fault in faults}
-    sound = {name: said for name, said in current.used.items() if name not in doubtful}
-    inputs: dict[str, int | str] = {}
-    for name, said in sound.items():
-        total = _total(said)
-        outside = _outside(builder, name, total)
-        if outside is None:
-            inputs |= total
-        else:
-            faults.append(outside)
-    return Cycle(current.number, current.end_ms, inputs, _remarks(sound.get("truth", ())), tuple(faults))
 
 
 def _remarks(said: Sequence[Record]) -> Mapping[str, int]:
