@@ -1,6 +1,9 @@
 """Several machines as one step: wired output to input, in declared order, synchronously.
 
 A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
+
+What a machine assumes of its environment is assumed of the whole, unless it is named in `owes`: then the machines
+before it have to keep it, and `Composition.owed` is what is to be proved of the whole (assume-guarantee).
 """
 
 from __future__ import annotations
@@ -9,20 +12,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, Lit, Num, NumVar, Optional, Var, all_of
+from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, before, was
 from safeloc.machine import Any_, Initial, Machine
 from safeloc.nodes import Value
-from safeloc.system import TransitionSystem, lower
+from safeloc.system import TransitionSystem, in_range, lower
 from safeloc.terms import Sharing, Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)
 class Composition:
-    """The whole, and the way from a machine's own terms to terms over the whole."""
+    """The whole, and the way from a machine's own terms to terms over the whole.
+
+    owed  machine -> what it assumes, and the ranges of its wired inputs, as a term for a property of the whole
+    """
 
     system: TransitionSystem
     parts: Mapping[Machine, Substitution]
     after: Mapping[Var, Expr]
+    owed: Mapping[Machine, Bool]
 
     def of(self, machine: Machine) -> Substitution:
         """Rewrites terms over one machine's variables into terms over the whole (properties, outputs, lemmas)."""
@@ -30,13 +37,19 @@ class Composition:
 
 
 def compose(
-    name: str, machines: Sequence[Machine], wires: Mapping[Var, Expr], *, shared: Sequence[Var] = ()
+    name: str,
+    machines: Sequence[Machine],
+    wires: Mapping[Var, Expr],
+    *,
+    shared: Sequence[Var] = (),
+    owes: Sequence[Machine] = (),
 ) -> Composition:
     """Several machines as one TransitionSystem.
 
     wires   an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
             means the state after the step (so an output of theirs is written as `earlier.output("x")`)
     shared  input or ghost variables that several machines declare as the very same object, kept once
+    owes    machines whose assumption is not assumed of the whole: it is owed by the others, and told as `owed`
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for a wire to an
     unknown input, a unit that does not fit, a wire that reads a machine that is not earlier or a variable that several
@@ -49,6 +62,7 @@ def compose(
     same = Sharing()
     after: dict[Var, Expr] = {}
     moved: dict[Var, Expr] = {}
+    owed: dict[Machine, Bool] = {}
     merged = TransitionSystem(
         name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
     )
@@ -69,13 +83,15 @@ def compose(
                 )
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
+        if machine in owes:
+            owed[machine] = _told(step.bool(all_of([system.assume, in_range(list(wired))])), moved)
         rename[machine] = now
         merged = replace(
             merged,
             state=_union(merged.state, [own[var] for var in system.state]),
             inputs=_union(merged.inputs, [own[var] for var in system.inputs if var not in wires]),
             init=all_of([merged.init, now.bool(system.init)]),
-            assume=all_of([merged.assume, step.bool(system.assume)]),
+            assume=all_of([merged.assume, TRUE if machine in owes else step.bool(system.assume)]),
             outputs={**merged.outputs, **{f"{machine.name}.{key}": now(term) for key, term in system.outputs.items()}},
             fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
             lemmas={
@@ -86,7 +102,15 @@ def compose(
             initial={**merged.initial, **{own[var]: value for var, value in system.initial.items()}},
             optionals=(*merged.optionals, *_kept_optionals(system, own, wires)),
         )
-    return Composition(replace(merged, next=moved), rename, after)
+    return Composition(replace(merged, next=moved), rename, after, owed)
+
+
+def _told(term: Bool, state: Mapping[Var, Expr]) -> Bool:
+    """A term over the state before the step, as a property reads it."""
+    twins: dict[Var, Expr] = {
+        var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term]) if var in state
+    }
+    return Substitution(twins).bool(term)
 
 
 def _start(value: Initial) -> Value | Any_:
