@@ -70,32 +70,44 @@ class SelectionConfig(Config):
     speed_noise_mm_s: int = quantity(
         600, "mm/s", 0, 1_000_000, "[D] 3 x 0.19 m/s: range rate error of a healthy signal"
     )
-    range_prediction_mm: int = quantity(6_000, "mm", 0, 10_000_000, "[D] 2 A T^2 and the state's own error")
-    speed_prediction_mm_s: int = quantity(800, "mm/s", 0, 1_000_000, "[D] 2 A T at 0.2 s, and the state's own error")
+    range_prediction_mm: int = quantity(4_000, "mm", 0, 10_000_000, "[D] A T^2 at 0.2 s, and the state's own error")
+    speed_prediction_mm_s: int = quantity(700, "mm/s", 0, 1_000_000, "[D] 2 A T at 0.2 s, and the state's own error")
+    range_clock_mm: int = quantity(2_500, "mm", 0, 10_000_000, "[D] 3 x 1.25 x 2.56 m / sqrt(16): a median's error")
+    speed_clock_mm_s: int = quantity(150, "mm/s", 0, 1_000_000, "[D] 3 x 1.25 x 0.19 m/s / sqrt(25): a median's error")
     warm_up_cycles: int = quantity(2, "cycles", 1, 1_000, "[S] [0071]: variability needs two samples at least")
     last_identity: int = quantity(1_000, "count", 1, 1_000_000, "[D] satellites of all constellations")
 
     @model_validator(mode="after")
     def _keeps_healthy_ones(self) -> SelectionConfig:
-        """The threshold rule: above noise plus prediction error, or healthy satellites go when the train brakes."""
+        """The threshold rule: above noise, prediction and clock error, or healthy satellites go when the train brakes."""
         rows = (
-            ("range_threshold_mm", self.range_threshold_mm, self.range_noise_mm + self.range_prediction_mm),
-            ("speed_threshold_mm_s", self.speed_threshold_mm_s, self.speed_noise_mm_s + self.speed_prediction_mm_s),
+            ("range_threshold_mm", self.range_threshold_mm, self.range_off_at_most_mm),
+            ("speed_threshold_mm_s", self.speed_threshold_mm_s, self.speed_off_at_most_mm_s),
         )
         for name, value, least in rows:
             if value <= least:
                 raise ValueError(
-                    f"{name} {value} is not above noise plus prediction error, {least}: healthy satellites would be "
-                    "excluded while the train brakes; raise it."
+                    f"{name} {value} is not above noise, prediction and clock error together, {least}: healthy satellites "
+                    "would be excluded while the train brakes; raise it."
                 )
         return self
+
+    @property
+    def range_off_at_most_mm(self) -> int:
+        """The greatest difference of a healthy pseudorange."""
+        return self.range_noise_mm + self.range_prediction_mm + self.range_clock_mm
+
+    @property
+    def speed_off_at_most_mm_s(self) -> int:
+        """The greatest difference of a healthy range rate."""
+        return self.speed_noise_mm_s + self.speed_prediction_mm_s + self.speed_clock_mm_s
 
 
 @dataclass(frozen=True, eq=False)
 class Channel:
     """One receiver channel. Differences are measured less predicted, mm and mm/s; covariances over the window.
 
-    error, speed_error            ghosts: the signal's own error, the clock removed
+    error, speed_error            ghosts: the signal's own error
     offset, speed_offset          ghosts: what the prediction's error makes of it along the line of sight
     """
 
@@ -127,17 +139,25 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The variables of the machine."""
+    """The variables of the machine. clock, speed_clock: ghosts, what the receiver's clock was estimated wrong by."""
 
     config: SelectionConfig
     channels: tuple[Channel, ...]
     usable: NumVar
+    clock: NumVar
+    speed_clock: NumVar
 
 
 def parts(config: SelectionConfig) -> Parts:
     """Fresh variables for one machine."""
     channels = tuple(_channel(n, config) for n in range(1, config.channels + 1))
-    return Parts(config, channels, number("usable_satellites", COUNT, 0, config.channels))
+    return Parts(
+        config,
+        channels,
+        number("usable_satellites", COUNT, 0, config.channels),
+        number("clock_mm", MM, -(10**9), 10**9),
+        number("clock_mm_s", MM_S, -(10**8), 10**8),
+    )
 
 
 def _channel(number_: int, config: SelectionConfig) -> Channel:
@@ -157,8 +177,8 @@ def _channel(number_: int, config: SelectionConfig) -> Channel:
         choice(f"{name}_standing", enumeration(STANDING)),
         number(f"{name}_held", COUNT, 0, config.last_identity),
         number(f"{name}_warm_cycles", COUNT, 0, config.warm_up_cycles),
-        number(f"{name}_error_mm", MM, -2 * far, 2 * far),
-        number(f"{name}_speed_error_mm_s", MM_S, -2 * fast, 2 * fast),
+        number(f"{name}_error_mm", MM, -3 * far, 3 * far),
+        number(f"{name}_speed_error_mm_s", MM_S, -3 * fast, 3 * fast),
         number(f"{name}_prediction_mm", MM, -2 * far, 2 * far),
         number(f"{name}_prediction_mm_s", MM_S, -2 * fast, 2 * fast),
     )
@@ -193,13 +213,13 @@ def build(own: Parts) -> Selection:
         outputs=outputs,
         transitions=list(_table(own, table)),
         ghosts={},
-        ghost_inputs=[var for one in own.channels for var in one.ghosts],
-        assumption=all_of(_is_compared(one) for one in own.channels),
+        ghost_inputs=[*(var for one in own.channels for var in one.ghosts), own.clock, own.speed_clock],
+        assumption=all_of(_is_compared(own, one) for one in own.channels),
         lemmas={"usable ones are counted": own.usable.eq(_count(one.standing.eq(USABLE) for one in own.channels))},
         mode_variable=current_mode(table),
         doc=(
             "The usable satellites among the visible ones. Assumed: a difference is the signal's own error plus what the "
-            "prediction's error makes of it. Nothing is assumed of a signal's error."
+            "prediction's error makes of it, less the error of the clock. Nothing is assumed of a signal's error."
         ),
     )
     return Selection(made, own)
@@ -284,8 +304,8 @@ def _count(terms: Iterator[Bool]) -> Num:
     return total
 
 
-def _is_compared(one: Channel) -> Bool:
-    """A difference is the signal's error plus the prediction's, along the line of sight."""
-    ranges = one.off.present.implies(one.off.value.eq(one.error + one.offset))
-    speeds = one.speed_off.present.implies(one.speed_off.value.eq(one.speed_error + one.speed_offset))
+def _is_compared(own: Parts, one: Channel) -> Bool:
+    """A difference is the signal's error plus the prediction's along the line of sight, less the clock's, common to all."""
+    ranges = one.off.present.implies(one.off.value.eq(one.error + one.offset - own.clock))
+    speeds = one.speed_off.present.implies(one.speed_off.value.eq(one.speed_error + one.speed_offset - own.speed_clock))
     return ranges & speeds

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from safeloc.expr import all_of, any_of, as_num, between, exact_to, ite
 from safeloc.models.satellite import Satellite
-from safeloc.models.satellite_parts.variables import ACCEPTED, LOCATED
+from safeloc.models.satellite_parts.variables import ACCEPTED, LOCATED, SPARE
 from safeloc.models.satellite_selection import EXCLUDED, USABLE
 from safeloc.spec import Property, always, earlier_bool, earlier_num
 from safeloc.units import COUNT, NM
@@ -81,7 +81,7 @@ def _solutions(model: Satellite) -> Iterator[Property]:
         total = total + ite(flag, as_num(1, COUNT), 0)
     yield always(
         "no fix below the minimum",
-        accepted.implies(total >= own.config.minimum_satellites),
+        accepted.implies(total >= of.num(own.unknowns) + SPARE[own.config.redundancy]),
         statement="fewer satellites than the minimum give no fix",
         trace=("SAT-5",),
         unconditional=True,

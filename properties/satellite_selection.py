@@ -8,7 +8,7 @@ from safeloc.expr import Bool, all_of, between
 from safeloc.models.satellite_selection import ABSENT, EXCLUDED, EXPIRED, USABLE, Channel, Selection, accepts
 from safeloc.spec import Property, always, earlier_num, reachable
 
-LAW = "differences are the signal's error plus the prediction's"
+LAW = "differences are the signal's error plus the prediction's, less the clock's"
 
 
 def properties(model: Selection) -> list[Property]:
@@ -50,8 +50,8 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
     yield always(
         f"{name}: a healthy one stays",
         one.standing.eq(EXCLUDED).implies(~_healthy(model, one)),
-        statement="a satellite whose errors are within the noise is not excluded while the prediction is within its bound: "
-        "the thresholds lie above both together",
+        statement="a satellite whose errors are within the noise is not excluded while the prediction and the clock are "
+        "within their bounds: the thresholds lie above all together",
         trace=("SAT-4",),
         assumption=LAW,
     )
@@ -79,7 +79,7 @@ def _heard(model: Selection, one: Channel) -> Bool:
 
 
 def _healthy(model: Selection, one: Channel) -> Bool:
-    """Errors within the noise, prediction within its bound, covariance below its threshold."""
+    """Errors within the noise, prediction and clock within their bounds, covariance below its threshold."""
     config = model.own.config
     quiet = (one.covariance.value < config.range_covariance_mm2) & (
         one.speed_covariance.value < config.speed_covariance_mm2_s2
@@ -89,6 +89,8 @@ def _healthy(model: Selection, one: Channel) -> Bool:
         (one.offset, config.range_prediction_mm),
         (one.speed_error, config.speed_noise_mm_s),
         (one.speed_offset, config.speed_prediction_mm_s),
+        (model.own.clock, config.range_clock_mm),
+        (model.own.speed_clock, config.speed_clock_mm_s),
     )
     return quiet & all_of(between(-most, term, most) for term, most in bounds)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.expr import (
@@ -23,32 +24,69 @@ from safeloc.expr import (
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.units import COUNT, MM, NM, UM_S
 
-REASON = members("reason", "LOCATED", "NO_REFERENCE", "TOLERANCE", "COASTED_OUT", "CONTRADICTION")
-LOCATED, NO_REFERENCE, TOLERANCE, COASTED_OUT, CONTRADICTION = REASON
-FIX = members("fix", "NONE", "ACCEPTED", "NOT_USABLE", "TOO_FEW", "DISJOINT", "TOO_COARSE", "UNLOCATED")
-NO_FIX, ACCEPTED, NOT_USABLE, TOO_FEW, DISJOINT, TOO_COARSE, NOT_LOCATED = FIX
+REASON = members("reason", "LOCATED", "NO_REFERENCE", "TOLERANCE", "COASTED_OUT", "CONTRADICTION", "DRIFT")
+LOCATED, NO_REFERENCE, TOLERANCE, COASTED_OUT, CONTRADICTION, DRIFT = REASON
+FIX = members(
+    "fix", "NONE", "ACCEPTED", "NOT_USABLE", "TOO_FEW", "DISJOINT", "TOO_COARSE", "UNLOCATED", "DRIFTED"
+)  # fmt: skip
+NO_FIX, ACCEPTED, NOT_USABLE, TOO_FEW, DISJOINT, TOO_COARSE, NOT_LOCATED, DRIFTED = FIX
+MISSING = members(
+    "missing", "NOTHING", "NO_EPOCH", "NO_PREDICTION", "TWO_PORTIONS", "NONE_LEFT", "FEW_LEFT", "ALIKE", "OUT_OF_RANGE"
+)  # fmt: skip
 NM_PER_MM = 1_000_000
+MAX_UNKNOWNS = 8
+Redundancy = Literal["solve", "detect", "exclude"]
+SPARE: dict[Redundancy, int] = {"solve": 0, "detect": 1, "exclude": 2}
+"""Satellites beyond the unknowns: along the track 2, 3 and 4 of them, free of it 4, 5 and 6 (figures, section 6)."""
 
 
 class SatelliteConfig(Config):
-    """What position from satellites depends on."""
+    """What position from satellites depends on.
+
+    redundancy       how many satellites a solution needs: enough to solve, to detect a fault, to exclude one
+    drift_check      where present: solutions are held against odometry while it is at hand; required: nothing is
+                     reported without it
+    state_error_mm, state_speed_error_mm_s   errors of the state up to which no healthy satellite is excluded
+    """
 
     selection: SelectionConfig = SelectionConfig()
     period_ms: int = quantity(200, "ms", 2, 2_000, "[D] 5 Hz; a multiple of 2")
     tolerance_mm: int = quantity(30_000, "mm", 2, 500_000, "[S] OCORA 7239: 30 m on main line")
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
     max_acceleration_mm_s2: int = quantity(1_500, "mm/s2", 1, 10_000, "[D] 1.5 m/s2, passenger")
-    minimum_satellites: int = quantity(3, "count", 2, 32, "[D] along a track: 2 solve, 3 detect, 4 exclude")
+    redundancy: Redundancy = Field(default="detect", description="satellites that a solution needs")
     coast_limit_cycles: int = quantity(10, "cycles", 0, 10_000, "[D] 2 s at 5 Hz")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
     protection_limit_mm: int = quantity(30_000, "mm", 1, 1_000_000, "[S] RHINOS: 12 m along track; 30 m tolerable")
+    drift_check: Literal["where present", "required"] = Field(
+        default="where present", description="solutions held against odometry"
+    )
+    anchor_limit_mm: int = quantity(1_000_000, "mm", 1, 100_000_000, "[D] beyond 1 km odometry bounds nothing of use")
+    state_error_mm: int = quantity(3_000, "mm", 0, 1_000_000, "[D] what good geometry leaves of 2.56 m")
+    state_speed_error_mm_s: int = quantity(100, "mm/s", 0, 1_000_000, "[D] what good geometry leaves of 0.19 m/s")
 
     @model_validator(mode="after")
     def _can_locate(self) -> SatelliteConfig:
         if self.period_ms % 2:
             raise ValueError("period_ms must be even, so that half of an acceleration's way is whole nanometres.")
-        if self.minimum_satellites > self.selection.channels:
-            raise ValueError(f"minimum_satellites {self.minimum_satellites} exceeds the receiver's channels.")
+        least = 2 + SPARE[self.redundancy]
+        if least > self.selection.channels:
+            raise ValueError(f"{least} satellites are needed, and the receiver has {self.selection.channels} channels.")
+        return self
+
+    @model_validator(mode="after")
+    def _keeps_healthy_ones(self) -> SatelliteConfig:
+        """The threshold rule, second half: the prediction's bound holds what one cycle can make of the state's error."""
+        rows = (
+            ("range_prediction_mm", self.selection.range_prediction_mm, self.least_range_prediction_mm),
+            ("speed_prediction_mm_s", self.selection.speed_prediction_mm_s, self.least_speed_prediction_mm_s),
+        )
+        for name, value, least in rows:
+            if value < least:
+                raise ValueError(
+                    f"{name} {value} is below the predictor's error {least} (state error, and acceleration over "
+                    f"{self.period_ms} ms): healthy satellites would be excluded; raise it and the threshold."
+                )
         return self
 
     @property
@@ -61,6 +99,22 @@ class SatelliteConfig(Config):
         """The greatest way that an acceleration adds in a cycle, A T^2 / 2."""
         return self.max_acceleration_mm_s2 * self.period_ms * self.period_ms // 2
 
+    @property
+    def way_at_most_nm(self) -> int:
+        """The farthest that a vehicle comes in a cycle."""
+        return self.max_speed_mm_s * 1_000 * self.period_ms + self.way_nm
+
+    @property
+    def least_range_prediction_mm(self) -> int:
+        """State error + its speed error over T + A T^2: predictor and truth may differ by 2 A ([D] figures, section 6)."""
+        nm = self.state_error_mm * NM_PER_MM + self.state_speed_error_mm_s * self.period_ms * 1_000 + 2 * self.way_nm
+        return -(-nm // NM_PER_MM)
+
+    @property
+    def least_speed_prediction_mm_s(self) -> int:
+        """State speed error + 2 A T."""
+        return self.state_speed_error_mm_s + -(-2 * self.speed_change_um_s // 1_000)
+
 
 @dataclass(frozen=True, eq=False)
 class Parts:
@@ -68,8 +122,13 @@ class Parts:
 
     usable, used  inputs per channel: it is in the list (wired from the selection); the solution uses it
     fix           input: along-track place of the solution; protection: its bound by the bounds of the used satellites
-    reference     input: a trusted place (a balise) with its accuracy
+    unknowns      input: what the solution solved for: 2 along the track, 4 free of it, one more for each further clock
+    missing       input: why there is no solution
+    reference     input: a trusted place (a balise) with its accuracy; reference_speed: trusted too, where it is known
+    odometry      input: run since the cycle before, by what knows nothing of satellites, with the error of this run
     speed, change the estimated speed and its change in the last cycle
+    anchored      position and odometry since the last reference are comparable; anchor_offset: the position less that
+                  place, anchor_margin: what odometry may be wrong by
     truth, true_speed  ghosts: nm and um/s
     """
 
@@ -80,15 +139,25 @@ class Parts:
     protection: NumVar
     fix_speed: NumVar
     speed_protection: NumVar
+    unknowns: NumVar
+    missing: NumVar
     reference: Optional
     accuracy: NumVar
+    reference_speed: Optional
+    speed_accuracy: NumVar
+    odometry: Optional
+    odometry_error: NumVar
     position: NumVar
     margin: NumVar
     speed: NumVar
     speed_margin: NumVar
     change: NumVar
     coasted: NumVar
+    anchored: BoolVar
+    anchor_offset: NumVar
+    anchor_margin: NumVar
     judged: NumVar
+    why_missing: NumVar
     reason: NumVar
     truth: NumVar
     true_speed: NumVar
@@ -100,7 +169,8 @@ def parts(config: SatelliteConfig) -> Parts:
     """Fresh variables for one machine."""
     limit, fast = config.position_limit_mm, config.max_speed_mm_s * 1_000
     reach, channels = (limit + 2 * config.tolerance_mm) * NM_PER_MM, range(1, config.selection.channels + 1)
-    widest = 2 * fast
+    widest, cycle = 2 * fast, -(-config.way_at_most_nm // NM_PER_MM)
+    apart = (config.tolerance_mm + config.anchor_limit_mm) * NM_PER_MM
     return Parts(
         config,
         tuple(boolean(f"usable_{n}") for n in channels),
@@ -109,15 +179,25 @@ def parts(config: SatelliteConfig) -> Parts:
         number("fix_protection_mm", MM, 0, 10 * config.protection_limit_mm),
         number("fix_speed_um_s", UM_S, -fast, fast),
         number("fix_speed_protection_um_s", UM_S, 0, widest),
+        number("fix_unknowns", COUNT, 2, MAX_UNKNOWNS),
+        choice("fix_missing", enumeration(MISSING)),
         optional("reference_mm", MM, -limit, limit),
         number("reference_accuracy_mm", MM, 0, config.tolerance_mm),
+        optional("reference_speed_um_s", UM_S, -fast, fast),
+        number("reference_speed_accuracy_um_s", UM_S, 0, widest),
+        optional("odometry_mm", MM, -2 * cycle, 2 * cycle),
+        number("odometry_error_mm", MM, 0, 2 * cycle),
         number("position_nm", NM, -limit * NM_PER_MM, limit * NM_PER_MM),
         number("margin_nm", NM, 0, config.tolerance_mm * NM_PER_MM),
         number("speed_um_s", UM_S, -fast, fast),
         number("speed_margin_um_s", UM_S, 0, widest),
         number("change_um_s", UM_S, -config.speed_change_um_s, config.speed_change_um_s),
         number("coasted_cycles", COUNT, 0, config.coast_limit_cycles),
+        boolean("anchored"),
+        number("anchor_offset_nm", NM, -apart, apart),
+        number("anchor_margin_nm", NM, 0, config.anchor_limit_mm * NM_PER_MM),
         choice("fix_judged", enumeration(FIX)),
+        choice("missing", enumeration(MISSING)),
         choice("reason", enumeration(REASON)),
         number("truth_nm", NM, -reach, reach),
         number("true_speed_um_s", UM_S, -fast, fast),
@@ -151,4 +231,5 @@ class State:
 
 
 def meet(first: tuple[Num, Num], second: tuple[Num, Num]) -> Bool:
+    """Whether two intervals have a value in common."""
     return (first[0] <= second[1]) & (second[0] <= first[1])

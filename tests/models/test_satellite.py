@@ -26,7 +26,8 @@ CHANNELS = range(1, 5)
 def cycle(**changes: int | bool) -> dict[str, int | bool]:
     """A cycle in which nothing is solved; all satellites are usable and used."""
     quiet: dict[str, int | bool] = {
-        "fix_protection_mm": 5_000, "fix_speed_um_s": 0, "fix_speed_protection_um_s": 500_000, "reference_accuracy_mm": 0,
+        "fix_protection_mm": 5_000, "fix_speed_um_s": 0, "fix_speed_protection_um_s": 500_000, "fix_unknowns": 2,
+        "fix_missing": 0, "reference_accuracy_mm": 0, "reference_speed_accuracy_um_s": 0, "odometry_error_mm": 100,
     }  # fmt: skip
     return {**quiet, **{f"usable_{n}": True for n in CHANNELS}, **{f"used_{n}": True for n in CHANNELS}, **changes}
 
@@ -114,8 +115,8 @@ def test_wrong_configurations_are_refused() -> None:
     """An odd period, and more satellites than channels."""
     with pytest.raises(ValueError, match="period_ms must be even"):
         SatelliteConfig(period_ms=201)
-    with pytest.raises(ValueError, match="exceeds the receiver's channels"):
-        SatelliteConfig(minimum_satellites=9)
+    with pytest.raises(ValueError, match="3 satellites are needed, and the receiver has 2 channels"):
+        SatelliteConfig(selection=SelectionConfig(channels=2))
 
 
 def _unproved(model: Satellite, *names: str) -> list[str]:
@@ -146,7 +147,7 @@ def test_a_wrong_judgement_is_noticed(weaker: dict[str, bool], noticed: str, mon
 
     def lax(own: satellite.Parts, located: satellite.Bool) -> satellite.Num:
         if "few" in weaker:
-            return right(replace(own, config=own.config.model_copy(update={"minimum_satellites": 0})), located)
+            return right(replace(own, config=own.config.model_copy(update={"redundancy": "solve"})), located)
         return right(replace(own, usable=own.used), located)
 
     monkeypatch.setattr(satellite, "verdict", lax)

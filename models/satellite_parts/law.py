@@ -1,0 +1,87 @@
+"""What is assumed of the world around the satellite position machine, and the invariants that help to prove."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from safeloc.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
+from safeloc.models.satellite_parts.variables import NM_PER_MM, SPARE, Parts
+from safeloc.units import COUNT, MS, NM
+
+Trusted = Literal["satellites", "odometry"]
+"""satellites: solutions of usable satellites hold within their bounds; odometry: any solution may be false, the run is true."""
+
+
+def used_count(own: Parts) -> Num:
+    """How many satellites the solution uses."""
+    total = as_num(0, COUNT)
+    for used in own.used:
+        total = total + ite(used, as_num(1, COUNT), 0)
+    return total
+
+
+def enough(own: Parts) -> Bool:
+    """As many as the unknowns, and those that detect or exclude beyond."""
+    return used_count(own) >= own.unknowns + SPARE[own.config.redundancy]
+
+
+def assumption(own: Parts, trusted: Trusted) -> Bool:
+    """The movement of the vehicle and the references; and either the satellites or the odometry."""
+    config, period = own.config, Lit(own.config.period_ms, MS)
+    ran = own.next_truth - own.truth - exact_to(own.true_speed * period, NM)
+    sped = own.next_speed - own.true_speed
+    return all_of(
+        [
+            between(-config.way_nm, ran, config.way_nm),
+            between(-config.speed_change_um_s, sped, config.speed_change_um_s),
+            _reference_is_true(own),
+            _solution_is_true(own) if trusted == "satellites" else _run_is_true(own),
+        ]
+    )
+
+
+def _reference_is_true(own: Parts) -> Bool:
+    beside, accuracy = own.next_truth - exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
+    faster = own.next_speed - own.reference_speed.value
+    place = own.reference.present.implies(between(-accuracy, beside, accuracy))
+    return place & own.reference_speed.present.implies(between(-own.speed_accuracy, faster, own.speed_accuracy))
+
+
+def _solution_is_true(own: Parts) -> Bool:
+    """Of usable satellites, enough of them, whose errors keep their bounds."""
+    only_usable = all_of(usable | ~used for used, usable in zip(own.used, own.usable, strict=True))
+    off, off_speed = own.next_truth - exact_to(own.fix.value, NM), own.next_speed - own.fix_speed
+    protection = exact_to(own.protection, NM)
+    holds = between(-protection, off, protection) & between(-own.speed_protection, off_speed, own.speed_protection)
+    return (own.fix.present & only_usable & enough(own)).implies(holds)
+
+
+def _run_is_true(own: Parts) -> Bool:
+    off, error = own.next_truth - own.truth - exact_to(own.odometry.value, NM), exact_to(own.odometry_error, NM)
+    return own.odometry.present.implies(between(-error, off, error))
+
+
+def lemmas(own: Parts, current: Num, table: tuple[Lit, ...], trusted: Trusted) -> dict[str, Bool]:
+    """Invariants of the machine; of its ghosts, those that follow from what is trusted."""
+    lost, located, _ = table
+    fast = own.config.max_speed_mm_s * 1_000
+    both = own.margin + own.anchor_margin
+    return {
+        **(_inside(own, current, lost) if trusted == "satellites" else _near_anchor(own)),
+        "margins are tolerable": own.margin <= (own.config.tolerance_mm - 2) * NM_PER_MM,
+        "nothing while unlocated": current.eq(lost).implies(own.coasted.eq(0) & own.margin.eq(0) & ~own.anchored),
+        "speed in range": between(-fast, own.speed, fast),
+        "coasting counts": current.eq(located).implies(own.coasted.eq(0)),
+        "position and anchor meet": between(-both, own.anchor_offset, both),
+    }
+
+
+def _inside(own: Parts, current: Num, lost: Lit) -> dict[str, Bool]:
+    inside = between(own.position - own.margin, own.truth, own.position + own.margin)
+    speed = between(own.speed - own.speed_margin, own.true_speed, own.speed + own.speed_margin)
+    return {"the truth is inside": current.ne(lost).implies(inside & speed)}
+
+
+def _near_anchor(own: Parts) -> dict[str, Bool]:
+    off = own.truth - (own.position - own.anchor_offset)
+    return {"the truth is near the anchor": own.anchored.implies(between(-own.anchor_margin, off, own.anchor_margin))}
