@@ -14,10 +14,12 @@ from dataclasses import dataclass
 from safeloc.config import Config, quantity
 from safeloc.expr import TRUE, Expr, NumVar, Var, between, number
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.models.odometry_parts.distance_device import Limits
+from safeloc.models.odometry_parts.distance_device import ADMITTED, Limits
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.running.odometer import Odometer, odometer
 from safeloc.units import MM, NM
+
+__all__ = ["ADMITTED", "Motion", "MotionConfig", "Parts", "build", "parts"]
 
 
 class MotionConfig(Config):

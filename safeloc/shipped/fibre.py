@@ -9,12 +9,17 @@ from pydantic import BaseModel
 
 from safeloc.models import (
     axle_counter,
+    axle_counter_streams,
     axle_head,
+    axle_head_streams,
     axle_section,
+    axle_section_streams,
     emitter,
+    emitter_streams,
     fibre,
     sections,
     train_order,
+    train_order_streams,
     verification,
 )
 from safeloc.properties import axle_counter as counter_properties
@@ -62,31 +67,36 @@ def _verification_simulated(config: verification.VerificationConfig, seed: int) 
 def _axle_head(config: BaseModel) -> Target:
     assert isinstance(config, axle_head.AxleHeadConfig)
     model = axle_head.build(axle_head.parts(config))
-    return single(model.machine, head_properties.properties(model), config)
+    made = single(model.machine, head_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: axle_head_streams.simulate(config, seed=seed))
 
 
 def _axle_counter(config: BaseModel) -> Target:
     assert isinstance(config, axle_counter.AxleCounterConfig)
     model = axle_counter.build(axle_counter.parts(config))
-    return single(model.machine, counter_properties.properties(model), config)
+    made = single(model.machine, counter_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: axle_counter_streams.simulate(config, seed=seed))
 
 
 def _axle_section(config: BaseModel) -> Target:
     assert isinstance(config, axle_section.AxleSectionConfig)
     model = axle_section.build(axle_section.parts(config))
-    return single(model.machine, axle_section_properties.properties(model), config)
+    made = single(model.machine, axle_section_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: axle_section_streams.simulate(config, seed=seed))
 
 
 def _train_order(config: BaseModel) -> Target:
     assert isinstance(config, train_order.TrainOrderConfig)
     model = train_order.build(train_order.parts(config))
-    return single(model.machine, order_properties.properties(model), config)
+    made = single(model.machine, order_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: train_order_streams.simulate(config, seed=seed))
 
 
 def _emitter(config: BaseModel) -> Target:
     assert isinstance(config, emitter.EmitterConfig)
     model = emitter.build(emitter.parts(config))
-    return single(model.machine, emitter_properties.properties(model), config)
+    made = single(model.machine, emitter_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: emitter_streams.simulate(config, seed=seed))
 
 
 def _sections(config: BaseModel) -> Target:

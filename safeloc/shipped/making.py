@@ -16,8 +16,8 @@ STREAMS = Path(__file__).parents[1] / "models" / "streams"
 
 
 def recorded(name: str) -> tuple[Path, ...]:
-    """Recorded step streams that ship for a machine: those whose file names begin with its name."""
-    return tuple(sorted(STREAMS.glob(f"{name}*.jsonl")))
+    """Recorded step streams that ship for a machine: `name-what-happens.jsonl`."""
+    return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl")))
 
 
 def single(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:

@@ -1,0 +1,158 @@
+"""What must hold of arbitration between sources (RFL-13, RFL-14, MRK-D3): only agreement counts, and only of the valid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.expr import Bool, Lit, Num, all_of, any_of, before, between, exact_to, ite
+from safeloc.models.arbitration import Arbitration
+from safeloc.models.arbitration_parts.variables import Source
+from safeloc.models.odometry_parts.variables import CONTRADICTION, LOCATED
+from safeloc.spec import Property, always, earlier_bool
+from safeloc.units import NM
+
+SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
+TRACE = ("RFL-13", "RFL-14")
+
+
+def properties(model: Arbitration) -> list[Property]:
+    """Every property of the arbitration machine, for whatever sources it has."""
+    makers = (_safety, _fail_safe, _leading, _front)
+    return [prop for maker in makers for prop in maker(model)]
+
+
+def _free(name: str, term: Bool, statement: str) -> Property:
+    """A property that needs no assumption."""
+    return always(name, term, statement=statement, trace=TRACE, unconditional=True)
+
+
+def _safety(model: Arbitration) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    given, low, high = _given(model)
+    yield always(
+        "containment",
+        given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
+        statement="what is given out holds the true position of the front end",
+        trace=TRACE,
+        assumption=SOURCES_ARE_TRUE,
+    )
+    most = own.config.tolerance_mm
+    tolerable = (machine.output("under_mm") <= most) & (machine.output("over_mm") <= most)
+    yield _free("tolerance", tolerable, "what is given out is never wider than tolerable, on either side")
+    silent = all_of(own_var.eq(0) for own_var in (own.position, own.under, own.over, own.lag))
+    yield _free("nothing withheld is told", given | silent, "while a position is withheld no part of it is told")
+
+
+def _fail_safe(model: Arbitration) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    given, low, high = _given(model)
+    inside = [source.valid.implies((low >= source.low) & (high <= source.high)) for source in own.sources]
+    yield _free(
+        "all that are valid agree", given.implies(all_of(inside)), "it lies within what every valid source states"
+    )
+    lowest = any_of(source.valid & source.low.eq(low) for source in own.sources)
+    highest = any_of(source.valid & source.high.eq(high) for source in own.sources)
+    yield _free(
+        "only valid sources narrow",
+        given.implies(lowest & highest),
+        "each end of it is an end that a valid source states: what states nothing, or may not, narrows nothing",
+    )
+    for index, source in enumerate(own.sources):
+        for other in own.sources[index + 1 :]:
+            yield _free(
+                f"{source.name} against {other.name}",
+                _apart(source, other).implies(~given),
+                f"where {source.name} and {other.name} exclude each other nothing is given out in the same step",
+            )
+    named = own.reason.eq(CONTRADICTION) & earlier_bool(given)
+    excluded = [
+        (own.first.eq(Lit(one, own.named)) & own.second.eq(Lit(two, own.named))).implies(_apart(a, b))
+        for one, a in enumerate(own.sources, 1)
+        for two, b in enumerate(own.sources, 1)
+        if a is not b
+    ]
+    if excluded:
+        both = own.first.ne(Lit(0, own.named)) & own.second.ne(Lit(0, own.named)) & own.first.ne(own.second)
+        clash = machine.fired("sources contradict each other")
+        yield _free(
+            "both sources are named",
+            (clash & named).implies(both & all_of(excluded)),
+            "a contradiction names two sources, and these two exclude each other",
+        )
+    referred = any_of(source.valid & source.reference for source in own.sources)
+    yield _free(
+        "no resurrection",
+        (given & ~earlier_bool(given)).implies(referred),
+        "after it was withheld a position is given out only in a step in which a valid source has accepted an absolute "
+        "reference, and all that are valid agree",
+    )
+    silent = all_of(~source.valid for source in own.sources)
+    yield _free(
+        "silence withholds", silent.implies(~given), "without any valid source nothing is given out in that step"
+    )
+    yield _free(
+        "reason stated", own.reason.eq(LOCATED).iff(given), "a reason is stated exactly while nothing is given out"
+    )
+
+
+def _leading(model: Arbitration) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    given, _, _ = _given(model)
+    for source, mode in zip(own.sources, machine.modes[1:], strict=True):
+        leads = machine.mode.eq(mode)
+        yield _free(
+            f"{source.name} leads validly", leads.implies(source.valid), f"{source.name} leads only while valid"
+        )
+        others = all_of(one.valid.implies(source.margin <= one.margin) for one in own.sources)
+        yield _free(
+            f"{source.name} leads by its margin",
+            leads.implies(others),
+            f"{source.name} leads only while no valid source has a smaller margin",
+        )
+        changed = leads & earlier_bool(given) & before(machine.mode).ne(mode)
+        better = [
+            before(machine.mode).eq(other).implies(~one.valid | (source.margin < one.margin))
+            for one, other in zip(own.sources, machine.modes[1:], strict=True)
+        ]
+        yield _free(
+            f"{source.name} takes over for a reason",
+            changed.implies(all_of(better)),
+            f"{source.name} takes over only from a source that is no longer valid or has the greater margin",
+        )
+
+
+def _front(model: Arbitration) -> Iterator[Property]:
+    own = model.own
+    given, low, _ = _given(model)
+    front = model.machine.output("min_safe_front_mm")
+    safe_before = before(own.position) - before(own.under) - before(own.lag)
+    yield always(
+        "min safe front end",
+        given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
+        statement="the front end is never behind the min safe front end that is given out",
+        trace=TRACE,
+        assumption=SOURCES_ARE_TRUE,
+    )
+    kept = given & earlier_bool(given)
+    yield _free(
+        "min safe front end advances with the distance",
+        (kept & own.distance.present).implies(front - safe_before <= own.distance.value),
+        "the min safe front end never advances by more than the distance estimated (OCORA 7244): that of the odometer",
+    )
+    most = own.config.max_step_mm
+    change = own.position - before(own.position)
+    estimated = ite(change > most, most, ite(change < -most, -most, change))
+    yield _free(
+        "min safe front end advances with the estimate",
+        (kept & ~own.distance.present).implies(front - safe_before <= estimated),
+        "without a measured distance the min safe front end never advances by more than the estimated position does",
+    )
+
+
+def _given(model: Arbitration) -> tuple[Bool, Num, Num]:
+    own = model.own
+    return model.machine.flag("valid"), own.position - own.under, own.position + own.over
+
+
+def _apart(source: Source, other: Source) -> Bool:
+    return source.valid & other.valid & ((source.high < other.low) | (other.high < source.low))

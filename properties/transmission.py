@@ -1,0 +1,67 @@
+"""What must hold of a position on its way between computers (FVA-9, FVA-18, RFL-14): its age is charged, and limited."""
+
+from __future__ import annotations
+
+from safeloc.expr import before, between, exact_to, with_unit
+from safeloc.models.transmission import Transmission
+from safeloc.spec import Property, always, earlier_bool
+from safeloc.units import MM, NM
+
+LAW = "a position that is sent holds the truth when it is sent; the vehicle moves no faster than its highest speed"
+TRACE = ("FVA-9", "FVA-18", "RFL-14")
+
+
+def properties(model: Transmission) -> list[Property]:
+    """Containment, age, revocation and widening."""
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
+    position, under, over = (machine.output(f"{name}_mm") for name in ("position", "under", "over"))
+    landed = machine.fired("report arrives")
+    kept = valid & earlier_bool(valid) & ~landed
+    return [
+        always(
+            "containment",
+            valid.implies(between(exact_to(position - under, NM), own.truth, exact_to(position + over, NM))),
+            statement="what has arrived holds the true position now, however long it was on its way",
+            trace=TRACE,
+            assumption=LAW,
+        ),
+        always(
+            "tolerance",
+            (under <= own.config.margin_limit_mm) & (over <= own.config.margin_limit_mm),
+            statement="what is given out is never wider than the limit",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "age",
+            machine.output("age_ms") <= own.config.age_limit_ms,
+            statement="nothing older than the limit is given out: a link that falls silent withdraws the position in time",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "age is charged",
+            kept.implies(
+                (under - before(own.held.under) >= with_unit(before(own.held.age) * own.config.run_mm, MM))
+                & own.held.age.eq(before(own.held.age) + 1)
+            ),
+            statement="while no report arrives the one that is held grows older and wider in every cycle",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "no resurrection",
+            (valid & ~earlier_bool(valid)).implies(landed),
+            statement="a position is given out again only when a report arrives",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
+            "revocation",
+            machine.fired("report revokes").implies(~valid),
+            statement="a report that revokes takes the position away in the step in which it arrives",
+            trace=TRACE,
+            unconditional=True,
+        ),
+    ]
