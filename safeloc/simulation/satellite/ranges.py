@@ -1,0 +1,114 @@
+"""Distances that signals really travel, for all satellites and epochs at once.
+
+Computed where nothing rotates: satellites and receiver in a frame at rest, the time of transmission from the distance to
+where the receiver is at reception. The front end counts Earth's rotation as a correction instead: the two are
+independent, and agree within a millimetre (tested).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.signals.satellite.ephemeris import Ephemeris
+from safeloc.signals.satellite.figures import (
+    EARTH_GRAVITY_M3_PER_S2,
+    EARTH_RATE_RAD_PER_S,
+    LIGHT_M_PER_S,
+    RELATIVITY_S_PER_ROOT_M,
+    WEEK_S,
+)
+
+Floats = NDArray[np.float64]
+FIELDS = (
+    "af0_s", "af1", "af2_per_s", "crs_m", "delta_n", "m0", "cuc", "eccentricity", "cus", "sqrt_a", "cic", "omega0",
+    "cis", "i0", "crc_m", "omega", "omega_dot", "idot", "group_delay_s",
+)  # fmt: skip
+_APART_S = 0.05
+
+
+@dataclass(frozen=True)
+class Orbits:
+    """All satellites as arrays [satellite]; times count from `start_s`, which is the reference time of all of them."""
+
+    start_s: float
+    names: tuple[str, ...]
+    figures: dict[str, Floats]
+
+
+def orbits(ephemerides: Sequence[Ephemeris]) -> Orbits:
+    """ValueError unless all refer to one time, orbit and clock alike."""
+    (start_s,) = {time for one in ephemerides for time in (one.orbit_time_s, one.clock_time_s)}
+    figures = {name: np.array([getattr(one, name) for one in ephemerides], dtype=np.float64) for name in FIELDS}
+    return Orbits(start_s, tuple(one.satellite for one in ephemerides), figures)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Arrays [epoch, satellite]: way in m and its rate without the receiver's clock and without the air.
+
+    direction  [epoch, satellite, 3] unit vectors from the receiver, Earth-fixed at reception
+    """
+
+    way_m: Floats
+    rate_m_per_s: Floats
+    direction: Floats
+
+
+def seen(sky: Orbits, times_s: Floats, points_m: Floats, velocities_m_per_s: Floats) -> Seen:
+    """From true times (s from the orbits' start) [epoch], Earth-fixed points and velocities [epoch, 3]."""
+    before, _ = _ways(sky, times_s - _APART_S, points_m - _APART_S * velocities_m_per_s)
+    after, _ = _ways(sky, times_s + _APART_S, points_m + _APART_S * velocities_m_per_s)
+    way, direction = _ways(sky, times_s, points_m)
+    return Seen(way, (after - before) / (2 * _APART_S), direction)
+
+
+def _ways(sky: Orbits, times_s: Floats, points_m: Floats) -> tuple[Floats, Floats]:
+    at = times_s[:, None]
+    receiver = _turned(points_m, EARTH_RATE_RAD_PER_S * times_s)[:, None, :]
+    travel = np.full((len(times_s), len(sky.names)), 0.075)
+    for _ in range(3):
+        travel = np.linalg.norm(_at_rest(sky, at - travel)[0] - receiver, axis=-1) / LIGHT_M_PER_S
+    satellite, clock_s = _at_rest(sky, at - travel)
+    travel = np.linalg.norm(satellite - receiver, axis=-1) / LIGHT_M_PER_S
+    direction = (satellite - receiver) / (travel * LIGHT_M_PER_S)[..., None]
+    back = -EARTH_RATE_RAD_PER_S * np.broadcast_to(at, travel.shape)
+    return LIGHT_M_PER_S * (travel - clock_s), _turned(direction, back)
+
+
+def _at_rest(sky: Orbits, since: Floats) -> tuple[Floats, Floats]:
+    """Positions in the frame that the Earth-fixed one is at the orbits' start, and clocks (IS-GPS-200, table 20-IV)."""
+    f = sky.figures
+    eccentricity, axis = f["eccentricity"], f["sqrt_a"] ** 2
+    mean = f["m0"] + (np.sqrt(EARTH_GRAVITY_M3_PER_S2) / f["sqrt_a"] ** 3 + f["delta_n"]) * since
+    anomaly = mean
+    for _ in range(12):
+        anomaly = mean + eccentricity * np.sin(anomaly)
+    true = np.arctan2(np.sqrt(1 - eccentricity**2) * np.sin(anomaly), np.cos(anomaly) - eccentricity)
+    argument = true + f["omega"]
+    cos, sin = np.cos(2 * argument), np.sin(2 * argument)
+    latitude = argument + f["cuc"] * cos + f["cus"] * sin
+    radius = axis * (1 - eccentricity * np.cos(anomaly)) + f["crc_m"] * cos + f["crs_m"] * sin
+    tilt = f["i0"] + f["idot"] * since + f["cic"] * cos + f["cis"] * sin
+    node = f["omega0"] + f["omega_dot"] * since - EARTH_RATE_RAD_PER_S * (sky.start_s % WEEK_S)
+    x, y = radius * np.cos(latitude), radius * np.sin(latitude)
+    place = np.stack(
+        (
+            x * np.cos(node) - y * np.cos(tilt) * np.sin(node),
+            x * np.sin(node) + y * np.cos(tilt) * np.cos(node),
+            y * np.sin(tilt),
+        ),
+        axis=-1,
+    )
+    relativity = RELATIVITY_S_PER_ROOT_M * eccentricity * f["sqrt_a"] * np.sin(anomaly)
+    return place, f["af0_s"] + f["af1"] * since + f["af2_per_s"] * since**2 + relativity - f["group_delay_s"]
+
+
+def _turned(vectors: Floats, angles: Floats) -> Floats:
+    """Turned about the Earth's axis, eastward for positive angles."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.stack((x * cos - y * sin, x * sin + y * cos, z), axis=-1)

@@ -1,0 +1,114 @@
+"""The receiver and the air: clock, noise, and what the broadcast models leave over. Healthy errors keep a stated bound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.config import Config, quantity
+from safeloc.signals.satellite.atmosphere import troposphere_m
+from safeloc.signals.satellite.figures import LIGHT_M_PER_S
+from safeloc.signals.satellite.navigation import Navigation
+from safeloc.signals.satellite.places import Place
+
+Floats = NDArray[np.float64]
+
+
+class ReceiverConfig(Config):
+    """Figures of a receiver with a single frequency.
+
+    Noise grows towards the horizon with 1 / sin of the elevation, down to 17 degrees. All healthy errors together are cut
+    at their bound: up to there a signal is healthy, and what the machine assumes of a healthy one begins there.
+    """
+
+    code_noise_mm: int = quantity(400, "mm at the zenith", 0, 100_000, "[D] geodetic receiver: 1.6 m over all errors")
+    slow_code_mm: int = quantity(500, "mm", 0, 100_000, "[M] echoes near the antenna, over a minute")
+    rate_noise_mm_s: int = quantity(30, "mm/s at the zenith", 0, 100_000, "[D] 0.012 still, 0.19 m/s driving")
+    clock_offset_ns: int = quantity(50_000, "ns", -1_000_000, 1_000_000, "[M] steered within a tenth of a millisecond")
+    clock_drift_ppb: int = quantity(200, "ppb", -100_000, 100_000, "[M] crystal oscillator, temperature controlled")
+    clock_walk_ppb: int = quantity(1, "ppb in a second", 0, 1_000, "[M] its wander")
+    ionosphere_percent: int = quantity(30, "%", 0, 100, "[S] IS-GPS-200: the model takes away half and more")
+    troposphere_percent: int = quantity(3, "%", 0, 100, "[M] a tenth of a metre at the zenith")
+    code_bound_mm: int = quantity(8_000, "mm", 1, 1_000_000, "[D] 3 x 2.56 m, as the selection has it")
+    rate_bound_mm_s: int = quantity(600, "mm/s", 1, 1_000_000, "[D] 3 x 0.19 m/s, as the selection has it")
+    orbit_mm: int = quantity(500, "mm", 0, 100_000, "[M] error of broadcast orbits and clocks along the sight")
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Offset (s) and drift (s/s) of the receiver's clock at every epoch."""
+
+    offset_s: Floats
+    drift: Floats
+
+
+def clock(config: ReceiverConfig, times_s: Floats, rng: np.random.Generator) -> Clock:
+    """A random walk of the drift; the offset is its exact sum."""
+    gaps = np.diff(times_s, prepend=times_s[0])
+    walk = np.cumsum(rng.normal(0, 1, len(times_s)) * config.clock_walk_ppb * 1e-9 * np.sqrt(gaps))
+    drift = config.clock_drift_ppb * 1e-9 + walk
+    return Clock(config.clock_offset_ns * 1e-9 + np.cumsum(drift * gaps), drift)
+
+
+def air_m(navigation: Navigation, place: Place, elevation: Floats, azimuth: Floats, time_s: float) -> Floats:
+    """Delay by the models for each satellite of one epoch, those below the horizon 0."""
+    ions = navigation.ionosphere
+    return np.array(
+        [
+            troposphere_m(place.height_m, up) + (ions.delay_m(place, up, around, time_s) if ions else 0.0)
+            if up > 0
+            else 0.0
+            for up, around in zip(elevation, azimuth, strict=True)
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class Healthy:
+    """Errors of healthy signals, arrays [epoch, satellite], m and m/s."""
+
+    code_m: Floats
+    rate_m_per_s: Floats
+
+
+def healthy(config: ReceiverConfig, times_s: Floats, elevation: Floats, rng: np.random.Generator) -> Healthy:
+    """Noise, slow echoes, and what orbits and air leave over."""
+    low = 1 / np.maximum(np.sin(elevation), 0.3)
+    satellites = elevation.shape[1]
+    slow = _slow(times_s, satellites, 60.0, rng) * config.slow_code_mm * low
+    white = _cut(rng.normal(0, 1, elevation.shape)) * config.code_noise_mm * low
+    orbit = _cut(rng.normal(0, 1, (satellites,))) * config.orbit_mm
+    ions = _cut(rng.normal(0, 1 / 3, (satellites,))) * config.ionosphere_percent / 100 * 3_000 * low
+    wet = _cut(rng.normal(0, 1 / 3, (satellites,))) * config.troposphere_percent / 100 * 2_400 * low
+    rate = _cut(rng.normal(0, 1, elevation.shape)) * config.rate_noise_mm_s * low
+    code = _within(slow + white + orbit + ions + wet, config.code_bound_mm)
+    return Healthy(code / 1_000, _within(rate, config.rate_bound_mm_s) / 1_000)
+
+
+def _slow(times_s: Floats, satellites: int, over_s: float, rng: np.random.Generator) -> Floats:
+    """Errors that are alike within `over_s`, standard deviation 1, cut at 3."""
+    made = [rng.normal(0, 1, (satellites,))]
+    for gap in np.diff(times_s):
+        kept = np.exp(-gap / over_s)
+        made.append(kept * made[-1] + np.sqrt(1 - kept**2) * rng.normal(0, 1, (satellites,)))
+    return _cut(np.array(made))
+
+
+def _cut(values: Floats) -> Floats:
+    return _within(values, 3)
+
+
+def _within(values: Floats, bound: float) -> Floats:
+    return np.asarray(np.clip(values, -bound, bound))
+
+
+def code_of(way_m: Floats, one: Clock) -> Floats:
+    """Pseudoranges from ways: the receiver's clock is late by its offset."""
+    return np.asarray(way_m + LIGHT_M_PER_S * one.offset_s[:, None])
+
+
+def rate_of(rate_m_per_s: Floats, one: Clock) -> Floats:
+    """Measured rates from true ones."""
+    return np.asarray(rate_m_per_s + LIGHT_M_PER_S * one.drift[:, None])

@@ -1,0 +1,219 @@
+"""A simulated run: epochs as a receiver gives them, with the truth of train and signals beside every one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.errors import InputError
+from safeloc.signals.satellite.epochs import Epoch, Measured
+from safeloc.signals.satellite.navigation import Navigation
+from safeloc.signals.satellite.places import Place
+from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.satellite.ranges import Seen, orbits, seen
+from safeloc.simulation.satellite.receiver import Healthy, ReceiverConfig, air_m, clock, code_of, healthy, rate_of
+from safeloc.simulation.satellite.scenery import Rays, Received, Scene, received
+
+Floats = NDArray[np.float64]
+NM_PER_M = 1e9
+LOWEST_RAD = math.radians(5)
+"""A receiver tracks nothing lower."""
+
+
+@dataclass(frozen=True)
+class Spoofer:
+    """False signals that tell of a place that runs away from the true one, from `from_s` on.
+
+    drift_m_per_s     how fast it runs away in the end, along the track; gathering_m_per_s2: how fast it gathers speed
+    satellites        whose signals are false; empty: all of them
+    """
+
+    from_s: float
+    drift_m_per_s: float
+    gathering_m_per_s2: float = 0.05
+    satellites: frozenset[str] = frozenset()
+
+    def away(self, times_s: Floats) -> tuple[Floats, Floats]:
+        """Distance (m) and speed (m/s) of the false place from the true one."""
+        if not self.gathering_m_per_s2 > 0:
+            raise InputError("a false place gathers speed from 0: gathering_m_per_s2 must be above 0.")
+        since = np.maximum(times_s - self.from_s, 0)
+        gathers = abs(self.drift_m_per_s) / self.gathering_m_per_s2
+        way = self.gathering_m_per_s2 / 2 * np.minimum(since, gathers) ** 2
+        way = way + abs(self.drift_m_per_s) * np.maximum(since - gathers, 0)
+        sign = math.copysign(1, self.drift_m_per_s)
+        return sign * way, sign * self.gathering_m_per_s2 * np.minimum(since, gathers)
+
+
+@dataclass(frozen=True)
+class Outages:
+    """In every cycle of `every_s` nothing comes of these satellites (empty: all) for `for_s`, from the cycle's end back."""
+
+    every_s: float
+    for_s: float
+    satellites: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class World:
+    """A sky, a track with what stands beside it, a receiver, and what attacks it."""
+
+    navigation: Navigation
+    track: Portion
+    scenes: tuple[Scene, ...] = ()
+    receiver: ReceiverConfig = field(default_factory=ReceiverConfig)
+    spoofers: tuple[Spoofer, ...] = ()
+    outages: tuple[Outages, ...] = ()
+
+
+@dataclass(frozen=True)
+class Truth:
+    """One epoch: true GPS time (s), place (m) and speed (m/s) along the track.
+
+    error_m, error_m_per_s  of every measured satellite what detours, echoes and spoofers add
+    healthy_m               of every measured satellite the error that a healthy signal has
+    reflected               those that come by a detour only
+    """
+
+    time_s: float
+    place_m: float
+    speed_m_per_s: float
+    error_m: Mapping[str, float]
+    error_m_per_s: Mapping[str, float]
+    healthy_m: Mapping[str, float]
+    reflected: frozenset[str]
+
+
+@dataclass(frozen=True)
+class SimulatedRun:
+    """What the receiver gave, and what is true, epoch by epoch."""
+
+    epochs: tuple[Epoch, ...]
+    truth: tuple[Truth, ...]
+    navigation: Navigation
+
+
+def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
+    """The motion's epochs from the orbits' start on. InputError where the motion leaves the track or the orbits end."""
+    rng = np.random.default_rng(seed)
+    sky = orbits(world.navigation.ephemerides)
+    times = np.arange(1, len(motion.position_nm) + 1) * motion.period_ms / 1_000
+    place, speed = motion.position_nm / NM_PER_M, motion.speed_mm_s / 1_000
+    antenna = _Antenna(world.track, place)
+    true = seen(sky, times, antenna.points, antenna.along * speed[:, None])
+    sights = _sights(world, sky.start_s, antenna, true, times)
+    rays = Rays(sights.elevation, sights.azimuth - antenna.heading(), place, speed)
+    got = received(world.scenes, rays, rng)
+    usual = healthy(world.receiver, times, sights.elevation, rng)
+    false_m, false_rate = _spoofed(world, antenna, true, times, sky.names)
+    one = clock(world.receiver, times, rng)
+    error, error_rate = got.error_m + false_m, got.error_m_per_s + false_rate
+    codes = code_of(true.way_m + sights.air_m + usual.code_m + error, one)
+    rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
+    heard = got.heard & (sights.elevation > LOWEST_RAD) & ~_silent(world.outages, times, sky.names)
+    told = _Told(sky.names, heard, codes, rates, error, error_rate, usual, got)
+    epochs = tuple(told.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
+    truth = tuple(
+        told.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
+    )
+    return SimulatedRun(epochs, truth, world.navigation)
+
+
+class _Antenna:
+    """Earth-fixed points and directions along the track of every epoch, arrays [epoch, 3]."""
+
+    def __init__(self, track: Portion, place_m: Floats) -> None:
+        self._track = track
+        at = [track.at(float(one)) for one in place_m]
+        self.points = np.array([point for point, _ in at])
+        self.along = np.array([along for _, along in at])
+        self.places = [Place.of_earth_fixed((float(x), float(y), float(z))) for x, y, z in self.points]
+
+    def heading(self) -> Floats:
+        """Azimuth of the track, as a column."""
+        pairs = zip(self.places, self.along, strict=True)
+        return np.array(
+            [[place.elevation_azimuth_rad((float(x), float(y), float(z)))[1]] for place, (x, y, z) in pairs]
+        )
+
+
+@dataclass(frozen=True)
+class _Sights:
+    elevation: Floats
+    azimuth: Floats
+    air_m: Floats
+
+
+def _sights(world: World, start_s: float, antenna: _Antenna, true: Seen, times: Floats) -> _Sights:
+    angles = np.array(
+        [
+            [place.elevation_azimuth_rad((float(x), float(y), float(z))) for x, y, z in directions]
+            for place, directions in zip(antenna.places, true.direction, strict=True)
+        ]
+    )
+    elevation, azimuth = angles[..., 0], angles[..., 1]
+    rows = zip(antenna.places, elevation, azimuth, times, strict=True)
+    air = [air_m(world.navigation, place, up, around, start_s + float(time)) for place, up, around, time in rows]
+    return _Sights(elevation, azimuth, np.array(air))
+
+
+def _spoofed(world: World, antenna: _Antenna, true: Seen, times: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
+    """What false places add, to first order: the way along the track times the slope of the sight."""
+    error, rate = np.zeros(true.way_m.shape), np.zeros(true.way_m.shape)
+    slope = -np.einsum("esk,ek->es", true.direction, antenna.along)
+    for one in world.spoofers:
+        struck = np.array([not one.satellites or name in one.satellites for name in names])
+        away, speed = one.away(times)
+        error += np.where(struck, slope * away[:, None], 0.0)
+        rate += np.where(struck, slope * speed[:, None], 0.0)
+    return error, rate
+
+
+def _silent(outages: Sequence[Outages], times: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
+    silent = np.zeros((len(times), len(names)), np.bool_)
+    for one in outages:
+        if not 0 < one.for_s < one.every_s:
+            raise InputError(f"an outage of {one.for_s} s in every {one.every_s} s leaves no cycle; make it shorter.")
+        struck = np.array([not one.satellites or name in one.satellites for name in names])
+        silent |= (times % one.every_s >= one.every_s - one.for_s)[:, None] & struck
+    return silent
+
+
+@dataclass(frozen=True)
+class _Told:
+    """Arrays [epoch, satellite] as records."""
+
+    names: Sequence[str]
+    heard: NDArray[np.bool_]
+    codes: Floats
+    rates: Floats
+    error: Floats
+    error_rate: Floats
+    usual: Healthy
+    got: Received
+
+    def epoch(self, n: int, time_s: float) -> Epoch:
+        """What the receiver gives."""
+        heard = self._heard(n)
+        return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in heard})
+
+    def truth(self, n: int, time_s: float, place_m: float, speed_m_per_s: float) -> Truth:
+        """What is true of the same satellites."""
+        heard = self._heard(n)
+        return Truth(
+            time_s,
+            place_m,
+            speed_m_per_s,
+            {name: float(self.error[n, j]) for j, name in heard},
+            {name: float(self.error_rate[n, j]) for j, name in heard},
+            {name: float(self.usual.code_m[n, j]) for j, name in heard},
+            frozenset(name for j, name in heard if self.got.reflected[n, j]),
+        )
+
+    def _heard(self, n: int) -> list[tuple[int, str]]:
+        return [(j, name) for j, name in enumerate(self.names) if self.heard[n, j]]

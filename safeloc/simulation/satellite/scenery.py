@@ -1,0 +1,185 @@
+"""What stands beside the track, and what it does to a satellite's signal.
+
+Walls stand parallel to the track. A direct signal is gone where it crosses a wall below its top. A signal that is gone may
+still come by the wall across the track: a detour of twice the wall's distance, times the sine under which it is met. A
+house that faces the train gives a detour that shrinks while the train runs towards it: there the rate is wrong too. Beside
+a direct signal an echo bends the code by a share of its detour, with the phase of the carrier.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.errors import InputError
+from safeloc.signals.satellite.figures import L1_WAVELENGTH_M
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+SceneKind = Literal["open sky", "urban canyon", "cutting", "tunnel", "station roof"]
+BLOCK_M = 30.0
+"""Houses are this long: each has a height of its own."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A stretch of the line, in m along it.
+
+    wall_m       distance from the track's axis to the wall on each side
+    height_m     its height over the antenna; houses of a canyon differ by `uneven` of it
+    gap_percent  houses that are missing
+    reflecting   share of the amplitude that a wall gives back; earth gives nothing back
+    facing_percent  houses with a front that faces the train
+    """
+
+    kind: SceneKind
+    from_m: float
+    to_m: float
+    wall_m: float = 0.0
+    height_m: float = 0.0
+    uneven: float = 0.0
+    gap_percent: int = 0
+    reflecting: float = 0.0
+    facing_percent: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.from_m < self.to_m:
+            raise InputError(f"{self.kind} from {self.from_m} m to {self.to_m} m has no length.")
+        if self.kind not in ("open sky", "tunnel") and not (self.wall_m > 0 and self.height_m > 0):
+            raise InputError(f"{self.kind} at {self.from_m} m needs walls: distance and height above 0.")
+
+
+def canyon(from_m: float, to_m: float) -> Scene:
+    """A street of five storeys, tracks in the middle. [M] figures of an inner city."""
+    return Scene("urban canyon", from_m, to_m, 11.0, 15.0, 0.4, 12, 0.5, 25)
+
+
+def cutting(from_m: float, to_m: float) -> Scene:
+    """Earth at both sides, 8 m high. [M]"""
+    return Scene("cutting", from_m, to_m, 7.0, 8.0)
+
+
+def tunnel(from_m: float, to_m: float) -> Scene:
+    """No sky."""
+    return Scene("tunnel", from_m, to_m)
+
+
+def station_roof(from_m: float, to_m: float) -> Scene:
+    """A hall of steel: signals come in below the roof's edge only, 9 m aside and 6 m up. [M]"""
+    return Scene("station roof", from_m, to_m, 9.0, 6.0, 0.0, 0, 0.6, 0)
+
+
+@dataclass(frozen=True)
+class Rays:
+    """Arrays [epoch, satellite]: elevation, azimuth right of the track's direction (rad); [epoch]: place (m), speed (m/s)."""
+
+    elevation: Floats
+    beside: Floats
+    place_m: Floats
+    speed_m_per_s: Floats
+
+
+@dataclass(frozen=True)
+class Received:
+    """Arrays [epoch, satellite].
+
+    heard       a signal comes, direct or not
+    reflected   it comes by a detour only
+    error_m, error_m_per_s  what detour or echo add to pseudorange and rate
+    """
+
+    heard: Flags
+    reflected: Flags
+    error_m: Floats
+    error_m_per_s: Floats
+
+
+def received(scenes: Sequence[Scene], rays: Rays, rng: np.random.Generator) -> Received:
+    """What reaches the antenna; outside all scenes the sky is open. InputError for scenes that overlap."""
+    ordered = sorted(scenes, key=lambda scene: scene.from_m)
+    for before, after in pairwise(ordered):
+        if before.to_m > after.from_m:
+            raise InputError(f"{after.kind} at {after.from_m} m begins within the {before.kind}; part them.")
+    shape = rays.elevation.shape
+    whole = Received(rays.elevation > 0, np.zeros(shape, np.bool_), np.zeros(shape), np.zeros(shape))
+    for scene in ordered:
+        inside = (rays.place_m >= scene.from_m) & (rays.place_m < scene.to_m)
+        if inside.any():
+            _put(whole, inside, _in_scene(scene, _part(rays, inside), rng))
+    return whole
+
+
+def _part(rays: Rays, inside: Flags) -> Rays:
+    return Rays(rays.elevation[inside], rays.beside[inside], rays.place_m[inside], rays.speed_m_per_s[inside])
+
+
+def _put(whole: Received, inside: Flags, part: Received) -> None:
+    for name in ("heard", "reflected", "error_m", "error_m_per_s"):
+        getattr(whole, name)[inside] = getattr(part, name)
+
+
+def _in_scene(scene: Scene, rays: Rays, rng: np.random.Generator) -> Received:
+    shape = rays.elevation.shape
+    nothing = Received(np.zeros(shape, np.bool_), np.zeros(shape, np.bool_), np.zeros(shape), np.zeros(shape))
+    if scene.kind == "tunnel":
+        return nothing
+    if scene.kind == "open sky":
+        return Received(rays.elevation > 0, nothing.reflected, nothing.error_m, nothing.error_m_per_s)
+    walls = _Walls(scene, rng)
+    up = rays.elevation > 0
+    crossing = scene.wall_m * np.tan(rays.elevation) / np.maximum(np.abs(np.sin(rays.beside)), 1e-3)
+    near, far = walls.height(rays, 1), walls.height(rays, -1)
+    direct = up & ((crossing < scene.height_m) if scene.kind == "station roof" else (crossing > near))
+    across = up & ~direct & (scene.reflecting > 0) & _by_the_other_wall(scene, crossing, near, far)
+    return _with_detours(scene, rays, direct, across, walls)
+
+
+def _by_the_other_wall(scene: Scene, crossing: Floats, near: Floats, far: Floats) -> Flags:
+    """It passes over the near wall on its way to the far one; in a hall every way ends on steel."""
+    if scene.kind == "station roof":
+        return np.ones(crossing.shape, np.bool_)
+    return np.asarray((3 * crossing > near) & (crossing < far))
+
+
+def _with_detours(scene: Scene, rays: Rays, direct: Flags, across: Flags, walls: _Walls) -> Received:
+    side = 2 * scene.wall_m * np.cos(rays.elevation) * np.abs(np.sin(rays.beside))
+    ahead, facing = walls.front(rays)
+    front = 2 * ahead[:, None] * np.cos(rays.elevation) * np.maximum(np.cos(rays.beside) * -1, 0)
+    shrinks = -2 * rays.speed_m_per_s[:, None] * np.cos(rays.elevation) * np.maximum(np.cos(rays.beside) * -1, 0)
+    by_front = across & facing[:, None] & (front > side)
+    detour, rate = np.where(by_front, front, side), np.where(by_front, shrinks, 0.0)
+    echo = direct & (scene.reflecting > 0)
+    bent = 0.25 * scene.reflecting * side * np.exp(-side / 75) * np.cos(2 * math.pi * side / L1_WAVELENGTH_M)
+    error = np.where(across, detour, np.where(echo, bent, 0.0))
+    return Received(direct | across, across, error, np.where(across, rate, 0.0))
+
+
+class _Walls:
+    """The houses of a scene: each block of each side with a height, some with a front that faces the train."""
+
+    def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
+        self.scene = scene
+        self.blocks = math.ceil((scene.to_m - scene.from_m) / BLOCK_M)
+        heights = scene.height_m * (1 + scene.uneven * rng.uniform(-1, 1, (2, self.blocks)))
+        self.heights = np.where(rng.integers(0, 100, (2, self.blocks)) < scene.gap_percent, 0.0, heights)
+        self.facing = rng.integers(0, 100, self.blocks) < scene.facing_percent
+
+    def height(self, rays: Rays, towards: int) -> Floats:
+        """Height of the wall on the satellite's side where its ray crosses (1), or of the one across the track (-1)."""
+        right = np.sin(rays.beside) * towards > 0
+        run = self.scene.wall_m * np.cos(rays.beside) / np.maximum(np.abs(np.sin(rays.beside)), 0.05)
+        within = rays.place_m[:, None] + run - self.scene.from_m
+        block = np.clip((within // BLOCK_M).astype(np.int64), 0, self.blocks - 1)
+        return np.asarray(self.heights[np.where(right, 1, 0), block])
+
+    def front(self, rays: Rays) -> tuple[Floats, Flags]:
+        """Distance to the end of the block that the train is beside, where a house may face it."""
+        within = rays.place_m - self.scene.from_m
+        block = np.clip((within // BLOCK_M).astype(np.int64), 0, self.blocks - 1)
+        return (block + 1) * BLOCK_M - within + BLOCK_M, self.facing[block]
