@@ -109,6 +109,43 @@ def to_async_fsm(machine: Machine, model: object, *, first: Mapping[str, Value] 
     return Embedded(machine, model, first, asynchronous=True)
 
 
+FOLLOW = "follow_machine"
+
+
+class Follower:
+    """A host's object that follows a machine which runs elsewhere: entering and leaving modes calls its callbacks."""
+
+    def __init__(self, machine: Machine, model: object) -> None:
+        self._labels = tuple(mode.label for mode in machine.modes)
+        self._wanted = self._labels[0]
+        _refuse_clash(model, self._labels, FOLLOW)
+        self._model = model
+        self._fsm = Fsm(
+            model=model,
+            states=_states(self._labels, model),
+            initial=self._labels[0],
+            auto_transitions=False,
+            ignore_invalid_triggers=False,
+            send_event=True,
+        )
+        for label in self._labels:
+            others: list[Any] = [other for other in self._labels if other != label]
+            self._fsm.add_transition(FOLLOW, others, label, conditions=self._goes_to(label))
+
+    def _goes_to(self, label: str) -> Callable[[EventData], bool]:
+        return lambda _event: self._wanted == label
+
+    def enter(self, label: str, **told: object) -> None:
+        """Go to another mode; callbacks find `told` in their event's kwargs. In the mode already: nothing happens."""
+        self._wanted = label
+        if self._model.state != label:  # type: ignore[attr-defined] # `transitions` gave it the attribute
+            getattr(self._model, FOLLOW)(**told)
+
+    def place(self, label: str) -> None:
+        """Stand in a mode without having entered it: no callback is called."""
+        self._fsm.set_state(label)
+
+
 def _states(labels: tuple[str, ...], model: object) -> list[dict[str, Any]]:
     """States with the host's callbacks in either spelling. `transitions` by itself finds bound methods only."""
     states = []
@@ -121,7 +158,7 @@ def _states(labels: tuple[str, ...], model: object) -> list[dict[str, Any]]:
     return states
 
 
-def _refuse_clash(model: object, labels: tuple[str, ...]) -> None:
-    taken = [name for name in (TRIGGER, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
+def _refuse_clash(model: object, labels: tuple[str, ...], trigger: str = TRIGGER) -> None:
+    taken = [name for name in (trigger, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
     if taken:
         raise InputError(f"the host object already has {taken}; they would be replaced. Give it other names.")

@@ -1,0 +1,73 @@
+"""Which records a program can read at all: the first judgement, before time and order are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.border import Fault, Reason
+from safeloc.embedding.program import Program
+from safeloc.errors import InputError
+from safeloc.expr import BoolVar, NumVar, Var
+from safeloc.interpret import admitted
+from safeloc.nodes import Value
+from safeloc.streams.records import Record, TruthRecord, Unusable
+from safeloc.units import Enumeration
+
+
+def judged(program: Program, number: int, record: Record | Unusable) -> Record | Unusable | Fault:
+    """The record, or why it cannot be read.
+
+    A channel that the machine does not have is a Fault at once: nothing of it is remembered, so that no sender can
+    make a controller grow. A record that says something the machine has no input for (such as an accuracy) is refused
+    whole: what is left of it could mean something else.
+    """
+    if isinstance(record, TruthRecord):
+        return record
+    if isinstance(record, Unusable):
+        known = record.channel in program.channel_names or record.channel == "truth"
+        return record if known else Fault(record.channel, Reason.UNKNOWN, record.detail, number)
+    for name, value in record.inputs().items():
+        if name not in program.routes:
+            return Fault(record.channel, Reason.UNKNOWN, f"no input {name}", number)
+        for var in program.routes[name]:
+            if _is_named(var):
+                refused = _refused(var, value)
+                if refused is not None:
+                    return Unusable(record.time_ms, record.channel, *refused)
+    return record
+
+
+def _is_named(var: Var) -> bool:
+    """Truth values and members: ranges of plain numbers are the cycle builder's matter."""
+    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
+
+
+def _refused(var: Var, value: object) -> tuple[Reason, str] | None:
+    try:
+        admitted(var, value)
+    except InputError as error:
+        return reason_for(var, value), str(error)
+    return None
+
+
+def reason_for(var: Var, value: object) -> Reason:
+    """Why a variable does not hold the value: the number is out of range, or it is no such thing."""
+    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        return Reason.NOT_FINITE
+    is_number = isinstance(value, int) and not isinstance(value, bool)
+    return Reason.OUT_OF_RANGE if is_number and isinstance(var, NumVar) else Reason.WRONG_TYPE
+
+
+def stated(program: Program, inputs: Mapping[str, object]) -> tuple[dict[Var, Value], list[Fault]]:
+    """Inputs by variable, and a fault for each value that its variable cannot hold. Names are known ones."""
+    values: dict[Var, Value] = {}
+    faults: list[Fault] = []
+    for name, value in inputs.items():
+        if value is None:
+            continue
+        var = program.by_name[name]
+        try:
+            values[var] = admitted(var, value)
+        except InputError as error:
+            faults.append(Fault(name, reason_for(var, value), str(error)))
+    return values, faults

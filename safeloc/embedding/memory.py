@@ -1,0 +1,83 @@
+"""What a controller remembers between cycles, as a snapshot and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from safeloc.backends.compiled import Row
+from safeloc.embedding.program import Program
+from safeloc.embedding.snapshot import opened, require_same, sealed
+from safeloc.errors import InputError, SnapshotError
+from safeloc.interpret import admitted
+from safeloc.nodes import Value
+
+Delivered = Mapping[str, tuple[int, int | None]]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a controller was made with, beside its program: a snapshot fits only the same."""
+
+    period_ms: int
+    expected: Mapping[str, int]
+    first: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What changes from cycle to cycle."""
+
+    start_ms: int
+    done: int
+    deliveries: Delivered
+    state: Row
+    halted: str
+
+
+def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
+    """As bytes."""
+    return sealed(
+        {
+            "machine": program.name,
+            "config": program.config,
+            "program": program.fingerprint,
+            "setting": _told(setting),
+            "start_ms": kept.start_ms,
+            "done": kept.done,
+            "deliveries": {channel: list(last) for channel, last in kept.deliveries.items()},
+            "state": dict(zip(program.code.state_names, kept.state, strict=True)),
+            "halted": kept.halted,
+        }
+    )
+
+
+def restored(program: Program, setting: Setting, data: bytes) -> Kept:
+    """What the snapshot holds; SnapshotError where it does not fit this program and setting."""
+    body = opened(data)
+    require_same("machine", program.name, body["machine"])
+    require_same("configuration", program.config, body["config"])
+    require_same("build of the machine", program.fingerprint, body["program"])
+    require_same("setting", _told(setting), body["setting"])
+    return Kept(body["start_ms"], body["done"], _deliveries(body), _state(program, body["state"]), body["halted"])
+
+
+def _told(setting: Setting) -> dict[str, Any]:
+    return {"period_ms": setting.period_ms, "expected": dict(setting.expected), "first": dict(setting.first)}
+
+
+def _deliveries(body: Mapping[str, Any]) -> Delivered:
+    return {channel: (time_ms, number) for channel, (time_ms, number) in body["deliveries"].items()}
+
+
+def _state(program: Program, values: Mapping[str, object]) -> Row:
+    """Each variable in its range. A checksum that fits values that do not was not made by this program."""
+    if list(values) != sorted(program.code.state_names):
+        raise SnapshotError("the snapshot's state has other variables than the machine; begin anew without it.")
+    try:
+        return tuple(admitted(var, values[var.name]) for var in program.system.state)
+    except InputError as error:
+        raise SnapshotError(
+            f"the snapshot's state is none of this machine's ({error}); begin anew without it."
+        ) from error

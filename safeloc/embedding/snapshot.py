@@ -1,0 +1,65 @@
+"""A controller's memory as bytes: versioned, checksummed, and refused where it does not fit.
+
+The checksum tells damage, not malice: who can write the file can write another one. Everything that is remembered
+between cycles is in it; a record of an open cycle is not (the host has it, or it is lost and the host says so).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from safeloc.errors import SnapshotError
+
+KIND, VERSION = "safeloc-controller", 1
+NOT_FIT = "it cannot be used here"
+
+
+def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) -> bytes:
+    """The content with its kind, version and checksum, as one line of JSON."""
+    whole = {"kind": kind, "version": version, **body}
+    return _text({**whole, "checksum": _checksum(whole)})
+
+
+def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, Any]:
+    """The content; SnapshotError where it is damaged, of another kind, or newer than this version reads."""
+    try:
+        whole = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise SnapshotError(f"the snapshot is damaged (no JSON: {error}); begin anew without it.") from error
+    if not isinstance(whole, dict) or whole.get("kind") != kind:
+        raise SnapshotError(f"this is no snapshot of kind {kind!r}; give one that such a process or controller wrote.")
+    found = whole.get("version")
+    if type(found) is not int or found > version:
+        raise SnapshotError(
+            f"the snapshot has version {found!r}, and this safeloc reads up to {version}; use the safeloc that wrote it, "
+            "or begin anew without it."
+        )
+    checksum = whole.pop("checksum", None)
+    if checksum != _checksum(whole):
+        raise SnapshotError("the snapshot is damaged (its checksum does not fit); begin anew without it.")
+    return whole
+
+
+def require_same(what: str, own: object, found: object) -> None:
+    """SnapshotError where a snapshot was made with something else than what stands here."""
+    if own != found:
+        raise SnapshotError(f"the snapshot is of another {what} ({_differing(own, found)}); {NOT_FIT}.")
+
+
+def _differing(own: object, found: object) -> str:
+    if not (isinstance(own, Mapping) and isinstance(found, Mapping)):
+        return f"{found!r}, here {own!r}"
+    names = [name for name in {**own, **found} if own.get(name) != found.get(name)]
+    shown = [f"{name} {found.get(name)!r}, here {own.get(name)!r}" for name in names[:3]]
+    return "; ".join(shown) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _text(whole: Mapping[str, Any]) -> bytes:
+    return json.dumps(whole, sort_keys=True, separators=(",", ":")).encode()
+
+
+def _checksum(whole: Mapping[str, Any]) -> str:
+    return hashlib.sha256(_text(whole)).hexdigest()

@@ -1,0 +1,1 @@
+"""Controllers embedded in a host."""
