@@ -2,67 +2,140 @@
 
 Model per satellite: difference = slope * s + clock + error, with the slope the change of pseudorange per metre along
 the track (minus the line of sight's share along the track). Two unknowns: two satellites solve, three detect a fault,
-four exclude one. The same fit serves speed and clock drift with range rates. All figures are rational: bounds hold
-exactly, not up to rounding.
+four exclude one. Free of the track the two directions across it are unknown as well: four, five, six. Every further
+constellation has a clock of its own: one more. The same fit serves speed and clock drift with range rates. All figures
+are rational: bounds hold exactly, not up to rounding.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import mul
 
 from safeloc.errors import InputError
 
 SOLVE, DETECT, EXCLUDE = 2, 3, 4
+PPM = 10**6
 
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """One used satellite: measured minus predicted (mm or mm/s), slope in millionths, and its weight (1/variance)."""
+    """One used satellite: measured minus predicted (mm or mm/s), slope in millionths, and its weight (1/variance).
+
+    across_ppm  slopes across the track, for a solution free of it
+    clock       whose clock its signals keep: one unknown for each that occurs
+    """
 
     difference: int
     slope_ppm: int
     weight: Fraction = Fraction(1)
+    across_ppm: tuple[int, ...] = ()
+    clock: str = "G"
 
 
 @dataclass(frozen=True, slots=True)
 class TrackFit:
-    """Correction along the track and of the clock, the share a_i of every satellite's error in it, chi-square."""
+    """Correction along the track and of the clocks, the share a_i of every satellite's error in it, chi-square.
+
+    clocks in the order of their names
+    """
 
     along: Fraction
-    clock: Fraction
+    clocks: Mapping[str, Fraction]
     shares: Mapping[str, Fraction]
     chi_square: Fraction
     degrees_of_freedom: int
 
-    def protection_level(self, threshold: int) -> int:
-        """sum |a_i| * threshold, rounded up: no larger error is possible while each satellite's is within it."""
-        if threshold < 0:
-            raise InputError(f"threshold {threshold} is negative; give the bound of a satellite's error.")
-        return math.ceil(sum(map(abs, self.shares.values()), Fraction(0)) * threshold)
+    @property
+    def unknowns(self) -> int:
+        """How many were solved for."""
+        return len(self.shares) - self.degrees_of_freedom
+
+    def protection_level(self, bound: int | Mapping[str, int]) -> int:
+        """sum |a_i| * bound_i, rounded up: no larger error is possible while each satellite's is within its bound."""
+        bounds = dict.fromkeys(self.shares, bound) if isinstance(bound, int) else bound
+        wrong = [name for name in self.shares if bounds.get(name, -1) < 0]
+        if wrong:
+            raise InputError(f"the bound of {', '.join(wrong)} is missing or negative; give the bound of every error.")
+        return math.ceil(_sum(abs(share) * bounds[name] for name, share in self.shares.items()))
 
 
 def fit(sights: Mapping[str, Sight]) -> TrackFit:
     """Weighted least squares over the named satellites.
 
-    InputError below two satellites, for a weight that is not positive, or when all slopes are alike (no solution).
+    InputError below two satellites or the number of unknowns, for a weight that is not positive, or when all slopes are
+    alike (no solution).
     """
     if len(sights) < SOLVE:
         raise InputError(f"{len(sights)} usable satellites; {SOLVE} are needed to solve along the track: no fix.")
     if any(one.weight <= 0 for one in sights.values()):
         raise InputError("a weight must be positive; leave the satellite out instead.")
-    total = _sum(one.weight for one in sights.values())
-    middle = _sum(one.weight * one.slope_ppm for one in sights.values()) / total
-    spread = _sum(one.weight * (one.slope_ppm - middle) ** 2 for one in sights.values())
-    if spread == 0:
-        raise InputError("all satellites stand alike to the track: position and clock cannot be told apart, no fix.")
-    shares = {name: one.weight * (one.slope_ppm - middle) / spread * 10**6 for name, one in sights.items()}
-    along = _sum(shares[name] * one.difference for name, one in sights.items())
-    clock = _sum(one.weight * _left(one, along) for one in sights.values()) / total
-    square = _sum(one.weight * (_left(one, along) - clock) ** 2 for one in sights.values())
-    return TrackFit(along, clock, shares, square, len(sights) - SOLVE)
+    clocks = sorted({one.clock for one in sights.values()})
+    rows = {name: _row(one, clocks) for name, one in sights.items()}
+    size = len(next(iter(rows.values())))
+    if any(len(row) != size for row in rows.values()) or len(sights) < size:
+        raise InputError(f"{len(sights)} usable satellites for {size} unknowns: no fix.")
+    weights = _whole([one.weight for one in sights.values()])
+    normal, sums = _normal(list(rows.values()), weights, [one.difference for one in sights.values()])
+    (first, over), (found, under) = _solved(normal, [1, *[0] * (size - 1)]), _solved(normal, sums)
+    weighed = zip(rows.items(), weights, strict=True)
+    shares = {name: Fraction(weight * _dot(row, first) * PPM, over) for (name, row), weight in weighed}
+    # columns are millionths, a clock's as well: what belongs to them is in millions
+    terms = zip(clocks, found[size - len(clocks) :], strict=True)
+    residuals = (one.weight * (one.difference * under - _dot(rows[name], found)) ** 2 for name, one in sights.items())
+    return TrackFit(
+        Fraction(found[0] * PPM, under),
+        {clock: Fraction(term * PPM, under) for clock, term in terms},
+        shares,
+        sum(residuals, Fraction(0)) / under**2,
+        len(sights) - size,
+    )
+
+
+def _row(one: Sight, clocks: Sequence[str]) -> list[int]:
+    return [one.slope_ppm, *one.across_ppm, *(PPM if clock == one.clock else 0 for clock in clocks)]
+
+
+def _whole(weights: Sequence[Fraction]) -> list[int]:
+    """The same weights by a common factor, as whole numbers."""
+    factor = math.lcm(*(weight.denominator for weight in weights))
+    return [weight.numerator * (factor // weight.denominator) for weight in weights]
+
+
+def _normal(
+    rows: Sequence[list[int]], weights: Sequence[int], values: Sequence[int]
+) -> tuple[list[list[int]], list[int]]:
+    """The normal equations: rows' weighted products, and their weighted sums with the values."""
+    size = range(len(rows[0]))
+    every = list(zip(rows, weights, values, strict=True))
+    products = [[sum(weight * row[i] * row[j] for row, weight, _ in every) for j in size] for i in size]
+    return products, [sum(weight * row[i] * value for row, weight, value in every) for i in size]
+
+
+def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list[int], int]:
+    """The exact solution of whole-numbered equations, over one divisor (Bareiss: no fractions on the way).
+
+    InputError where there is none.
+    """
+    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    size, last = len(rows), 1
+    for at in range(size):
+        pivot = next((n for n in range(at, size) if rows[n][at]), None)
+        if pivot is None:
+            raise InputError(
+                "all satellites stand alike to the track: position and clock cannot be told apart, no fix."
+            )
+        rows[at], rows[pivot] = rows[pivot], rows[at]
+        head = rows[at]
+        rows = [
+            row if row is head else [(head[at] * a - row[at] * b) // last for a, b in zip(row, head, strict=True)]
+            for row in rows
+        ]
+        last = head[at]
+    return [row[size] for row in rows], last
 
 
 def slope_ppm(direction: tuple[float, float, float], track: tuple[float, float, float]) -> int:
@@ -76,8 +149,8 @@ def slope_ppm(direction: tuple[float, float, float], track: tuple[float, float, 
     return round(-share * 1e6)
 
 
-def _left(one: Sight, along: Fraction) -> Fraction:
-    return one.difference - Fraction(one.slope_ppm, 10**6) * along
+def _dot(row: Sequence[int], found: Sequence[int]) -> int:
+    return sum(map(mul, row, found))
 
 
 def _sum(values: Iterable[Fraction]) -> Fraction:
