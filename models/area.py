@@ -13,7 +13,7 @@ Positions are mm along the line, from the low end to the high end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
@@ -126,8 +126,8 @@ def machine(config: AreaConfig | None = None) -> Machine:
     return build(parts(config or AreaConfig())).machine
 
 
-def build(own: Parts) -> Area:
-    """The machine over the given variables."""
+def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
+    """The machine over the given variables; `kept`: slots whose reports an earlier machine vouches for, not assumed."""
     table = modes("UNSWEPT", "SWEPT")
     current = current_mode(table)
     limit = own.config.limit_mm
@@ -145,15 +145,15 @@ def build(own: Parts) -> Area:
         ghosts=ghosts,
         ghost_inputs=_choices(own),
         ghost_moves=moves,
-        assumption=_assumption(own),
+        assumption=_assumption(own, kept),
         lemmas=_lemmas(own, current, table),
         initially=_ends_in_order(own),
         mode_variable=current,
         doc=(
             "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
             "undisturbed every vehicle that comes in is counted and given a free slot, a train that is counted out has "
-            "left completely, and a clear area is empty; a trusted report holds the train's front end, and its rear end if "
-            "it is known to be whole; nothing exceeds the top speed; no vehicle passes another."
+            "left completely, and a clear area is empty; a trusted report holds the end of the train that leads, and both "
+            "if it is known to be whole; nothing exceeds the top speed; no vehicle passes another."
         ),
     )
     return Area(made, own)
@@ -306,7 +306,7 @@ def um(term: Num) -> Num:
     return exact_to(term, UM)
 
 
-def _assumption(own: Parts) -> Bool:
+def _assumption(own: Parts, kept: Sequence[Slot]) -> Bool:
     far = own.config.limit_mm * 1_000
     world = [
         between(-far, var, far)
@@ -316,17 +316,17 @@ def _assumption(own: Parts) -> Bool:
             *(v for one in own.slots for v in (one.next_rear, one.next_front)),
         )
     ]
-    return all_of([*world, *(_train_law(own, one) for one in own.slots), _loose_law(own)])
+    reports = [report_law(one) for one in own.slots if one not in kept]
+    return all_of([*world, *(_train_law(own, one) for one in own.slots), *reports, _loose_law(own)])
 
 
 def _train_law(own: Parts, one: Slot) -> Bool:
-    """What holds of a train that is there, and of what is heard of it."""
+    """What holds of a train that is there."""
     step, known = own.config.reach.cycle_mm * 1_000, one.there | one.enters
     rear, front = one.next_rear, one.next_front
     runs = (abs_(front - one.true_front) <= step) & (abs_(rear - one.true_rear) <= step)
     at_low, at_high = front <= um(own.low_end) + step, rear >= um(own.high_end) - step
     out_low, out_high = front < um(own.low_end), rear > um(own.high_end)
-    seen = one.trusted & one.front.present & one.rear.present & (one.age <= own.config.report_age_limit_ms)
     return all_of(
         [
             one.enters.implies(~one.there),
@@ -336,8 +336,18 @@ def _train_law(own: Parts, one: Slot) -> Bool:
             one.event.eq(ENTERS_HIGH).implies(at_high),
             (one.there & own.healthy & one.event.eq(LEAVES_LOW)).implies(out_low),
             (one.there & own.healthy & one.event.eq(LEAVES_HIGH)).implies(out_high),
-            (one.there & seen).implies(front <= um(one.highest)),
-            (one.there & seen & one.integer).implies(rear >= um(one.lowest)),
+        ]
+    )
+
+
+def report_law(one: Slot) -> Bool:
+    """What a trusted, complete and recent report says of the train is true, of the ends that it holds."""
+    recent = one.age <= one.reach.report_age_limit_ms
+    seen = one.there & one.trusted & one.front.present & one.rear.present & recent
+    return all_of(
+        [
+            (seen & one.holds_high).implies(one.next_front <= um(one.highest)),
+            (seen & one.holds_low).implies(one.next_rear >= um(one.lowest)),
         ]
     )
 

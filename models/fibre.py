@@ -65,13 +65,13 @@ def machine(config: FibreConfig | None = None) -> Machine:
     return build(parts(config or FibreConfig())).machine
 
 
-def build(own: Parts) -> Fibre:
-    """The machine over the given variables."""
+def build(own: Parts, name: str = "fibre") -> Fibre:
+    """The machine over the given variables, for one end of a train."""
     table = modes("WAITING", "COUNTING", "LOCATED", "FAULTED")
     current = current_mode(table)
     cycle = Cycle(own)
     made = Machine(
-        name="fibre",
+        name=name,
         modes=table,
         inputs=own.inputs,
         state=own.state(),

@@ -110,12 +110,13 @@ def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
     """The given machines, wired."""
     wires: dict[Var, Expr] = {}
     for one in sections:
-        wires |= _wires(area, one)
+        wires |= section_wires(area, one)
     whole = compose("sections", [area.machine, *(one.machine for one in sections)], wires)
     return Sections(area, sections, whole)
 
 
-def _wires(area: Area, one: Section) -> dict[Var, Expr]:
+def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
+    """What a section is told of the area in a step."""
     own = area.own
     wires: dict[Var, Expr] = {
         one.unswept: area.machine.mode.eq(area.machine.modes[0]),

@@ -116,7 +116,8 @@ class _World:
 
     def _heard(self, number: int, second: int) -> Mapping[str, Cell]:
         quiet: dict[str, Cell] = {
-            "event": "NONE", "report_age_ms": 0, "trusted": False, "integer": False, "next_rear_um": 0, "next_front_um": 0,
+            "event": "NONE", "report_age_ms": 0, "trusted": False, "integer": False,
+            "downwards": False, "next_rear_um": 0, "next_front_um": 0,
         }  # fmt: skip
         train = self._trains.get(number)
         if train is None:

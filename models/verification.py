@@ -50,14 +50,14 @@ def machine(config: VerificationConfig | None = None) -> Machine:
     return build(parts(config or VerificationConfig())).machine
 
 
-def build(own: Parts) -> Verification:
-    """The machine over the given variables."""
+def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -> Verification:
+    """The machine over the given variables; `place_kept`: an earlier machine vouches for the interval, not assumed."""
     table = modes("NO_REFERENCE", "WITHHELD", "TRUSTED", "UNTRUSTED")
     current = current_mode(table)
     judged = judge(own, current.one_of(table[1], table[2]), current.eq(table[3]))
     trusted = current.eq(table[2])
     made = Machine(
-        name="verification",
+        name=name,
         modes=table,
         inputs=own.inputs,
         state=own.state(),
@@ -66,7 +66,7 @@ def build(own: Parts) -> Verification:
         ghosts={own.axles: ANY, own.length: ANY, own.truth: ANY},
         ghost_inputs=[own.next_axles, own.next_length, own.next_truth],
         ghost_moves={own.axles: own.next_axles, own.length: own.next_length, own.truth: own.next_truth},
-        assumption=_assumption(own),
+        assumption=_features_law(own) if place_kept else _features_law(own) & place_law(own),
         lemmas=_lemmas(own, trusted),
         definitions={
             "mismatch": judged.mismatch,
@@ -145,19 +145,21 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
 # ------------------------------------------------------------------ the environment, and what helps to prove
 
 
-def _assumption(own: Parts) -> Bool:
-    """What the fibre tells of a train is true of the train it tells of, within its bounds."""
+def place_law(own: Parts) -> Bool:
+    """A located interval holds the front."""
+    low, high = own.place.value - own.place_under, own.place.value + own.place_over
+    inside = between(exact_to(low, NM), own.next_truth, exact_to(high, NM))
+    return (own.located & own.place.present).implies(inside)
+
+
+def _features_law(own: Parts) -> Bool:
+    """Count and length that the fibre tells of a train are true of the train it tells of, within their bounds."""
     tolerance = own.config.length_tolerance_mm
     off = exact_to(own.seen_length.value, UM) - own.next_length
-    located = own.located & own.place.present
-    inside = between(
-        exact_to(own.place.value - own.place_under, NM), own.next_truth, exact_to(own.place.value + own.place_over, NM)
-    )
     return all_of(
         [
             (own.associated & own.seen_count.present).implies(own.seen_count.value.eq(own.next_axles)),
             (own.associated & own.seen_length.present).implies(between(-tolerance * 1_000, off, tolerance * 1_000)),
-            located.implies(inside),
         ]
     )
 
@@ -168,4 +170,7 @@ def _lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
         "a trusted position holds the truth": trusted.implies(interval),
         "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
         "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),
+        "a count verified now is the train's": (trusted & own.by_count & own.age.eq(0)).implies(
+            own.axles.eq(own.kept_count)
+        ),
     }

@@ -1,7 +1,7 @@
 """One train of a line area: where it may be, from what was reported of it, and from what it can have run since.
 
 The interval [low, high] holds the whole train, from its min safe rear end to its max safe front end. A trusted report
-narrows it; a cycle without one widens it by the highest speed. Without confirmed integrity the rear end is not
+narrows it; a cycle without one widens it by the highest speed. Without confirmed integrity only the end that leads is
 believed: a part that was left behind is not seen.
 """
 
@@ -61,6 +61,7 @@ class Slot:
     event               the axle counters: it enters or has left completely, at the low or at the high end
     rear, front         the report: bounds of the whole train when it was measured, `age` ms ago
     trusted, integer    the report was verified; the train is known to be whole
+    downwards           since it was last known to be whole it ran towards the low end: that end leads, not the high one
     below, above        every vehicle that was never counted in is above (below) this train, since it came in at the
                         low (high) end and no vehicle passes another
     there, true_rear, true_front  ghosts: the train itself, um
@@ -74,6 +75,7 @@ class Slot:
     age: NumVar
     trusted: BoolVar
     integer: BoolVar
+    downwards: BoolVar
     present: BoolVar
     low: NumVar
     high: NumVar
@@ -91,7 +93,7 @@ class Slot:
     @property
     def inputs(self) -> list[Var | Optional]:
         """What is heard of it in a cycle."""
-        return [self.event, self.rear, self.front, self.age, self.trusted, self.integer]
+        return [self.event, self.rear, self.front, self.age, self.trusted, self.integer, self.downwards]
 
     @property
     def enters(self) -> Bool:
@@ -102,6 +104,16 @@ class Slot:
     def leaves(self) -> Bool:
         """It is counted out."""
         return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
+
+    @property
+    def holds_low(self) -> Bool:
+        """A trusted report holds the train's low end."""
+        return self.integer | self.downwards
+
+    @property
+    def holds_high(self) -> Bool:
+        """A trusted report holds the train's high end."""
+        return self.integer | ~self.downwards
 
     @property
     def charge(self) -> Num:
@@ -145,8 +157,8 @@ class Slot:
         """The interval after the cycle. A train that enters is just inside one end, its other end unknown outside."""
         low, high = self.run_on
         limit, cycle = self.reach.limit_mm, self.reach.cycle_mm
-        seen_low = ite(self.accepted & self.integer, maximum(low, self.lowest), low)
-        seen_high = ite(self.accepted, minimum(high, self.highest), high)
+        seen_low = ite(self.accepted & self.holds_low, maximum(low, self.lowest), low)
+        seen_high = ite(self.accepted & self.holds_high, minimum(high, self.highest), high)
         new_low = ite(self.event.eq(ENTERS_LOW), as_num(-limit, MM), area_high - cycle)
         new_high = ite(self.event.eq(ENTERS_LOW), area_low + cycle, as_num(limit, MM))
         return ite(self.enters, new_low, seen_low), ite(self.enters, new_high, seen_high)
@@ -191,6 +203,7 @@ def slot(number_: int, reach: Reach, count_limit: int) -> Slot:
         number(f"{name}_report_age_ms", MS, 0, 2 * reach.report_age_limit_ms),
         boolean(f"{name}_trusted"),
         boolean(f"{name}_integer"),
+        boolean(f"{name}_downwards"),
         boolean(f"{name}_present"),
         number(f"{name}_low_mm", MM, -limit, limit),
         number(f"{name}_high_mm", MM, -limit, limit),

@@ -199,6 +199,16 @@ class Judged:
         far = abs_(own.place.value - own.last_place) > self.reach + own.config.jump_mm
         return self.placed & own.place_known & far
 
+    @property
+    def ends_apart(self) -> Bool:
+        """Both ends are located, and no length that the reference allows lies between them."""
+        own, tolerance = self.own, self.own.config.length_tolerance_mm
+        _, low, high = self.reference
+        near, far = own.ends_low.value, own.ends_high.value
+        crossed = own.ends_low.present & own.ends_high.present & (near > far)
+        too_long = own.ends_low.present & (near > high + tolerance)
+        return crossed | too_long | (own.ends_high.present & (far < low - tolerance))
+
     # -------------------------------------------------------------- the verdict
 
     @property
@@ -215,6 +225,7 @@ class Judged:
             (own.fibre_error, v.FIBRE_ERROR),
             (seen_count & ~self.count_matches, v.COUNT_DIFFERS),
             (seen_length & ~self.length_matches, v.LENGTH_DIFFERS),
+            (self.ends_apart, v.ENDS_APART),
             (self.speed_compared & ~self.speed_fits, v.SPEED_AT_ENTRY),
             (self.place_compared & ~self.place_fits, v.PLACE_AT_ENTRY),
             (self.length_changed, v.LENGTH_CHANGED),

@@ -26,13 +26,13 @@ REASON = members(
     "VERIFIED", "NO_RECORD", "NOT_VERIFIED", "NOT_ASSOCIATED", "NOT_LOCATED", "CONTROL_DATA_MISSING", "CHAIN_UNTESTED",
     "REFERENCE_LOST", "REFERENCE_REFUSED", "REFERENCE_CONTRADICTS", "COUNT", "LENGTH", "SPEED_AT_ENTRY",
     "PLACE_AT_ENTRY", "LENGTH_CHANGED", "SPEED_CHANGED", "JUMP", "CONTROL_COUNT", "CONTROL_LENGTH", "CHAIN_FAILED",
-    "FIBRE_ERROR",
+    "FIBRE_ERROR", "ENDS_APART",
 )  # fmt: skip
 (
     VERIFIED, NO_RECORD, NOT_VERIFIED, NOT_ASSOCIATED, NOT_LOCATED, CONTROL_DATA_MISSING, CHAIN_UNTESTED,
     REFERENCE_LOST, REFERENCE_REFUSED, REFERENCE_CONTRADICTS, COUNT_DIFFERS, LENGTH_DIFFERS, SPEED_AT_ENTRY,
     PLACE_AT_ENTRY, LENGTH_CHANGED, SPEED_CHANGED, JUMP, CONTROL_COUNT, CONTROL_LENGTH, CHAIN_FAILED,
-    FIBRE_ERROR,
+    FIBRE_ERROR, ENDS_APART,
 ) = REASON  # fmt: skip
 FROM = members("reference_from", "NOBODY", "AXLE_COUNTER", "NEIGHBOUR")
 NOBODY, AXLE_COUNTER, NEIGHBOUR = FROM
@@ -77,7 +77,8 @@ class Parts:
     associated       a pattern belongs to this train, by order on the track
     seen_...         what the fibre determined in this cycle
     place, located   the fibre's interval of the front, and whether it is located
-    fibre_error      the fibre machine's error signal F
+    ends_low, ends_high  bounds of the distance of both ends, where both are located
+    fibre_error      an error signal F of the fibre machines
     control_...      what the train control system says of the train
     chain_tested, chain_failed  the test emitter
     leaves           the train has left the area
@@ -108,6 +109,8 @@ class Parts:
     place_over: NumVar
     place_under: NumVar
     located: BoolVar
+    ends_low: Optional
+    ends_high: Optional
     fibre_error: BoolVar
     control_count: Optional
     control_length: Optional
@@ -153,7 +156,7 @@ class Parts:
         reference: list[Var | Optional] = [self.due, self.source, self.sound, *record]
         reference += [self.record_place_low, self.record_place_high, self.record_age]
         seen: list[Var | Optional] = [self.associated, self.seen_count, self.seen_length, self.seen_speed, self.place]
-        seen += [self.place_over, self.place_under, self.located, self.fibre_error]
+        seen += [self.place_over, self.place_under, self.located, self.ends_low, self.ends_high, self.fibre_error]
         control: list[Var | Optional] = [self.control_count, self.control_length, self.control_brake]
         return [*reference, *seen, *control, self.chain_tested, self.chain_failed, self.leaves]
 
@@ -207,6 +210,8 @@ def parts(config: VerificationConfig) -> Parts:
         place_over=number("fibre_over_mm", MM, 0, margin),
         place_under=number("fibre_under_mm", MM, 0, margin),
         located=boolean("fibre_located"),
+        ends_low=optional("fibre_ends_low_mm", MM, -far, far),
+        ends_high=optional("fibre_ends_high_mm", MM, -far, far),
         fibre_error=boolean("fibre_error"),
         control_count=optional("control_axles", COUNT, 0, axles),
         control_length=optional("control_length_mm", MM, 0, long),
@@ -242,6 +247,6 @@ def parts(config: VerificationConfig) -> Parts:
         next_axles=number("next_true_axles", COUNT, 0, axles),
         length=number("true_length_um", UM, 0, 2_000 * long),
         next_length=number("next_true_length_um", UM, 0, 2_000 * long),
-        truth=number("truth_nm", NM, -far * 10**6, far * 10**6),
-        next_truth=number("next_truth_nm", NM, -far * 10**6, far * 10**6),
+        truth=number("truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6),
+        next_truth=number("next_truth_nm", NM, -4 * far * 10**6, 4 * far * 10**6),
     )
