@@ -111,6 +111,8 @@ class Watcher:
         effect, self._inside = self._inside, None
         if endless:
             self._start_again(place_mm, level)
+        else:
+            self._carry_over(place_mm)
         if not self._told:
             return None
         crossed = (place_mm - self._entered_mm) * self._towards > 0 and not endless
@@ -125,6 +127,11 @@ class Watcher:
         self._told = True
         edge = Edge.RISE if self._inside is Effect.RAISES else Edge.FALL
         return Change(self._inside, edge, True, None, round(change))
+
+    def _carry_over(self, place_mm: float) -> None:
+        """Normal is that of the run outside of sections: what was learnt before goes on behind the section, however long."""
+        shift = place_mm - self._normal[-1][0]
+        self._normal = deque((place + shift, level) for place, level in self._normal)
 
     def _start_again(self, place_mm: float, level: float) -> None:
         """Changed for longer than any section: that is normal now."""

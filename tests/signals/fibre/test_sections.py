@@ -122,3 +122,13 @@ def test_a_steeper_threshold_sees_less() -> None:
     """The rule is a figure."""
     strict = Watcher(CONFIG.model_copy(update={"sections": Sections(change_cdb=1_500)}))
     assert [] == watched(course([(600, 660, 1_200)]), strict)
+
+
+def test_normal_is_known_behind_a_long_section() -> None:
+    """300 m of section, over which 250 m of normal are learnt: the amplitude behind it is told over what was before."""
+    watcher, told = Watcher(CONFIG), list[float | None]()
+    for place, level in course([(600, 900, 1_200)]):
+        watcher.follow(place * 1_000, level)
+        told.append(watcher.change_cdb)
+    assert None not in told[100:]
+    assert 0 == told[960 // 2]
