@@ -109,7 +109,7 @@ def build(own: Parts) -> AxleCounter:
 
 
 def _bounds(own: Parts) -> tuple[NumVar, ...]:
-    return own.low_speed, own.high_speed, own.run_low, own.run_high, own.length_low, own.length_high
+    return own.low_speed, own.high_speed, own.run_low, own.run_high, own.length_low, own.length_high, own.past_low
 
 
 def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
@@ -179,7 +179,7 @@ def _nothing(own: Parts) -> dict[Var, Expr]:
     speed, um = as_num(0, MM_S), as_num(0, UM)
     return {
         **dict.fromkeys((own.low_speed, own.high_speed), speed),
-        **dict.fromkeys((own.run_low, own.run_high, own.length_low, own.length_high), um),
+        **dict.fromkeys((own.run_low, own.run_high, own.length_low, own.length_high, own.past_low), um),
         own.came: NO_AXLE,
         own.count: as_num(0, COUNT),
     }
@@ -199,6 +199,7 @@ def _first(own: Parts) -> dict[Var, Expr]:
         own.high_speed: high,
         own.run_low: minimum(low * Lit(period, MS), 0),
         own.run_high: maximum(high * Lit(period, MS), 0),
+        own.past_low: minimum(low * Lit(period, MS), 0),
         own.flaw: SOUND,
     }
 
@@ -214,6 +215,7 @@ def _next(own: Parts) -> dict[Var, Expr]:
         own.run_high: high,
         own.length_low: minimum(own.run_low, low),
         own.length_high: maximum(own.run_high, high),
+        own.past_low: minimum(own.speeds[0] * Lit(own.config.period_ms, MS), 0),
     }
 
 
@@ -224,6 +226,7 @@ def _ran(own: Parts) -> dict[Var, Expr]:
         own.high_speed: own.speeds[1],
         own.run_low: own.runs[0],
         own.run_high: own.runs[1],
+        own.past_low: own.past,
     }
 
 
@@ -250,7 +253,6 @@ def _assumption(own: Parts, first: Bool) -> Bool:
     """Heads without a fault tell every axle and its speed truly; trains keep to their traction and brakes."""
     change = Lit(own.config.change_mm_s * UM_PER_MM, UM_S)
     low, high = own.speed - change, own.speed + change
-    truly = between(exact_to(own.slow.value, UM_S), own.axle_speed, exact_to(own.fast.value, UM_S))
     told = own.slow.present & own.fast.present
     axle = ite(first, abs_(own.next_speed - own.axle_speed) <= change, between(low, own.axle_speed, high))
     near = abs_(own.next_speed - own.axle_speed) <= change
@@ -259,28 +261,38 @@ def _assumption(own: Parts, first: Bool) -> Bool:
         [
             between(own.run.low, run, own.run.high) & between(own.length.low, length, own.length.high),
             (~own.fault).implies(own.true_axles.eq(ite(own.counted, own.number, 0))),
-            (own.counted & ~own.fault & told).implies(truly & axle & near),
+            (own.counted & ~own.fault & told).implies(_speed_is_true(own, first) & axle & near),
             first | between(low, own.next_speed, high),
             ite(first, _since_first(own, change), _since_before(own, low, high)),
         ]
     )
 
 
+def _speed_is_true(own: Parts, first: Bool) -> Bool:
+    """Told speeds have no sign: an axle against the train's direction has run back. In which one it came may be unknown."""
+    slow, fast = exact_to(own.slow.value, UM_S), exact_to(own.fast.value, UM_S)
+    on, back = between(slow, own.axle_speed, fast), between(-fast, own.axle_speed, -slow)
+    return ite(first | own.onward, on, back | (own.came.eq(NO_AXLE) & on))
+
+
 def _since_first(own: Parts, change: Num) -> Bool:
-    """The run in what is left of the cycle after the first axle."""
+    """The run in what is left of the cycle after the first axle, up to the last one in it, and after that."""
     most = Lit(own.config.max_speed_mm_s * UM_PER_MM, UM_S)
     low, high = _nm(own, maximum(own.axle_speed - change, -most)), _nm(own, minimum(own.axle_speed + change, most))
-    return between(minimum(low, 0), own.step, maximum(high, 0)) & between(
-        minimum(low, 0), own.axle_step, maximum(high, 0)
-    )
+    return _within_cycle((own.step, own.axle_step, own.step - own.axle_step), low, high)
 
 
 def _since_before(own: Parts, low: Num, high: Num) -> Bool:
-    """The run in the cycle, and up to an axle within it, at the speeds of the cycle."""
+    """The run in the cycle, at the speeds of the cycle; up to the last axle within it, and after that."""
     most = Lit(own.config.max_speed_mm_s * UM_PER_MM, UM_S)
     slowest, fastest = _nm(own, maximum(low, -most)), _nm(own, minimum(high, most))
     whole = between(slowest, own.step, fastest)
-    return whole & between(minimum(slowest, 0), own.axle_step, maximum(fastest, 0))
+    return whole & _within_cycle((own.axle_step, own.step - own.axle_step), slowest, fastest)
+
+
+def _within_cycle(runs: tuple[Num, ...], low: Num, high: Num) -> Bool:
+    """Runs in a part of a cycle, of which the whole would give between `low` and `high`."""
+    return all_of(between(minimum(low, 0), run, maximum(high, 0)) for run in runs)
 
 
 def _nm(own: Parts, speed: Num) -> Num:
@@ -297,6 +309,9 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
         "the run is within its bounds": followed.implies(run),
         "the length is within its bounds": followed.implies(length),
         "the speed is within its bounds": followed.implies(speed),
+        "the run since the last axle is within its bound": followed.implies(
+            own.run - own.length >= exact_to(own.past_low, NM)
+        ),
         "the count is true": followed.implies(own.count.eq(own.axles)),
         "a spoilt passage has a flaw": current.eq(table[0]).implies(own.flaw.ne(SOUND)),
         "a train has a direction": current.eq(table[2]).implies(own.came.ne(NO_AXLE) & (own.count > 0)),

@@ -79,7 +79,9 @@ class Parts:
     low_speed, high_speed    bounds of the speed now
     run_low, run_high        bounds of the run since the first axle
     length_low, length_high  bounds of the run up to the last axle
+    past_low                 lower bound of the run since the last axle
     speed, run, length, axles  ghosts: the train's speed, its run since the first axle, up to its last axle; its axles so far
+    axle_speed                 ghost: its speed when the axle passed; negative for an axle that comes back
     """
 
     config: AxleCounterConfig
@@ -97,6 +99,7 @@ class Parts:
     run_high: NumVar
     length_low: NumVar
     length_high: NumVar
+    past_low: NumVar
     flaw: NumVar
     speed: NumVar
     next_speed: NumVar
@@ -142,13 +145,18 @@ class Parts:
     @property
     def passed(self) -> Bool:
         """The train has surely run farther since its last axle than two axles are apart."""
-        return self.runs[0] > self.length_high + Lit(self.config.axle_gap_mm * UM_PER_MM, UM)
+        return self.past > Lit(self.config.axle_gap_mm * UM_PER_MM, UM)
+
+    @property
+    def past(self) -> Num:
+        """Lower bound of the run since the last axle, after a cycle without one."""
+        return self.past_low + self.speeds[0] * Lit(self.config.period_ms, MS)
 
     @property
     def lost(self) -> Bool:
         """The train may be farther than a passage is followed."""
         most = self.config.run_limit_um
-        return any_of(~between(-most, run, most) for run in self.runs)
+        return any_of(~between(-most, run, most) for run in (*self.runs, self.past))
 
     @property
     def length_known(self) -> Bool:
@@ -176,10 +184,11 @@ def parts(config: AxleCounterConfig) -> Parts:
         number("run_high_um", UM, -far, far),
         number("length_low_um", UM, -far, far),
         number("length_high_um", UM, -far, far),
+        number("past_low_um", UM, -far, far),
         choice("flaw", enumeration(FLAW)),
         number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
         number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
-        number("axle_true_speed_um_s", UM_S, 0, most * UM_PER_MM),
+        number("axle_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
         number("true_step_nm", NM, -step, step),
         number("true_step_to_axle_nm", NM, -step, step),
         number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle),

@@ -1,0 +1,135 @@
+"""Samples of a counting head while wheels roll over it: which channels are damped, and where the wheel really is.
+
+A wheel damps channel A over one stretch and channel B over the next; where the two stretches overlap it damps both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+
+from safeloc.models.axle_head import AxleHeadConfig
+from safeloc.runs.worked import Steps, WorkedRun
+from safeloc.streams.steps import Cell
+
+US_PER_S = 1_000_000
+UM_PER_MM = 1_000
+CLEARANCE_MM = 40  # free rail on either side of the head, so that a run begins and ends with both channels free
+BOGIE_MM = 2_500
+WHEN_OVER = {"OFF": (False, False), "OVER_A": (True, False), "OVER_BOTH": (True, True), "OVER_B": (False, True)}
+
+
+@dataclass(frozen=True)
+class Roll:
+    """Wheels one behind the other, and how they run.
+
+    behind_mm    every wheel's distance behind the first one
+    speeds       (mm/s, ms) one after the other; negative: downwards
+    """
+
+    behind_mm: tuple[int, ...]
+    speeds: tuple[tuple[int, int], ...]
+
+
+def through(config: AxleHeadConfig, behind_mm: tuple[int, ...], speed_mm_s: int) -> Roll:
+    """All wheels over the head at one speed."""
+    way = _length_mm(config) + behind_mm[-1] + 2 * CLEARANCE_MM
+    return Roll(behind_mm, ((speed_mm_s, way * 1_000 // abs(speed_mm_s) + 1),))
+
+
+def samples(config: AxleHeadConfig, rolls: Sequence[Roll]) -> Steps:
+    """The rolls one after the other, as steps: both channels, and the ghost input."""
+    return [_sample(place) for roll in rolls for place in _places(config, roll)]
+
+
+def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
+    """Eight vehicles of two or four wheels, either way, at speeds of their own."""
+    rng = Random(seed)
+    rolls = []
+    for _ in range(8):
+        wheels = (0, BOGIE_MM) if rng.random() < 0.5 else (0, rng.randint(4_000, 9_000))
+        rolls.append(through(config, wheels, rng.choice((1, -1)) * rng.randint(5_000, config.max_speed_mm_s)))
+    return samples(config, rolls)
+
+
+def _length_mm(config: AxleHeadConfig) -> int:
+    """From where A begins to where B ends."""
+    return 2 * config.spacing_mm + config.overlap_mm
+
+
+def _places(config: AxleHeadConfig, roll: Roll) -> list[str]:
+    """Where the wheel on the head is, sample by sample."""
+    ahead = 1 if roll.speeds[0][0] > 0 else -1
+    first = -CLEARANCE_MM if ahead > 0 else _length_mm(config) + CLEARANCE_MM
+    at_um, places = first * UM_PER_MM, list[str]()
+    for speed, lasts_ms in roll.speeds:
+        for _ in range(lasts_ms * 1_000 // config.sample_us):
+            at_um += speed * config.sample_us * UM_PER_MM // US_PER_S
+            here = (_place(config, at_um // UM_PER_MM - ahead * behind) for behind in roll.behind_mm)
+            places.append(next((place for place in here if place != "OFF"), "OFF"))
+    return places
+
+
+def _place(config: AxleHeadConfig, at_mm: int) -> str:
+    """Over what a wheel is, `at_mm` above the low end of the head."""
+    if not 0 <= at_mm < _length_mm(config):
+        return "OFF"
+    if at_mm < config.spacing_mm:
+        return "OVER_A"
+    return "OVER_BOTH" if at_mm < config.spacing_mm + config.overlap_mm else "OVER_B"
+
+
+def _sample(place: str) -> dict[str, Cell]:
+    a, b = WHEN_OVER[place]
+    return {"channel_a_damped": a, "channel_b_damped": b, "next_wheel": place}
+
+
+# ------------------------------------------------------------------ named runs
+
+
+def _both_ways(config: AxleHeadConfig) -> Steps:
+    up, down = through(config, (0, BOGIE_MM), 20_000), through(config, (0, BOGIE_MM), -36_000)
+    return samples(config, [up, down])
+
+
+def _turned_back(config: AxleHeadConfig) -> Steps:
+    onto_both = (CLEARANCE_MM + config.spacing_mm + config.overlap_mm // 2) * 1_000 // 2_000
+    back = Roll((0,), ((2_000, onto_both), (-2_000, onto_both + 20)))
+    return samples(config, [back, through(config, (0,), 5_000)])
+
+
+def _metal_over_both(config: AxleHeadConfig) -> Steps:
+    """Something damps both channels in the same sample, as a magnetic rail brake does; then a vehicle."""
+    brake: dict[str, Cell] = {"channel_a_damped": True, "channel_b_damped": True}
+    free: dict[str, Cell] = {"channel_a_damped": False, "channel_b_damped": False}
+    after = samples(config, [through(config, (0, BOGIE_MM), 25_000)])
+    return _without_truth([*[free] * 10, *[brake] * 30, *[free] * 10, *after])
+
+
+def _sample_lost(config: AxleHeadConfig) -> Steps:
+    """A wheel whose time on both channels was not sampled; then another one."""
+    steps = samples(config, [through(config, (0, BOGIE_MM), 20_000)])
+    both = [number for number, step in enumerate(steps) if step["next_wheel"] == "OVER_BOTH"]
+    first = [number for number in both if number < both[0] + len(steps) // 4]
+    return _without_truth([step for number, step in enumerate(steps) if number not in first])
+
+
+def _without_truth(steps: Steps) -> Steps:
+    """The recording alone: what happens in it no wheel does, and the truth is not claimed."""
+    return [{name: value for name, value in step.items() if name != "next_wheel"} for step in steps]
+
+
+RUNS: Mapping[str, WorkedRun[AxleHeadConfig]] = {
+    "axle_head-both-ways": WorkedRun("Two axles upwards, two downwards; never disturbed.", _both_ways),
+    "axle_head-turned-back": WorkedRun(
+        "A wheel turns back on the head and counts nothing; the next one counts upwards.", _turned_back
+    ),
+    "axle_head-direction-unknown": WorkedRun(
+        "Both channels are damped at once: disturbed, nothing is counted, until both are free; then two axles upwards.",
+        _metal_over_both,
+    ),
+    "axle_head-no-overlap": WorkedRun(
+        "A wheel that was never seen on both channels disturbs and is not counted; the next one is.", _sample_lost
+    ),
+}

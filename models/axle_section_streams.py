@@ -1,0 +1,152 @@
+"""Trains through a section between axle counters, with its resets and sweeps, as steps of the section machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from random import Random
+
+from safeloc.models.axle_section import AxleSectionConfig
+from safeloc.runs.worked import Steps, WorkedRun
+from safeloc.streams.steps import Cell
+
+SIDES = ("low", "high")
+AXLES_A_CYCLE = 8
+QUIET: Mapping[str, Cell] = {
+    "axles_in_low": 0, "axles_in_high": 0, "axles_out_low": 0, "axles_out_high": 0, "head_fault": False,
+    "head_damped": False, "reset_requested": False, "sweep_reported_clear": False,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Event:
+    """Some cycles.
+
+    cells    what is told in them, besides quiet
+    cycles   how many
+    unseen   axles that came in (left: negative) in each of them without being told
+    """
+
+    cells: Mapping[str, Cell] = field(default_factory=dict)
+    cycles: int = 1
+    unseen: int = 0
+
+
+Events = Sequence[Event]
+RESET = Event({"reset_requested": True})
+
+
+def quiet(cycles: int) -> Event:
+    """Nothing, for so many cycles."""
+    return Event(cycles=cycles)
+
+
+def train(axles: int, way: str, side: str) -> list[Event]:
+    """A train counted `in` or `out` at the `low` or the `high` side; a wheel stands on the head between its cycles."""
+    whole, rest = divmod(axles, AXLES_A_CYCLE)
+    counts = [*[AXLES_A_CYCLE] * whole, *([rest] if rest else [])]
+    last = len(counts) - 1
+    return [Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)]
+
+
+def through(axles: int, cycles: int = 12) -> list[Event]:
+    """A train in at the low side and out at the high side."""
+    return [*train(axles, "in", "low"), quiet(cycles), *train(axles, "out", "high")]
+
+
+def swept(config: AxleSectionConfig) -> list[Event]:
+    """A reset once the lead time is over, a sweep by eight axles, and its report."""
+    report = Event({"sweep_reported_clear": True})
+    return [quiet(config.lead_cycles), RESET, *through(8, 20), quiet(2), report]
+
+
+def happened(events: Events) -> Steps:
+    """One step a cycle; the axles really in the section beside them, unless some of them were not told."""
+    steps, axles, told = Steps(), 0, all(event.unseen == 0 for event in events)
+    for event in events:
+        for _ in range(event.cycles):
+            step = {**QUIET, **event.cells}
+            axles += (
+                sum(int(step[f"axles_in_{side}"]) - int(step[f"axles_out_{side}"]) for side in SIDES) + event.unseen
+            )
+            steps.append({**step, "next_true_axles": axles} if told else step)
+    return steps
+
+
+def simulate(config: AxleSectionConfig, *, seed: int) -> Steps:
+    """Reset, sweep, and eight trains, some of which turn back in the section."""
+    rng = Random(seed)
+    events = swept(config)
+    for _ in range(8):
+        axles, side = rng.randint(4, 60), rng.choice(SIDES)
+        stays, leaves = quiet(rng.randint(4, 60)), rng.choice(SIDES)
+        events += [*train(axles, "in", side), stays, *train(axles, "out", leaves), quiet(rng.randint(2, 30))]
+    return happened(events)
+
+
+# ------------------------------------------------------------------ named runs
+
+
+def _service(config: AxleSectionConfig) -> Events:
+    return [
+        *swept(config),
+        *through(36),
+        quiet(5),
+        *train(20, "in", "high"),
+        quiet(9),
+        *train(20, "out", "high"),
+        quiet(3),
+    ]
+
+
+def _refused(config: AxleSectionConfig) -> Events:
+    """Asked in vain: at once after power-up, with a train in, with a wheel on a head; then the train leaves."""
+    stays = quiet(config.lead_cycles + 2)
+    damped = Event({"reset_requested": True, "head_damped": True})
+    return [RESET, *swept(config), *train(36, "in", "low"), stays, RESET, damped, *train(36, "out", "high"), quiet(3)]
+
+
+def _disturbed(config: AxleSectionConfig) -> Events:
+    """The direction of an axle is not known; a reset is refused while the head is disturbed; then reset and sweep."""
+    fault = Event({"head_fault": True}, 3)
+    refused = Event({"head_fault": True, "reset_requested": True})
+    arrives, leaves = train(36, "in", "low"), train(36, "out", "high")
+    return [*swept(config), *arrives, fault, refused, quiet(4), *leaves, *swept(config), *through(12), quiet(3)]
+
+
+def _miscount(config: AxleSectionConfig) -> Events:
+    """An axle comes in that is not counted, and is counted out: more out than in."""
+    lost = [*train(19, "in", "low"), Event(unseen=1)]
+    return [*swept(config), *lost, quiet(9), *train(20, "out", "high"), *swept(config), *through(12), quiet(3)]
+
+
+def _sweep_turns(config: AxleSectionConfig) -> Events:
+    """The first sweep turns back where it came from and is worth nothing; another reset and sweep."""
+    backs_out = [*train(8, "in", "low"), quiet(9), *train(8, "out", "low"), Event({"sweep_reported_clear": True})]
+    return [quiet(config.lead_cycles), RESET, *backs_out, *swept(config), quiet(3)]
+
+
+def _worked(outcome: str, events: Callable[[AxleSectionConfig], Events]) -> WorkedRun[AxleSectionConfig]:
+    return WorkedRun(outcome, lambda config: happened(events(config)))
+
+
+RUNS: Mapping[str, WorkedRun[AxleSectionConfig]] = {
+    "axle_section-service": _worked(
+        "Occupied from power-up until a reset and a sweep through; then clear, occupied by each train, and clear again.",
+        _service,
+    ),
+    "axle_section-reset-refused": _worked(
+        "A reset is refused while axles are counted in or a head is damped; the section stays occupied until the train is out.",
+        _refused,
+    ),
+    "axle_section-disturbed": _worked(
+        "Direction unknown: disturbed, also when the fault is gone and the train is out; clear only after reset and sweep.",
+        _disturbed,
+    ),
+    "axle_section-miscount": _worked(
+        "One more axle out than in: disturbed in that cycle; clear only after reset and sweep.", _miscount
+    ),
+    "axle_section-sweep-turns": _worked(
+        "A sweep that turns back does not clear the section; one that runs through does.", _sweep_turns
+    ),
+}
