@@ -1,0 +1,120 @@
+"""What stands around the step in generated C: the checked step, the loop, snapshots, and what a status says.
+
+These texts are the same for every machine but for its name, its fields and its statuses.
+"""
+
+from __future__ import annotations
+
+from safeloc.backends.c99_header import statuses
+from safeloc.backends.c99_layout import Layout, literal
+
+
+def stepping(layout: Layout) -> str:
+    """One checked step, many of them, and the outputs of a state."""
+    p, upper = layout.names.prefix, layout.names.upper
+    idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
+    return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
+{{
+    if (state == NULL || outputs == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    const int32_t status = {p}_check_inputs(inputs);
+    if (status != {upper}_OK) {{
+        return status;
+    }}
+    advance(state, inputs, outputs);
+    show(state, outputs);
+    return {upper}_OK;
+}}
+
+int32_t {p}_run({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs, size_t count, size_t *done)
+{{
+    if (state == NULL || done == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    {p}_state now = *state;
+    {p}_outputs told;
+    int32_t status = {upper}_OK;
+    size_t number = 0;
+    while (number < count && (status = {p}_check_inputs(inputs == NULL ? NULL : inputs + number)) == {upper}_OK) {{
+        advance(&now, inputs + number, &told);
+        if (outputs != NULL) {{
+            show(&now, &told);
+            outputs[number] = told;
+        }}
+        number++;
+    }}
+    *state = now;
+    *done = number;
+    return status;
+}}
+
+int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
+{{
+    if (state == NULL || outputs == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    show(state, outputs);
+{idle}    return {upper}_OK;
+}}
+"""
+
+
+def snapshots(layout: Layout) -> str:
+    """Saving and restoring, with a checksum over values, not over padding."""
+    p, upper = layout.names.prefix, layout.names.upper
+    mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
+    return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
+static uint64_t mixed(uint64_t sum, uint64_t value)
+{{
+    for (int shift = 0; shift < 64; shift += 8) {{
+        sum = (sum ^ ((value >> shift) & 0xFFU)) * UINT64_C(1099511628211);
+    }}
+    return sum;
+}}
+
+static uint64_t checksum(const {p}_state *state)
+{{
+    uint64_t sum = mixed(UINT64_C(14695981039346656037), {upper}_DECLARATION);
+{mixed}    return sum;
+}}
+
+int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
+{{
+    if (state == NULL || snapshot == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    snapshot->declaration = {upper}_DECLARATION;
+    snapshot->checksum = checksum(state);
+    snapshot->state = *state;
+    return {upper}_OK;
+}}
+
+int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
+{{
+    if (state == NULL || snapshot == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    if (snapshot->declaration != {upper}_DECLARATION) {{
+        return {upper}_SNAPSHOT_FOREIGN;
+    }}
+    if (snapshot->checksum != checksum(&snapshot->state)) {{
+        return {upper}_SNAPSHOT_DAMAGED;
+    }}
+    const int32_t status = {p}_check_state(&snapshot->state);
+    if (status == {upper}_OK) {{
+        *state = snapshot->state;
+    }}
+    return status;
+}}
+"""
+
+
+def status_texts(layout: Layout) -> str:
+    """What every status says."""
+    p = layout.names.prefix
+    cases = "".join(f"    case {name}:\n        return {literal(text)};\n" for name, _, text in statuses(layout))
+    return (
+        f"const char *{p}_status_text(int32_t status)\n{{\n    switch (status) {{\n{cases}"
+        f'    default:\n        return "no status of {p}";\n    }}\n}}\n'
+    )

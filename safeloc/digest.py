@@ -1,0 +1,71 @@
+"""A digest of what a system means: two declarations of one digest move alike and hold the same variables.
+
+Snapshots carry it, so that one taken of another declaration is refused.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator
+
+from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
+from safeloc.machine import Any_
+from safeloc.nodes import Compare, FloorDiv, Past, Truth
+from safeloc.system import TransitionSystem
+from safeloc.terms import children, in_order
+from safeloc.units import Enumeration
+
+
+def declaration_digest(system: TransitionSystem) -> str:
+    """SHA-256, in hexadecimal, of variables, first values, moves and outputs; places in source files do not count."""
+    total = hashlib.sha256()
+    for line in _lines(system):
+        total.update(line.encode("utf-8") + b"\n")
+    return total.hexdigest()
+
+
+def _lines(system: TransitionSystem) -> Iterator[str]:
+    yield f"system {system.name!r}"
+    for kind, variables in (("state", system.state), ("input", system.inputs)):
+        yield from (f"{kind} {_variable(var)}" for var in variables)
+    yield from (f"first {var.name!r} {_first(system, var)}" for var in system.state)
+    terms = [system.init, *system.next.values(), *system.fired.values(), *system.outputs.values()]
+    yield from _terms(terms)
+    yield f"outputs {list(system.outputs)!r}"
+
+
+def _variable(var: Var) -> str:
+    if isinstance(var, BoolVar):
+        return f"{var.name!r} truth"
+    members = var.unit.members if isinstance(var.unit, Enumeration) else ()
+    return f"{var.name!r} {var.unit.name!r} {members!r} {var.low} {var.high}"
+
+
+def _first(system: TransitionSystem, var: Var) -> str:
+    value = system.initial[var]
+    return "any" if isinstance(value, Any_) else str(int(value.value if isinstance(value, Lit) else value))
+
+
+def _terms(roots: Iterable[Expr]) -> Iterator[str]:
+    """Every node once, by number; then which of them are the roots."""
+    roots = list(roots)
+    number: dict[int, int] = {}
+    for node in in_order(roots):
+        number[id(node)] = len(number)
+        yield f"{type(node).__name__} {_told(node)} {[number[id(part)] for part in children(node)]}"
+    yield f"roots {[number[id(root)] for root in roots]}"
+
+
+def _told(node: Expr) -> str:
+    """What tells a node from another one of its kind with the same parts."""
+    match node:
+        case Lit(value, _) | Truth(value):
+            return str(value)
+        case NumVar(name=name) | BoolVar(name=name):
+            return repr(name)
+        case FloorDiv(_, divisor, _):
+            return str(divisor)
+        case Compare(op, _, _) | Past(op, _):
+            return op
+        case _:
+            return ""
