@@ -203,7 +203,21 @@ class Recognition:
         return Read(inputs, (self.sighting.model, self.sighting.turned, *of_map), (*told, self.mode))
 
 
-Picture: TypeAlias = Deviation | Approach | Recognition
+@dataclass(frozen=True)
+class Stanford:
+    """Error of the reported position against the margin stated for it, with the alarm limit (Stanford diagram)."""
+
+    title: str
+    reported: Reported
+    limit_mm: int
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        return Read(reported=self.reported.outputs)
+
+
+Picture: TypeAlias = Deviation | Approach | Recognition | Stanford
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
-from safeloc.pictures import Approach, Deviation, Picture, Recognition
+from safeloc.pictures import Approach, Deviation, Picture, Recognition, Stanford
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture
+from safeloc.report.stanford import stanford_picture
 from safeloc.report.told import Broken, Told
 from safeloc.results import Finding, Replayed
 from safeloc.target import Target
@@ -34,6 +35,8 @@ def drawn(declared: Picture, told: Told) -> str:
             return approach_picture(declared, told)
         case Recognition():
             return recognition_picture(declared, told)
+        case Stanford():
+            return stanford_picture(declared, told)
         case _:
             assert_never(declared)
 

@@ -1,0 +1,193 @@
+"""Stanford diagram of a run: the error of every reported position against the margin that was stated for it.
+
+The margin is that of the side on which the truth lies. Below the diagonal it missed the truth: misleading, and hazardous
+where the error passes the alarm limit too. Both are safety failures; an unavailable step, reported with a wider margin
+than the limit or not at all, is none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from safeloc.pictures import Stanford
+from safeloc.report.drawing import (
+    BLUE,
+    GREY,
+    LEFT,
+    ORANGE,
+    RED,
+    RIGHT,
+    Axis,
+    Swatch,
+    across_axis,
+    box,
+    box_swatch,
+    cross,
+    legend,
+    metres,
+    picture,
+    stroke_swatch,
+    upright_axis,
+    word,
+)
+from safeloc.report.told import Told
+from safeloc.report.violations import FIRST, ROW, head
+
+Region = Literal["nominal", "unavailable", "misleading", "hazardous"]
+REGIONS: tuple[Region, ...] = get_args(Region)
+TALL, CELL = 420, 6
+COLOURS: Mapping[Region, str] = {"nominal": BLUE, "unavailable": GREY, "misleading": ORANGE, "hazardous": RED}
+MEANT: Mapping[Region, str] = {
+    "nominal": "error within the margin, margin within the limit",
+    "unavailable": "margin beyond the limit, or nothing reported",
+    "misleading": "error beyond the margin, within the limit",
+    "hazardous": "error beyond the margin and the limit",
+}
+
+
+def region(error_mm: float, margin_mm: float, limit_mm: float) -> Region:
+    """Where a report stands; equal counts as within."""
+    if error_mm > margin_mm:
+        return "hazardous" if error_mm > limit_mm else "misleading"
+    return "unavailable" if margin_mm > limit_mm else "nominal"
+
+
+@dataclass(frozen=True)
+class Report:
+    """One reported step whose truth is known: error and margin on its side, mm."""
+
+    error: float
+    margin: float
+
+
+@dataclass(frozen=True)
+class Reports:
+    """All steps of a run: those with report and truth, how many had no report, how many a report without known truth."""
+
+    made: tuple[Report, ...]
+    silent: int
+    unknown: int
+
+    def counts(self, limit_mm: float) -> Counter[Region]:
+        """Steps of each region; a step without report is unavailable."""
+        found: Counter[Region] = Counter()
+        found.update(region(one.error, one.margin, limit_mm) for one in self.made)
+        found["unavailable"] += self.silent
+        return found
+
+
+def reports(one: Stanford, told: Told) -> Reports:
+    """What the run tells."""
+    made, silent, unknown = list[Report](), 0, 0
+    for step, truth in zip(told.trace.steps, told.truth(one.reported.truth), strict=True):
+        ends = one.reported.interval_mm(step.outputs)
+        if ends is None:
+            silent += 1
+        elif truth is None:
+            unknown += 1
+        else:
+            position = step.outputs[one.reported.position]
+            margin = ends[1] - position if truth >= position else position - ends[0]
+            made.append(Report(abs(truth - position), margin))
+    return Reports(tuple(made), silent, unknown)
+
+
+def stanford_picture(one: Stanford, told: Told) -> str:
+    """The drawing; empty for a run in which no position is reported whose truth is known."""
+    found = reports(one, told)
+    if not found.made:
+        return ""
+    greatest = max(one.limit_mm, *(max(report.error, report.margin) for report in found.made)) * 1.15
+    top = head(told) + 10
+    across, up = Axis(0, greatest, LEFT, RIGHT), Axis(0, greatest, top + TALL, top)
+    counts = found.counts(one.limit_mm)
+    made = [
+        *_violated(told),
+        upright_axis(up, "margin in m"),
+        *_areas(one, across, up),
+        *_lines(one, across, up),
+        *_cells(one, found, across, up),
+        *_words(one, counts, across, up),
+        across_axis(across, up.begin, "error in m"),
+    ]
+    drawn, y = legend(_keys(one, found, counts), up.begin + 62)
+    return picture([*made, drawn], y, f"{one.title}, recording {told.name}")
+
+
+def _violated(told: Told) -> Iterator[str]:
+    """The names of violated statements above the diagram, which has no place for the steps."""
+    for row, broken in enumerate(told.broken):
+        text = f"\N{MULTIPLICATION SIGN} violated at step {broken.step}: {broken.name}"
+        yield word(LEFT, FIRST + ROW * row, text, style="font-weight:700")
+
+
+def _areas(one: Stanford, across: Axis, up: Axis) -> Iterator[str]:
+    """The four regions, faintly."""
+    low, limit, high = 0.0, float(one.limit_mm), across.high
+    corners: dict[Region, tuple[tuple[float, float], ...]] = {
+        "nominal": ((low, low), (limit, limit), (low, limit)),
+        "unavailable": ((low, limit), (limit, limit), (high, high), (low, high)),
+        "misleading": ((low, low), (limit, low), (limit, limit)),
+        "hazardous": ((limit, low), (high, low), (high, high), (limit, limit)),
+    }
+    for name, points in corners.items():
+        text = " ".join(f"{across.at(x):.1f},{up.at(y):.1f}" for x, y in points)
+        yield f'<polygon points="{text}" fill="{COLOURS[name]}" fill-opacity=".10" class="region-{name}"/>'
+
+
+def _lines(one: Stanford, across: Axis, up: Axis) -> Iterator[str]:
+    ends = f"M{across.begin:.1f} {up.begin:.1f}L{across.end:.1f} {up.end:.1f}"
+    yield f'<path d="{ends}" class="ink" stroke-width="1"/>'
+    x, y = across.at(one.limit_mm), up.at(one.limit_mm)
+    for path in (f"M{LEFT} {y:.1f}H{RIGHT}", f"M{x:.1f} {up.end:.1f}V{up.begin:.1f}"):
+        yield f'<path d="{path}" stroke="{RED}" stroke-width="1.6" stroke-dasharray="9 4" class="limit"/>'
+
+
+def _cells(one: Stanford, found: Reports, across: Axis, up: Axis) -> Iterator[str]:
+    """Steps gathered in cells of the page, the darker the more; failures are crosses."""
+    cells = Counter(_cell(one, report, across, up) for report in found.made)
+    most = math.log1p(max(cells.values()))
+    for (x, y, name), count in sorted(cells.items()):
+        if name in ("misleading", "hazardous"):
+            yield cross(x + CELL / 2, y + CELL / 2, kind=f"step {name}", size=4)
+        else:
+            opacity = 0.3 + 0.7 * math.log1p(count) / most
+            drawn = box(x, y, CELL, CELL, COLOURS[name], kind=f"step {name}")
+            yield f'<g fill-opacity="{opacity:.2f}">{drawn}</g>'
+
+
+def _cell(one: Stanford, report: Report, across: Axis, up: Axis) -> tuple[float, float, Region]:
+    x, y = across.at(report.error), up.at(report.margin)
+    return x // CELL * CELL, y // CELL * CELL, region(report.error, report.margin, one.limit_mm)
+
+
+def _words(one: Stanford, counts: Counter[Region], across: Axis, up: Axis) -> Iterator[str]:
+    """Name and number in each region."""
+    limit, high = one.limit_mm, across.high
+    places: dict[Region, tuple[float, float, str]] = {
+        "nominal": (across.begin + 8, up.at(limit) + 18, "start"),
+        "unavailable": (across.begin + 8, up.at(high) + 16, "start"),
+        "misleading": (across.at(limit) - 8, up.begin - 10, "end"),
+        "hazardous": (across.end - 4, up.begin - 10, "end"),
+    }
+    for name, (x, y, anchor) in places.items():
+        yield word(x, y, f"{name}: {counts[name]}", anchor=anchor)
+
+
+def _keys(one: Stanford, found: Reports, counts: Counter[Region]) -> list[Swatch]:
+    total = sum(counts.values())
+    keys = [box_swatch(COLOURS[name], f"{name}: {MEANT[name]}, {_share(counts[name], total)}") for name in REGIONS]
+    keys.append(stroke_swatch(RED, f"alarm limit, {metres(one.limit_mm)}", "9 4"))
+    if found.silent:
+        keys.append(Swatch("", f"nothing reported in {found.silent} of {total} steps"))
+    if found.unknown:
+        keys.append(Swatch("", f"{found.unknown} steps without a known truth are left out"))
+    return keys
+
+
+def _share(count: int, total: int) -> str:
+    return f"{count} of {total} steps"
