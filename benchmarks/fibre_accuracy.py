@@ -86,6 +86,7 @@ class Tally:
     false_trains: int = 0
     samples: list[Sample] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
+    counts_by_kind: Counter[tuple[str, str]] = field(default_factory=Counter)
     signals: Counter[str] = field(default_factory=Counter)
 
 
@@ -118,7 +119,9 @@ def run(condition: Condition, tally: Tally, seed: int) -> None:
             last_count = one.count or last_count
             passed.note(truth)
     tally.runs += 1
-    tally.counts[_judged_count(last_count.clusters if last_count and last_count.confident else None, train)] += 1
+    judged = _judged_count(last_count.clusters if last_count and last_count.confident else None, train)
+    tally.counts[judged] += 1
+    tally.counts_by_kind[_kind(train), judged] += 1
     tally.signals.update(_judged_signals(made, passed, condition))
 
 
@@ -186,6 +189,14 @@ def _judged_count(clusters: int | None, train: Train) -> str:
     return "right" if least <= clusters <= most else "wrong"
 
 
+def _kind(train: Train) -> str:
+    """Which of the kinds of train it is."""
+    last = train.vehicles[-1]
+    return next(
+        kind for kind, (heads, wagon) in KINDS.items() if wagon is last and (train.vehicles[0] in heads) == bool(heads)
+    )
+
+
 def _judged_signals(made: list[SectionSignal], passed: Passed, condition: Condition) -> Counter[str]:
     """Sections whose whole length the front was told on, and some run before to know normal, are expected."""
     expected = Counter(
@@ -251,6 +262,20 @@ def by_condition(tallies: dict[str, Tally]) -> Iterator[str]:
         yield f"| {name} | {tally.runs} | {told} | {tally.false_trains} | {counts} | {found} | {rest} |"
 
 
+def by_kind(tallies: dict[str, Tally]) -> Iterator[str]:
+    """Bogie counts of every kind of train, all conditions together."""
+    yield "| kind of train | runs | count right | wrong | not told | right of those told |"
+    yield "|---|---|---|---|---|---|"
+    for kind in KINDS:
+        judged = Counter[str]()
+        for tally in tallies.values():
+            judged.update({verdict: number for (own, verdict), number in tally.counts_by_kind.items() if own == kind})
+        told = judged["right"] + judged["wrong"]
+        share = f"{100 * judged['right'] / told:.0f} %" if told else "-"
+        cells = [str(judged[one]) for one in ("right", "wrong", "not told")]
+        yield f"| {kind} | {judged.total()} | {' | '.join(cells)} | {share} |"
+
+
 def _share(count: int, of: int) -> str:
     return f"0 (< {100 * 3 / of:.2f} %)" if count == 0 else f"{100 * count / of:.2f} %"
 
@@ -268,7 +293,7 @@ def tallied(runs: int, conditions: tuple[Condition, ...] = CONDITIONS) -> dict[s
 def main(runs: int) -> None:
     """Print the tables."""
     tallies = tallied(runs)
-    print(*by_quantity(tallies), "", *by_condition(tallies), sep="\n")
+    print(*by_quantity(tallies), "", *by_condition(tallies), "", *by_kind(tallies), sep="\n")
 
 
 if __name__ == "__main__":

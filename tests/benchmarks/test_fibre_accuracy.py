@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.fibre_accuracy import CONDITIONS, Sample, Tally, by_condition, by_quantity, run
+from benchmarks.fibre_accuracy import CONDITIONS, KINDS, Sample, Tally, by_condition, by_kind, by_quantity, run
 from benchmarks.fibre_speed import configured, measured
 
 
@@ -29,6 +29,9 @@ def test_the_tables_say_what_was_measured(tallies: dict[str, Tally]) -> None:
     """A row for each quantity, and one for the condition."""
     assert [CONDITIONS[0].name] * 4 == [row.split(" | ")[0][2:] for row in list(by_quantity(tallies))[2:]]
     assert 3 == len(list(by_condition(tallies)))
+    kinds = [row.split(" | ") for row in list(by_kind(tallies))[2:]]
+    assert list(KINDS) == [cells[0][2:] for cells in kinds]
+    assert 1 == sum(int(cells[1]) for cells in kinds)
 
 
 def test_a_truth_outside_its_bounds_would_show() -> None:
