@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from safeloc.shipped import fibre, localizer, markers, odometry, satellite
+from safeloc.shipped import fibre, localizer, markers, odometry, receiver, satellite
 from safeloc.target import Entry
 
 ENTRIES: Mapping[str, Entry] = {
     entry.name: entry
-    for entry in (*odometry.ENTRIES, *markers.ENTRIES, *fibre.ENTRIES, *satellite.ENTRIES, *localizer.ENTRIES)
+    for entry in (
+        *odometry.ENTRIES,
+        *markers.ENTRIES,
+        *fibre.ENTRIES,
+        *satellite.ENTRIES,
+        *receiver.ENTRIES,
+        *localizer.ENTRIES,
+    )
 }

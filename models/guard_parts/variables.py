@@ -1,0 +1,169 @@
+"""Configuration and variables of the guard of a receiver, and the reasons for which it withholds a fix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.units import COUNT, MM, MM_S, MS, NM, UM_S
+
+NM_PER_MM = 1_000_000
+UM_PER_MM = 1_000
+FARTHEST_OFF_MM = 10_000_000
+"""A fix farther off every track than this is handed in as the fault OFF_TRACK."""
+
+FAULT = members(
+    "fault",
+    "NONE", "NO_FIX", "MALFORMED", "NOT_FINITE", "STALE", "FUTURE", "DUPLICATE", "OUT_OF_ORDER", "OFF_TRACK",
+)  # fmt: skip
+NO_FAULT = FAULT[0]
+JUDGED = members(
+    "judged",
+    "NOTHING", "PASSED", "UNCONFIRMED", "NO_FIX", "MALFORMED", "NOT_FINITE", "STALE", "FUTURE", "DUPLICATE",
+    "OUT_OF_ORDER", "OFF_TRACK", "AMBIGUOUS", "TOO_COARSE", "JUMP", "SPEED_DISAGREES",
+)  # fmt: skip
+NOTHING, PASSED, UNCONFIRMED = JUDGED[:3]
+OFF_TRACK, AMBIGUOUS, TOO_COARSE, JUMP, SPEED_DISAGREES = JUDGED[-5:]
+
+
+class GuardConfig(Config):
+    """What map and motion allow, and how often a receiver must agree with both before it is believed."""
+
+    period_ms: int = quantity(100, "ms", 2, 2_000, "[D] a step of the guard; a multiple of 2")
+    tolerance_mm: int = quantity(30_000, "mm", 2, 500_000, "[S] OCORA 7239: 30 m on main line")
+    window_limit_mm: int = quantity(60_000, "mm", 2, 10_000_000, "[D] half width up to which the window is kept")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    acceleration_mm_s2: int = quantity(1_500, "mm/s2", 1, 10_000, "[D] 1.5 m/s2, passenger")
+    brake_mm_s2: int = quantity(1_500, "mm/s2", 1, 10_000, "[M] the strongest brake, emergency brake included")
+    fix_error_mm: int = quantity(10_000, "mm", 1, 500_000, "[M] along the track, of a fix on the track's axis")
+    offset_charge_permille: int = quantity(1_500, "per mille", 0, 100_000, "[M] further error, of the distance off")
+    offset_limit_mm: int = quantity(10_000, "mm", 0, 1_000_000, "[M] most distance off the track")
+    speed_error_mm_s: int = quantity(1_000, "mm/s", 1, 20_000, "[M] of the receiver's own speed")
+    confirmations: int = quantity(5, "fixes", 2, 100, "[M] fixes in a row that must agree with map and motion")
+    speed_window_ms: int = quantity(4_000, "ms", 4, 60_000, "[D] over which speed is told from distance")
+    max_age_ms: int = quantity(1_000, "ms", 0, 60_000, "[M] an older fix is stale")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+
+    @model_validator(mode="after")
+    def _can_pass(self) -> GuardConfig:
+        if self.period_ms % 2:
+            raise ValueError("period_ms must be even, so that half of an acceleration's way is whole nanometres.")
+        if self.worst_error_mm > self.tolerance_mm - 2:
+            raise ValueError(
+                f"a fix at offset_limit_mm is charged {self.worst_error_mm} mm, which is not within tolerance_mm "
+                f"{self.tolerance_mm} less 2: lower fix_error_mm, offset_charge_permille or offset_limit_mm."
+            )
+        if self.window_limit_mm < self.tolerance_mm:
+            raise ValueError("window_limit_mm must not be less than tolerance_mm.")
+        if not 2 <= self.window_steps <= 100:
+            raise ValueError(f"speed_window_ms is {self.window_steps} steps of period_ms; it must be 2 to 100.")
+        return self
+
+    @property
+    def worst_error_mm(self) -> int:
+        """What a fresh fix at the offset limit is charged."""
+        return self.fix_error_mm - -self.offset_limit_mm * self.offset_charge_permille // 1_000
+
+    @property
+    def window_steps(self) -> int:
+        """Steps over which speed is told from distance."""
+        return self.speed_window_ms // self.period_ms
+
+    @property
+    def speed_change_um_s(self) -> int:
+        """The greatest change of speed in a step, whichever way the vehicle runs."""
+        return max(self.acceleration_mm_s2, self.brake_mm_s2) * self.period_ms
+
+    @property
+    def speed_rise_um_s(self) -> int:
+        """The greatest gain of speed in a step."""
+        return self.acceleration_mm_s2 * self.period_ms
+
+    @property
+    def way_nm(self) -> int:
+        """The greatest way that a change of speed adds in a step, a T^2 / 2."""
+        return self.speed_change_um_s * self.period_ms // 2
+
+    def lag_nm(self, steps: int) -> int:
+        """How far the distance of so many steps may lie from the speed at their end times their duration."""
+        return steps * self.way_nm + self.speed_change_um_s * self.period_ms * steps * (steps + 1) // 2
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of one guard.
+
+    advance        input: a period has passed since the step before; else it is the same instant
+    fault          input: why what was delivered is no fix; NONE with a fix, and with nothing
+    fix, offset, age, ambiguous, elsewhere, speed
+                   input: place along the way, distance off the track, age of the fix; other tracks are as near; no way
+                   leads there from where the vehicle can be; the receiver's own speed, without direction
+    low .. fast    where the vehicle is and how fast, nm and um/s (while recovering: if the last fix is true)
+    anchor_*       where it was some steps ago, from which speed is told
+    agreed         fixes in a row that kept every gate, up to the number asked for
+    truth, true_speed, run   ghosts: nm, um/s, and nm since the anchor
+    """
+
+    config: GuardConfig
+    advance: BoolVar
+    fault: NumVar
+    fix: Optional
+    offset: NumVar
+    age: NumVar
+    ambiguous: BoolVar
+    elsewhere: BoolVar
+    speed: Optional
+    low: NumVar
+    high: NumVar
+    slow: NumVar
+    fast: NumVar
+    anchor_low: NumVar
+    anchor_high: NumVar
+    anchor_steps: NumVar
+    agreed: NumVar
+    judged: NumVar
+    truth: NumVar
+    true_speed: NumVar
+    run: NumVar
+    next_truth: NumVar
+    next_speed: NumVar
+
+
+def parts(config: GuardConfig) -> Parts:
+    """Fresh variables for one machine."""
+    limit, fast = config.position_limit_mm, config.max_speed_mm_s * UM_PER_MM
+    reach = reach_nm(config)
+    most = 2 * fast * config.period_ms * config.window_steps
+    return Parts(
+        config,
+        boolean("advance"),
+        choice("fault", enumeration(FAULT)),
+        optional("fix_mm", MM, -limit, limit),
+        number("fix_offset_mm", MM, 0, FARTHEST_OFF_MM),
+        number("fix_age_ms", MS, 0, config.max_age_ms),
+        boolean("fix_ambiguous"),
+        boolean("fix_elsewhere"),
+        optional("fix_speed_mm_s", MM_S, 0, 1_000_000),
+        number("low_nm", NM, -reach, reach),
+        number("high_nm", NM, -reach, reach),
+        number("slow_um_s", UM_S, -fast, fast),
+        number("fast_um_s", UM_S, -fast, fast),
+        number("anchor_low_nm", NM, -reach, reach),
+        number("anchor_high_nm", NM, -reach, reach),
+        number("anchor_steps", COUNT, 0, config.window_steps - 1),
+        number("agreed_fixes", COUNT, 0, config.confirmations),
+        choice("judged", enumeration(JUDGED)),
+        number("truth_nm", NM, -2 * reach, 2 * reach),
+        number("true_speed_um_s", UM_S, -fast, fast),
+        number("run_nm", NM, -most, most),
+        number("next_truth_nm", NM, -2 * reach, 2 * reach),
+        number("next_speed_um_s", UM_S, -fast, fast),
+    )
+
+
+def reach_nm(config: GuardConfig) -> int:
+    """How far an interval that is held may reach: the line, and a window at its end."""
+    return (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM

@@ -1,0 +1,179 @@
+"""What must hold of the guard of a receiver (MRK-D6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.expr import Bool, Num, before, between, exact_to
+from safeloc.models.guard import Guard
+from safeloc.models.guard_parts.variables import NO_FAULT, PASSED, UNCONFIRMED
+from safeloc.properties.in_step import in_step, num_in_step
+from safeloc.spec import Property, always, earlier_bool, reachable, within
+from safeloc.units import NM
+
+LAW = (
+    "the vehicle keeps its figures; a fix that completes the row of agreeing ones is no farther off than it is charged"
+)
+TRACE = ("MRK-D6",)
+BACK = ("receiver believed", "receiver believed again")
+
+
+def properties(model: Guard) -> list[Property]:
+    """Every property of the guard."""
+    return [*_safety(model), *_withheld(model), *_coming_back(model), *_use(model)]
+
+
+def _safety(model: Guard) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    valid, position = machine.flag("valid"), machine.output("position_mm")
+    under, over = machine.output("under_mm"), machine.output("over_mm")
+    yield always(
+        "containment",
+        valid.implies(between(exact_to(position - under, NM), own.truth, exact_to(position + over, NM))),
+        statement="the reported interval along the way holds the vehicle",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "window",
+        machine.flag("holding").implies(_between_mm(machine.output("window_from_mm"), own.truth, machine.output("window_to_mm"))),
+        statement="the window that fixes are compared with holds the vehicle, also where it is too wide to report",
+        trace=TRACE,
+        assumption=LAW,
+    )  # fmt: skip
+    tolerance = own.config.tolerance_mm
+    yield always(
+        "tolerance",
+        between(0, under, tolerance) & between(0, over, tolerance),
+        statement="a reported interval is never wider than the tolerable error, on either side",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "what is passed is reported",
+        machine.flag("passed").implies(valid),
+        statement="a fix that is passed on comes with a valid interval",
+        trace=TRACE,
+        unconditional=True,
+    )
+
+
+def _between_mm(low: Num, truth: Num, high: Num) -> Bool:
+    return between(exact_to(low, NM), truth, exact_to(high, NM))
+
+
+def _withheld(model: Guard) -> Iterator[Property]:
+    machine, own, judged = model.machine, model.own, model.judged
+    passed, holding = machine.flag("passed"), model.holding
+    was_holding = in_step(machine, holding)
+    coasted = judged.coasted.box
+    low, high = num_in_step(machine, coasted.low), num_in_step(machine, coasted.high)
+    slow, fast = num_in_step(machine, coasted.slow), num_in_step(machine, coasted.fast)
+    yield always(
+        "what is withheld narrows nothing",
+        (was_holding & holding & ~passed).implies(
+            own.low.eq(low) & own.high.eq(high) & own.slow.eq(slow) & own.fast.eq(fast)
+        ),
+        statement="after a delivery that is not passed on, place and speed are held exactly as if nothing had been delivered",
+        trace=TRACE,
+        unconditional=True,
+    )
+    grown = (own.low <= before(own.low)) | (before(own.slow) > 0)
+    yield always(
+        "without a fix it only widens",
+        (was_holding & holding & ~passed).implies(
+            (own.high - own.low >= before(own.high) - before(own.low)) | (before(own.slow) > before(own.fast))
+        )
+        & (grown | ~was_holding | ~holding | passed),
+        statement="without a fix that is passed on, the interval never becomes narrower",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "faults are never passed",
+        (own.fault.ne(NO_FAULT) | ~own.fix.present).implies(~passed),
+        statement="what is no fix, or not finite, stale, late, repeated or out of order, is not passed on",
+        trace=TRACE,
+        unconditional=True,
+    )
+    off = own.offset > own.config.offset_limit_mm
+    yield always(
+        "the map is kept",
+        (off | own.ambiguous | own.elsewhere).implies(~passed),
+        statement="a fix off the track, on no clear track, or where no way leads in the time, is not passed on",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "where the vehicle can be",
+        (passed & was_holding).implies(between(low, own.low, high) & between(low, own.high, high)),
+        statement="what is passed on while an interval is held lies in what the vehicle can have reached",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "an implausible fix costs the trust",
+        (was_holding & in_step(machine, judged.implausible)).implies(machine.mode.ne(machine.modes[2]) & own.agreed.eq(0)),
+        statement="a fix that contradicts map or motion puts the receiver on probation in the same step",
+        trace=TRACE,
+        unconditional=True,
+    )  # fmt: skip
+
+
+def _coming_back(model: Guard) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    valid, passed = machine.flag("valid"), machine.flag("passed")
+    most = own.config.confirmations
+    back = machine.fired(*BACK)
+    yield always(
+        "no resurrection",
+        (valid & ~earlier_bool(valid)).implies(back & before(own.agreed).eq(most - 1)),
+        statement="a position is reported again only with the fix that completes the row of agreeing ones",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "one fix counts once",
+        (own.agreed <= before(own.agreed) + 1)
+        & ((own.agreed > before(own.agreed)).implies(own.judged.one_of(PASSED, UNCONFIRMED))),
+        statement="the row grows by one, and only with a fix that keeps every gate",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "only a full row passes",
+        passed.implies(own.agreed.eq(most)),
+        statement="nothing is passed on before as many fixes in a row agree as are asked for",
+        trace=TRACE,
+        unconditional=True,
+    )
+    _, _, passing, probation = machine.modes
+    yield always(
+        "passing is trust",
+        machine.mode.eq(passing).implies(own.agreed.eq(most)) & machine.mode.eq(probation).implies(own.agreed < most),
+        statement="fixes are passed on exactly while the row is full",
+        trace=TRACE,
+        unconditional=True,
+    )
+
+
+def _use(model: Guard) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    most = own.config.confirmations
+    yield within(
+        "believed in time",
+        most,
+        machine.mode.eq(machine.modes[0]),
+        machine.flag("passed"),
+        given=model.judged.agrees & model.judged.begins | machine.mode.eq(machine.modes[0]) & model.judged.begins,
+        statement="while every delivery agrees, the receiver is believed with the last of the fixes asked for",
+        trace=TRACE,
+        unconditional=True,
+        helper=lambda waited: own.agreed >= waited,
+    )  # fmt: skip
+    yield reachable(
+        "probation is survived",
+        machine.fired("receiver believed again"),
+        statement="a receiver can regain its trust without losing the interval",
+        trace=TRACE,
+    )

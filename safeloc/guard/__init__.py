@@ -1,0 +1,1 @@
+"""Guarding a receiver: position streams in, what map and motion allow of them out."""

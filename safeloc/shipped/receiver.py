@@ -1,0 +1,31 @@
+"""The guard of a receiver whose own quality flags do not bound its error."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel
+
+from safeloc.models import guard
+from safeloc.models.guard_parts.variables import GuardConfig, parts
+from safeloc.properties import guard as guard_properties
+from safeloc.reported import Reported
+from safeloc.shipped.making import recorded
+from safeloc.system import lower
+from safeloc.target import Entry, Target
+
+
+def _guard(config: BaseModel) -> Target:
+    assert isinstance(config, GuardConfig)
+    model = guard.build(parts(config))
+    return Target(
+        "guard",
+        (model.machine,),
+        lower(model.machine),
+        tuple(guard_properties.properties(model)),
+        config,
+        model.machine.doc,
+        recorded("guard"),
+        Reported(),
+    )
+
+
+ENTRIES = (Entry("guard", "of a receiver's positions, those that map and motion allow", GuardConfig, _guard),)
