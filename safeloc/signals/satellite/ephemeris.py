@@ -1,4 +1,4 @@
-"""A broadcast GPS ephemeris and the window in which it may be used (SAT-D1, [0030]: expired is not usable)."""
+"""A broadcast ephemeris (GPS, QZSS, Galileo) and the window in which it may be used (SAT-D1, [0030]: expired is not usable)."""
 
 from __future__ import annotations
 

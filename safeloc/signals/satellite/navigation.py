@@ -1,29 +1,47 @@
-"""GPS ephemerides from RINEX navigation files, versions 2 and 3 (RINEX 3.04, table A6; RINEX 2.11, table A4)."""
+"""GPS, QZSS and Galileo ephemerides from RINEX navigation files, versions 2 and 3.
+
+RINEX 3.04, tables A6 to A8 and A12; RINEX 2.11, table A4. Other constellations are passed over: their orbits are told in
+other terms (GLONASS, SBAS) or need another frame (BeiDou).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
 from safeloc.signals.satellite.atmosphere import Four, Klobuchar
-from safeloc.signals.satellite.ephemeris import FIT_HOURS, Ephemeris
+from safeloc.signals.satellite.ephemeris import FIT_HOURS, Ephemeris, usable
 from safeloc.signals.satellite.times import gps_seconds, of_week
 
 _LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
+_READ = "GEJ"
+_E1_BITS, _F_NAV_BIT = 0b111, 0b10
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Navigation:
-    """The GPS ephemerides of a file, and its broadcast ionosphere where it has one."""
+    """The ephemerides of a file, and its broadcast ionosphere where it has one."""
 
     ephemerides: tuple[Ephemeris, ...]
     ionosphere: Klobuchar | None
 
+    def valid(self, satellite: str, time_s: float) -> Ephemeris | None:
+        """The valid ephemeris nearest in time; None when every one has expired: no prediction then (SAT-D1)."""
+        return usable(self._of.get(satellite, ()), satellite, time_s)
+
+    @cached_property
+    def _of(self) -> dict[str, list[Ephemeris]]:
+        found: dict[str, list[Ephemeris]] = {}
+        for one in self.ephemerides:
+            found.setdefault(one.satellite, []).append(one)
+        return found
+
 
 def read_navigation(path: Path) -> Navigation:
-    """All GPS records; other constellations are passed over. StreamError names file and line."""
+    """All GPS, QZSS and Galileo records. StreamError names file and line."""
     lines = path.read_text(encoding="ascii", errors="replace").splitlines()
     end = next((i for i, line in enumerate(lines) if line[60:].strip() == "END OF HEADER"), None)
     version = lines[0][:9].strip() if lines else ""
@@ -50,7 +68,7 @@ def _records_3(lines: list[str], end: int, path: Path) -> Iterator[tuple[int, st
         size = _LINES.get(head[:1])
         if size is None or at + size > len(lines):
             raise StreamError(f"{path.name}:{at + 1}: no record starts here, or it is cut short; mend the file.")
-        if head[0] == "G":
+        if head[0] in _READ:
             yield at + 1, head[:3], head[4:23], [head[23:], *(line[4:] for line in lines[at + 1 : at + 8])]
         at += size
 
@@ -65,7 +83,8 @@ def _record(line: int, satellite: str, date: str, fields: list[str], path: Path)
 def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
     year, month, day, hour, minute, second = date.split()
     clock, one, two, three, four, five, six, seven = rows
-    fit = seven[1] if len(seven) > 1 and seven[1] > 0 else FIT_HOURS
+    european = satellite.startswith("E")
+    fit = seven[1] if len(seven) > 1 and seven[1] > 0 and not european else FIT_HOURS
     return Ephemeris(
         satellite=satellite,
         clock_time_s=gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second)),
@@ -88,11 +107,16 @@ def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
         omega=four[2],
         omega_dot=four[3],
         idot=five[0],
-        healthy=six[1] == 0,
-        group_delay_s=six[2],
+        healthy=int(six[1]) & _E1_BITS == 0 if european else six[1] == 0,
+        group_delay_s=_european_delay_s(five, six) if european else six[2],
         sent_s=of_week(int(five[2]), seven[0]),
         fit_hours=max(fit, FIT_HOURS),
     )
+
+
+def _european_delay_s(five: list[float], six: list[float]) -> float:
+    """Broadcast group delay that belongs to the message's clock: E5a/E1 for F/NAV, E5b/E1 for I/NAV (RINEX 3.04, table A8)."""
+    return six[2] if int(five[1]) & _F_NAV_BIT else six[3]
 
 
 def _numbers(text: str) -> list[float]:

@@ -1,4 +1,7 @@
-"""GPS L1 C/A pseudorange and Doppler from RINEX 3 observation files (RINEX 3.04, tables A2 and A3)."""
+"""Pseudorange and Doppler on 1575.42 MHz from RINEX 3 observation files (RINEX 3.04, tables A2 and A3).
+
+GPS and QZSS L1 C/A, Galileo E1 (pilot, or data and pilot together). Other constellations and bands are passed over.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,12 @@ from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
 from safeloc.signals.satellite.predicted import rate_of_doppler
 from safeloc.signals.satellite.times import gps_seconds
 
+Columns = dict[str, tuple[int, int]]
+_SIGNALS = {"G": ("1C",), "J": ("1C",), "E": ("1C", "1X", "1B")}
+
 
 def read_observations(path: Path) -> list[Epoch]:
-    """All epochs with the GPS satellites of each. StreamError names file and line; NMEA is refused.
+    """All epochs with the satellites of each. StreamError names file and line; NMEA is refused.
 
     InputError for epochs out of order or repeated.
     """
@@ -32,19 +38,26 @@ def _refuse_others(lines: list[str], path: Path) -> None:
         raise StreamError(f"{path.name}:1: not a RINEX 3 observation file; convert it.")
 
 
-def _columns(header: list[str], path: Path) -> tuple[int, int]:
-    names: list[str] = []
+def _columns(header: list[str], path: Path) -> Columns:
+    names: dict[str, list[str]] = {}
     system = ""
     for line in header:
         if line[60:].strip() == "SYS / # / OBS TYPES":
             system = line[0] if line[0] != " " else system
-            names += line[7:60].split() if system == "G" else []
-    if not {"C1C", "D1C"} <= set(names):
-        raise StreamError(f"{path.name}:1: no GPS C1C and D1C among the observation types; record both.")
-    return names.index("C1C"), names.index("D1C")
+            names.setdefault(system, []).extend(line[7:60].split())
+    found = {system: pair for system in _SIGNALS if (pair := _pair(system, names.get(system, []))) is not None}
+    if not found:
+        raise StreamError(f"{path.name}:1: no C1C and D1C of GPS, QZSS or Galileo among the types; record both.")
+    return found
 
 
-def _epochs(lines: list[str], at: int, columns: tuple[int, int], path: Path) -> Iterator[Epoch]:
+def _pair(system: str, names: list[str]) -> tuple[int, int] | None:
+    """Columns of the first signal of which pseudorange and Doppler were recorded."""
+    signal = next((one for one in _SIGNALS[system] if f"C{one}" in names and f"D{one}" in names), None)
+    return None if signal is None else (names.index(f"C{signal}"), names.index(f"D{signal}"))
+
+
+def _epochs(lines: list[str], at: int, columns: Columns, path: Path) -> Iterator[Epoch]:
     while at < len(lines):
         head, count = _head(lines, at, path)
         body = lines[at + 1 : at + 1 + count]
@@ -69,14 +82,14 @@ def _time(head: str) -> float:
     return gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second))
 
 
-def _satellites(body: list[str], first: int, columns: tuple[int, int], path: Path) -> dict[str, Measured]:
+def _satellites(body: list[str], first: int, columns: Columns, path: Path) -> dict[str, Measured]:
     found: dict[str, Measured] = {}
     for number, line in enumerate(body, first):
-        if not line.startswith("G"):
+        if line[:1] not in columns:
             continue
         if line[:3] in found:
             raise StreamError(f"{path.name}:{number}: {line[:3]} stands twice in one epoch; drop the epoch.")
-        found[line[:3]] = _measured(line, columns, f"{path.name}:{number}")
+        found[line[:3]] = _measured(line, columns[line[0]], f"{path.name}:{number}")
     return found
 
 

@@ -1,4 +1,7 @@
-"""Position, velocity and clock of a satellite from its broadcast ephemeris (IS-GPS-200, 20.3.3.3.3 and 20.3.3.4.3)."""
+"""Position, velocity and clock of a satellite from its broadcast ephemeris (IS-GPS-200, 20.3.3.3.3 and 20.3.3.4.3).
+
+QZSS and Galileo say the same of theirs, with Galileo's own gravity constant (IS-QZSS-PNT, 5.5; Galileo OS SIS ICD, 5.1.1).
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,14 @@ from safeloc.signals.satellite.ephemeris import Ephemeris
 from safeloc.signals.satellite.figures import (
     EARTH_GRAVITY_M3_PER_S2,
     EARTH_RATE_RAD_PER_S,
-    RELATIVITY_S_PER_ROOT_M,
+    GALILEO_GRAVITY_M3_PER_S2,
+    LIGHT_M_PER_S,
     WEEK_S,
 )
 
 Vector = tuple[float, float, float]
 _HALF_STEP_S = 0.5
+_ROOT_GPS, _ROOT_GALILEO = math.sqrt(EARTH_GRAVITY_M3_PER_S2), math.sqrt(GALILEO_GRAVITY_M3_PER_S2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +67,7 @@ def _position(e: Ephemeris, time_s: float) -> Vector:
 
 def _eccentric_anomaly(e: Ephemeris, since_s: float) -> float:
     """Kepler's equation by Newton's method; ten steps are far more than an eccentricity below 0.1 needs."""
-    mean = e.m0 + (math.sqrt(EARTH_GRAVITY_M3_PER_S2) / e.sqrt_a**3 + e.delta_n) * since_s
+    mean = e.m0 + (_root_of_gravity(e) / e.sqrt_a**3 + e.delta_n) * since_s
     anomaly = mean
     for _ in range(10):
         step = (anomaly - e.eccentricity * math.sin(anomaly) - mean) / (1 - e.eccentricity * math.cos(anomaly))
@@ -75,5 +80,9 @@ def _eccentric_anomaly(e: Ephemeris, since_s: float) -> float:
 def _clock(e: Ephemeris, time_s: float) -> float:
     since = time_s - e.clock_time_s
     anomaly = _eccentric_anomaly(e, time_s - e.orbit_time_s)
-    relativity = RELATIVITY_S_PER_ROOT_M * e.eccentricity * e.sqrt_a * math.sin(anomaly)
+    relativity = -2 * _root_of_gravity(e) / LIGHT_M_PER_S**2 * e.eccentricity * e.sqrt_a * math.sin(anomaly)
     return e.af0_s + e.af1 * since + e.af2_per_s * since**2 + relativity - e.group_delay_s
+
+
+def _root_of_gravity(e: Ephemeris) -> float:
+    return _ROOT_GALILEO if e.satellite.startswith("E") else _ROOT_GPS

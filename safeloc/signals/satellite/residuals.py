@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from safeloc.signals.satellite.clock import common_part, without_clock
-from safeloc.signals.satellite.ephemeris import Ephemeris, usable
+from safeloc.signals.satellite.clock import common_part, constellations, of_constellation, without_clock
+from safeloc.signals.satellite.ephemeris import Ephemeris
 from safeloc.signals.satellite.epochs import Epoch
 from safeloc.signals.satellite.figures import LIGHT_M_PER_S
 from safeloc.signals.satellite.navigation import Navigation
@@ -16,40 +16,88 @@ from safeloc.signals.satellite.predicted import Predicted, predicted
 
 MASK_RAD = math.radians(10)
 """Below this elevation the simple troposphere is wrong by metres: no prediction is made there."""
+LINEAR_S = 0.01
+"""A clock this wrong is undone by the rate alone: accelerations of 1 m/s2 leave 0.05 mm."""
 
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Per satellite, in m and m/s. Without values: `expired` (no valid ephemeris), and those below the mask."""
+    """Per satellite, in m and m/s. Without values: `expired` (no valid ephemeris), and `low` (below the mask).
+
+    clock_s  what the receiver's time is ahead of true time, as it was found
+    """
 
     pseudorange_m: Mapping[str, float]
     rate_m_per_s: Mapping[str, float]
     predictions: Mapping[str, Predicted]
     expired: frozenset[str]
+    low: frozenset[str]
+    clock_s: float
 
 
 def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation) -> Residuals:
-    """Residuals against the estimated state E*(t) alone (SAT-1). Satellites with half a measurement are left out.
+    """Residuals against the estimated state E*(t) alone (SAT-1), the state being that at the receiver's time.
 
-    The clock is found twice: its first estimate corrects the time of reception. InputError without any satellite.
+    The clock of each constellation is found by itself. What was not measured of a satellite has no residual.
     """
-    valid = _valid(epoch, navigation.ephemerides)
-    whole = {name: one for name, one in epoch.satellites.items() if name in valid and one.whole()}
+    found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
+    valid = {name: one for name, one in found.items() if one is not None}
+    heard = _Heard(epoch, valid, place, velocity_m_per_s, navigation)
+    every, clock_s = heard.expected(0.0), 0.0
+    codes = heard.codes(_above_mask(every), clock_s)
+    if codes:
+        clock_s = common_part(of_constellation(codes, _largest(codes))) / LIGHT_M_PER_S
+        if abs(clock_s) > LINEAR_S:
+            every = heard.expected(clock_s)
+            codes = heard.codes(_above_mask(every), 0.0)
+        else:
+            codes = heard.codes(_above_mask(every), clock_s)
+    seen = _above_mask(every)
+    expired, low = frozenset(epoch.satellites) - valid.keys(), every.keys() - seen.keys()
+    rates = without_clock(heard.rates(seen))
+    return Residuals(without_clock(codes), rates, seen, expired, frozenset(low), clock_s)
 
-    def expected(clock_s: float) -> dict[str, Predicted]:
-        at = epoch.time_s - clock_s
-        every = {name: predicted(valid[name], at, place, velocity_m_per_s, navigation.ionosphere) for name in whole}
-        return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
 
-    def against(seen: Mapping[str, Predicted]) -> dict[str, float]:
-        return {name: whole[name].code() - one.pseudorange_m for name, one in seen.items()}
-
-    seen = expected(common_part(against(expected(0.0))) / LIGHT_M_PER_S)
-    codes = against(seen)
-    rates = {name: whole[name].rate() - one.rate_m_per_s for name, one in seen.items()}
-    return Residuals(without_clock(codes), without_clock(rates), seen, frozenset(epoch.satellites) - valid.keys())
+def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
+    return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
 
 
-def _valid(epoch: Epoch, ephemerides: Sequence[Ephemeris]) -> dict[str, Ephemeris]:
-    found = {name: usable(ephemerides, name, epoch.time_s) for name in epoch.satellites}
-    return {name: one for name, one in found.items() if one is not None}
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """One epoch's satellites with valid ephemerides, and the state they are predicted for."""
+
+    epoch: Epoch
+    valid: Mapping[str, Ephemeris]
+    place: Place
+    velocity_m_per_s: Vector
+    navigation: Navigation
+
+    def expected(self, clock_s: float) -> dict[str, Predicted]:
+        """Predictions with this much clock taken off the receiver's time; the vehicle moves on in it."""
+        place = self.place if clock_s == 0 else self._moved(-clock_s)
+        at, air = self.epoch.time_s - clock_s, self.navigation.ionosphere
+        return {name: predicted(one, at, place, self.velocity_m_per_s, air) for name, one in self.valid.items()}
+
+    def _moved(self, seconds: float) -> Place:
+        x, y, z = self.place.earth_fixed_m()
+        u, v, w = self.velocity_m_per_s
+        return Place.of_earth_fixed((x + seconds * u, y + seconds * v, z + seconds * w))
+
+    def codes(self, seen: Mapping[str, Predicted], clock_s: float) -> dict[str, float]:
+        """Measured minus predicted pseudorange, where there is one, with so much clock undone by the rate."""
+        measured = self.epoch.satellites
+        given = ((name, one, measured[name].pseudorange_m) for name, one in seen.items())
+        return {
+            name: code - one.pseudorange_m + one.rate_m_per_s * clock_s for name, one, code in given if code is not None
+        }
+
+    def rates(self, seen: Mapping[str, Predicted]) -> dict[str, float]:
+        """Measured minus predicted range rate, where there is one."""
+        measured = self.epoch.satellites
+        given = ((name, one, measured[name].rate_m_per_s) for name, one in seen.items())
+        return {name: rate - one.rate_m_per_s for name, one, rate in given if rate is not None}
+
+
+def _largest(values: Mapping[str, float]) -> str:
+    """The constellation with the most satellites, the first by name of several."""
+    return max(constellations(values), key=lambda system: len(of_constellation(values, system)))

@@ -28,7 +28,7 @@ def _fit(errors_mm: dict[str, int], along_mm: int = 2_000_000, clock_mm: int = 7
 def test_without_errors_the_truth_comes_back() -> None:
     """Position and clock are exact, and nothing is left over."""
     found = _fit({})
-    assert (2_000_000, 777, 0, 3) == (found.along, found.clocks["G"], found.chi_square, found.degrees_of_freedom)
+    assert [2_000_000, 777, 0, 3] == [found.along, found.clocks["G"], found.chi_square, found.degrees_of_freedom]
 
 
 def _error_beyond(found: TrackFit, level: Fraction, threshold: int) -> z3.CheckSatResult:
@@ -110,7 +110,7 @@ def test_two_constellations_have_a_clock_each() -> None:
     """A bias between their clocks does not move the position; it costs one unknown, and so one satellite."""
     apart = {name: Sight(one * 2 + (5_000 if name[0] == "E" else 0), one, clock=name[0]) for name, one in MIXED.items()}
     found = fit(apart)
-    assert (2_000_000, 0, 5_000, 3) == (found.along, found.clocks["G"], found.clocks["E"], found.unknowns)
+    assert [2_000_000, 0, 5_000, 3] == [found.along, found.clocks["G"], found.clocks["E"], found.unknowns]
     with pytest.raises(InputError, match="2 usable satellites for 3 unknowns"):
         fit({name: apart[name] for name in ("G01", "E01")})
 
