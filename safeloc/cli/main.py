@@ -10,12 +10,10 @@ from typing import Annotated
 
 import typer
 
-from safeloc.backends.compiled import to_python
-from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
-from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.audit import audit_line
 from safeloc.cli.entry import Commands
+from safeloc.cli.export import export
 from safeloc.cli.line_drive import drive
 from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
@@ -23,7 +21,6 @@ from safeloc.cli.replay import as_table, replay_stream, whole_run
 from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
 from safeloc.cli.simulate import simulate
 from safeloc.errors import InputError
-from safeloc.provers.base import base, step_queries
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import CHECKS, obligations
 from safeloc.provers.portfolio import prove as prove_all
@@ -31,7 +28,6 @@ from safeloc.report.data import report_data
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
-from safeloc.system import without_ghosts
 from safeloc.testing import run_tests
 from safeloc.verdict import Proved, word, worst
 
@@ -40,6 +36,7 @@ app.command("list")(list_)
 app.command("import")(import_line)
 app.command("audit")(audit_line)
 app.command("drive")(drive)
+app.command("export")(export)
 app.command("simulate")(simulate)
 
 TargetArgument = Annotated[
@@ -166,48 +163,9 @@ def replay(
 
 
 @app.command()
-def export(
-    target: TargetArgument,
-    to: Annotated[str, typer.Option("--to", help="python, mermaid, dot, svg, table or smtlib")],
-    config: ConfigOption = None,
-    where: Annotated[Path | None, typer.Option("--out", help="file to write; standard output without it")] = None,
-) -> None:
-    """Write a machine in another form."""
-    loaded = load_target(target, config)
-    forms = {
-        "python": lambda: to_python(without_ghosts(loaded.system)),
-        "mermaid": lambda: "".join(map(to_mermaid, loaded.machines)),
-        "dot": lambda: "".join(map(to_dot, loaded.machines)),
-        "svg": lambda: "".join(map(to_svg, loaded.machines)),
-        "table": lambda: _table(loaded),
-        "smtlib": lambda: "\n".join(to_smtlib(query) for query in step_queries(loaded.system, base(loaded.system))),
-    }
-    if to not in forms:
-        raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join(forms)}.")
-    text = forms[to]()
-    if where is None:
-        sys.stdout.write(text)
-        return
-    try:
-        where.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{where}: cannot be written: {error}") from error
-
-
-@app.command()
 def report(folder: Annotated[Path, typer.Argument(help="folder that `safeloc verify` wrote")]) -> None:
     """Render the page of a report folder again from its report.json."""
     err.print(f"report: {render_folder(folder)}", markup=False)
-
-
-def _table(target: Target) -> str:
-    lines = []
-    for machine in target.machines:
-        for row in to_table(machine):
-            lines.append(
-                f"{row.name}\t{row.source}\t{row.target}\t{row.guard}\t{' '.join(row.requirements)}\t{row.declared}"
-            )
-    return "\n".join(lines) + "\n"
 
 
 @app.command()

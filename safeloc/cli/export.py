@@ -1,0 +1,86 @@
+"""`safeloc export`: a machine in another form, as one text or as a folder."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from safeloc.backends.c99 import to_c
+from safeloc.backends.compiled import to_python
+from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
+from safeloc.backends.smtlib import to_smtlib
+from safeloc.catalogue import Target, load_target
+from safeloc.cli.show import err
+from safeloc.errors import InputError
+from safeloc.provers.base import base, step_queries
+from safeloc.runs.sampled import sampled_runs
+from safeloc.system import without_ghosts
+
+TEXTS: Mapping[str, Callable[[Target], str]] = {
+    "python": lambda target: to_python(without_ghosts(target.system)),
+    "mermaid": lambda target: "".join(map(to_mermaid, target.machines)),
+    "dot": lambda target: "".join(map(to_dot, target.machines)),
+    "svg": lambda target: "".join(map(to_svg, target.machines)),
+    "table": lambda target: _table(target),
+    "smtlib": lambda target: "\n".join(to_smtlib(query) for query in step_queries(target.system, base(target.system))),
+}
+FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
+    "c": lambda target: to_c(without_ghosts(target.system), sampled_runs(target), doc=target.doc),
+}
+
+
+def export(
+    target: Annotated[str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")],
+    to: Annotated[str, typer.Option("--to", help=f"{', '.join(TEXTS)} or {', '.join(FOLDERS)}")],
+    config: Annotated[
+        Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
+    ] = None,
+    where: Annotated[
+        Path | None, typer.Option("--out", help="file to write, standard output without it; for c a folder")
+    ] = None,
+) -> None:
+    """Write a machine in another form."""
+    if to not in TEXTS and to not in FOLDERS:
+        raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join((*TEXTS, *FOLDERS))}.")
+    if to in FOLDERS and where is None:
+        raise typer.BadParameter(f"--to {to} writes several files; name a folder with --out.")
+    loaded = load_target(target, config)
+    if to in TEXTS:
+        _write_text(TEXTS[to](loaded), where)
+    elif where is not None:
+        _write_folder(FOLDERS[to](loaded), where)
+
+
+def _write_text(text: str, where: Path | None) -> None:
+    if where is None:
+        sys.stdout.write(text)
+        return
+    try:
+        where.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{where}: cannot be written: {error}") from error
+
+
+def _write_folder(files: Mapping[str, str], folder: Path) -> None:
+    """The files into the folder; others in it stay."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written: {error}") from error
+    err.print(f"{len(files)} files in {folder}", markup=False)
+
+
+def _table(target: Target) -> str:
+    lines = []
+    for machine in target.machines:
+        for row in to_table(machine):
+            lines.append(
+                f"{row.name}\t{row.source}\t{row.target}\t{row.guard}\t{' '.join(row.requirements)}\t{row.declared}"
+            )
+    return "\n".join(lines) + "\n"
