@@ -32,7 +32,10 @@ class Composition:
     owed: Mapping[Machine, Bool]
 
     def of(self, machine: Machine) -> Substitution:
-        """Rewrites terms over one machine's variables into terms over the whole (properties, outputs, lemmas)."""
+        """Rewrites terms over one machine's variables into terms over the whole (properties, outputs, lemmas).
+
+        A wired input becomes what the wire tells: in a property, in the step that it looks at.
+        """
         return self.parts[machine]
 
 
@@ -61,6 +64,7 @@ def compose(
     kept: dict[Var, Var] = {var: var for var in shared}
     same = Sharing()
     after: dict[Var, Expr] = {}
+    plain: dict[Var, Expr] = {}
     moved: dict[Var, Expr] = {}
     owed: dict[Machine, Bool] = {}
     merged = TransitionSystem(
@@ -68,7 +72,8 @@ def compose(
     )
     for machine, system in lowered:
         own = {var: kept[var] if var in kept else _renamed(machine, var) for var in (*system.state, *system.inputs)}
-        now = Substitution({**own, machine.fired_name: _renamed(machine, machine.fired_name)})
+        told = {var: Substitution(plain)(wires[var]) for var in system.inputs if var in wires}
+        now = Substitution({**own, machine.fired_name: _renamed(machine, machine.fired_name), **told})
         wired = {var: Substitution(after)(wires[var]) for var in system.inputs if var in wires}
         step = Substitution({**own, **wired})
         for var in system.state:
@@ -83,6 +88,7 @@ def compose(
                 )
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
+        plain |= {**own, **told}
         if machine in owes:
             owed[machine] = _told(step.bool(all_of([system.assume, in_range(list(wired))])), moved)
         rename[machine] = now

@@ -68,6 +68,13 @@ def test_terms_of_a_part_are_terms_of_the_whole() -> None:
     assert both.of(pair.counter)(pair.sum) is both.system.variable("counter.sum")
 
 
+def test_a_wired_input_is_read_in_a_property() -> None:
+    """`of` turns a wired input into what the wire tells in the step: the sum after it."""
+    pair = Pair()
+    both = compose("both", (pair.counter, pair.alarm), {pair.level: pair.counter.output("sum")})
+    assert both.of(pair.alarm)(pair.level) is both.system.variable("counter.sum")
+
+
 def test_a_shared_input_is_kept_once() -> None:
     """A variable that both declare as the same object is one input, under its own name."""
     pair = Pair()
