@@ -17,8 +17,8 @@ from safeloc.signals.satellite.ephemeris import Ephemeris
 from safeloc.signals.satellite.figures import (
     EARTH_GRAVITY_M3_PER_S2,
     EARTH_RATE_RAD_PER_S,
+    GALILEO_GRAVITY_M3_PER_S2,
     LIGHT_M_PER_S,
-    RELATIVITY_S_PER_ROOT_M,
     WEEK_S,
 )
 
@@ -43,7 +43,12 @@ def orbits(ephemerides: Sequence[Ephemeris]) -> Orbits:
     """ValueError unless all refer to one time, orbit and clock alike."""
     (start_s,) = {time for one in ephemerides for time in (one.orbit_time_s, one.clock_time_s)}
     figures = {name: np.array([getattr(one, name) for one in ephemerides], dtype=np.float64) for name in FIELDS}
+    figures["root_of_gravity"] = np.sqrt([_gravity(one.satellite) for one in ephemerides])
     return Orbits(start_s, tuple(one.satellite for one in ephemerides), figures)
+
+
+def _gravity(satellite: str) -> float:
+    return GALILEO_GRAVITY_M3_PER_S2 if satellite.startswith("E") else EARTH_GRAVITY_M3_PER_S2
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ def _at_rest(sky: Orbits, since: Floats) -> tuple[Floats, Floats]:
     """Positions in the frame that the Earth-fixed one is at the orbits' start, and clocks (IS-GPS-200, table 20-IV)."""
     f = sky.figures
     eccentricity, axis = f["eccentricity"], f["sqrt_a"] ** 2
-    mean = f["m0"] + (np.sqrt(EARTH_GRAVITY_M3_PER_S2) / f["sqrt_a"] ** 3 + f["delta_n"]) * since
+    mean = f["m0"] + (f["root_of_gravity"] / f["sqrt_a"] ** 3 + f["delta_n"]) * since
     anomaly = mean
     for _ in range(12):
         anomaly = mean + eccentricity * np.sin(anomaly)
@@ -103,7 +108,7 @@ def _at_rest(sky: Orbits, since: Floats) -> tuple[Floats, Floats]:
         ),
         axis=-1,
     )
-    relativity = RELATIVITY_S_PER_ROOT_M * eccentricity * f["sqrt_a"] * np.sin(anomaly)
+    relativity = -2 * f["root_of_gravity"] / LIGHT_M_PER_S**2 * eccentricity * f["sqrt_a"] * np.sin(anomaly)
     return place, f["af0_s"] + f["af1"] * since + f["af2_per_s"] * since**2 + relativity - f["group_delay_s"]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,7 @@ class ReceiverConfig(Config):
     clock_offset_ns: int = quantity(50_000, "ns", -1_000_000, 1_000_000, "[M] steered within a tenth of a millisecond")
     clock_drift_ppb: int = quantity(200, "ppb", -100_000, 100_000, "[M] crystal oscillator, temperature controlled")
     clock_walk_ppb: int = quantity(1, "ppb in a second", 0, 1_000, "[M] its wander")
+    system_time_ns: int = quantity(30, "ns", 0, 100_000, "[M] a constellation's time against that of the first")
     ionosphere_percent: int = quantity(30, "%", 0, 100, "[S] IS-GPS-200: the model takes away half and more")
     troposphere_percent: int = quantity(3, "%", 0, 100, "[M] a tenth of a metre at the zenith")
     code_bound_mm: int = quantity(8_000, "mm", 1, 1_000_000, "[D] 3 x 2.56 m, as the selection has it")
@@ -50,6 +52,13 @@ def clock(config: ReceiverConfig, times_s: Floats, rng: np.random.Generator) -> 
     walk = np.cumsum(rng.normal(0, 1, len(times_s)) * config.clock_walk_ppb * 1e-9 * np.sqrt(gaps))
     drift = config.clock_drift_ppb * 1e-9 + walk
     return Clock(config.clock_offset_ns * 1e-9 + np.cumsum(drift * gaps), drift)
+
+
+def system_times_m(config: ReceiverConfig, names: Sequence[str], rng: np.random.Generator) -> Floats:
+    """What each satellite's pseudorange has of its constellation's own time (m); the first constellation has none."""
+    letters = sorted({name[0] for name in names})
+    times = {letter: config.system_time_ns * 1e-9 * float(rng.uniform(-1, 1)) for letter in letters[1:]}
+    return np.array([LIGHT_M_PER_S * times.get(name[0], 0.0) for name in names])
 
 
 def air_m(navigation: Navigation, place: Place, elevation: Floats, azimuth: Floats, time_s: float) -> Floats:

@@ -16,7 +16,16 @@ from safeloc.signals.satellite.places import Place
 from safeloc.signals.satellite.track_prediction import Portion
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.satellite.ranges import Seen, orbits, seen
-from safeloc.simulation.satellite.receiver import Healthy, ReceiverConfig, air_m, clock, code_of, healthy, rate_of
+from safeloc.simulation.satellite.receiver import (
+    Healthy,
+    ReceiverConfig,
+    air_m,
+    clock,
+    code_of,
+    healthy,
+    rate_of,
+    system_times_m,
+)
 from safeloc.simulation.satellite.scenery import Rays, Received, Scene, received
 
 Floats = NDArray[np.float64]
@@ -111,9 +120,9 @@ def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
     got = received(world.scenes, rays, rng)
     usual = healthy(world.receiver, times, sights.elevation, rng)
     false_m, false_rate = _spoofed(world, antenna, true, times, sky.names)
-    one = clock(world.receiver, times, rng)
+    one, systems_m = clock(world.receiver, times, rng), system_times_m(world.receiver, sky.names, rng)
     error, error_rate = got.error_m + false_m, got.error_m_per_s + false_rate
-    codes = code_of(true.way_m + sights.air_m + usual.code_m + error, one)
+    codes = code_of(true.way_m + systems_m + sights.air_m + usual.code_m + error, one)
     rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
     heard = got.heard & (sights.elevation > LOWEST_RAD) & ~_silent(world.outages, times, sky.names)
     told = _Told(sky.names, heard, codes, rates, error, error_rate, usual, got)
