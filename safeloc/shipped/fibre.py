@@ -17,6 +17,7 @@ from safeloc.models import (
     emitter,
     emitter_streams,
     fibre,
+    fibre_area,
     sections,
     train_order,
     train_order_streams,
@@ -27,6 +28,7 @@ from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as axle_section_properties
 from safeloc.properties import emitter as emitter_properties
 from safeloc.properties import fibre as fibre_properties
+from safeloc.properties import fibre_area as fibre_area_properties
 from safeloc.properties import sections as sections_properties
 from safeloc.properties import train_order as order_properties
 from safeloc.properties import verification as verification_properties
@@ -109,6 +111,27 @@ def _sections(config: BaseModel) -> Target:
     return Target("sections", machines, system, properties, config, doc, recorded("sections"))
 
 
+def _fibre_area(config: BaseModel) -> Target:
+    assert isinstance(config, fibre_area.FibreAreaConfig)
+    whole = fibre_area.compose_machines(config)
+    system = whole.composition.system
+    doc = (
+        "A train in a line area, from backscatter to virtual sections in one step: both ends' fibre machines, the test "
+        "emitter, the entry record, the verification, what is believed of the ends, the area and its sections."
+    )
+    reported = Reported(*(f"verification.{key}" for key in ("position_mm", "under_mm", "over_mm", "trusted")))
+    return Target(
+        "fibre_area",
+        system.machines,
+        system,
+        tuple(fibre_area_properties.properties(whole)),
+        config,
+        doc,
+        recorded("fibre_area"),
+        replace(reported, truth="front.truth_nm"),
+    )
+
+
 ENTRIES = (
     Entry("fibre", "place from localization sections in a fibre", fibre.FibreConfig, _fibre),
     Entry(
@@ -127,5 +150,6 @@ ENTRIES = (
     ),
     Entry("train_order", "whose a pattern is, by order on the track", train_order.TrainOrderConfig, _train_order),
     Entry("emitter", "function check of the fibre by a test emitter", emitter.EmitterConfig, _emitter),
+    Entry("fibre_area", "a train and its area in one step", fibre_area.FibreAreaConfig, _fibre_area),
     Entry("sections", "clear or not: virtual sections of a line area", sections.SectionsConfig, _sections),
 )

@@ -1,0 +1,310 @@
+"""What must hold of a train and its line area together, from backscatter to virtual sections (FVA-1 to FVA-18, FWG-7).
+
+What is proved of a machine alone for all inputs in range holds in the step as well, since `wires are in range` is proved
+here. What is proved of it alone under an assumption on an earlier machine (an interval that holds the truth, a report
+that is true) is proved here again, without that assumption: the earlier machine keeps it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from safeloc.checks import input_variables
+from safeloc.expr import Bool, BoolVar, Num, all_of, between, exact_to
+from safeloc.models.area import report_law
+from safeloc.models.area_parts.slot import ACCEPTED
+from safeloc.models.fibre import Fibre
+from safeloc.models.fibre_area import FibreArea, ends
+from safeloc.models.sections import Sections
+from safeloc.models.verification import place_law
+from safeloc.properties import sections as sections_properties
+from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable
+from safeloc.system import in_range
+from safeloc.terms import Substitution
+from safeloc.units import NM
+
+LAW = (
+    "the fibre's bounds and code law at both ends; count and length told of a pattern are that pattern's; a pattern with "
+    "all axles counted is the whole train, and a train loses vehicles at the end that trails; undisturbed counters count "
+    "every vehicle; top speed; no vehicle passes another; reports of other trains are true"
+)
+CLAIM = ("FVA-1", "FVA-10", "FWG-1", "FWG-11")
+STAY = ("FVA-2", "FVA-11")
+COUNTS = ("FVA-3", "FVA-12", "FVA-D1", "FWG-9", "FWG-10")
+ERROR = ("FWG-7", "FVA-6", "FVA-15")
+EMITTER = ("FVA-8", "FVA-17")
+CLEAR = ("FVA-9", "FVA-18")
+
+
+def properties(model: FibreArea) -> list[Property]:
+    """Containment through all machines, withdrawal in the same step, and sections that nothing unverified frees."""
+    own = [*_truth(model), *_withdrawal(model), *_latch(model), *_sections(model), *_reached(model)]
+    return [*own, *_of_sections(model)]
+
+
+def _trusted(model: FibreArea) -> Bool:
+    return model.composition.of(model.verification.machine).bool(model.verification.machine.flag("trusted"))
+
+
+def _told(model: FibreArea) -> Bool:
+    return model.composition.of(model.report.machine).bool(model.report.machine.flag("told"))
+
+
+def _error(model: FibreArea, end: str) -> Bool:
+    fibre = model.front if end == "front" else model.rear
+    return model.composition.of(fibre.machine).bool(fibre.machine.flag("error"))
+
+
+# ------------------------------------------------------------------ the truth, from machine to machine
+
+
+def _truth(model: FibreArea) -> Iterator[Property]:
+    of, verified = model.composition.of, model.verification
+    front, rear = (of(one.machine).num(one.own.truth) for one in (model.front, model.rear))
+    seen, report = of(verified.machine), model.report
+    low, high = (verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
+                 for sign, side in ((-1, "under"), (1, "over")))  # fmt: skip
+    yield always(
+        "containment",
+        _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
+        statement="the position that is given out holds the front of the train that the fibre follows",
+        trace=CLAIM,
+        assumption=LAW,
+    )
+    told = of(report.machine)
+    low, high = told.num(report.own.told_low), told.num(report.own.told_high)
+    yield always(
+        "the pattern lies between its ends",
+        _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
+        statement="from min safe rear to max safe front, what is told to the area holds both ends of the pattern",
+        trace=(*CLAIM, *CLEAR),
+        assumption=LAW,
+    )
+    yield always(
+        "the area is told the truth",
+        _report_law(model),
+        statement="what the area assumes of a train's report is kept by the machines before it",
+        trace=CLEAR,
+        assumption=LAW,
+    )
+    yield always(
+        "the verification is told the truth",
+        seen.bool(place_law(verified.own)),
+        statement="what the verification assumes of the front's interval is kept by the fibre machines",
+        trace=CLAIM,
+        assumption=LAW,
+    )
+    yield always(
+        "wires are in range",
+        _wired_in_range(model),
+        statement="whatever a machine is told by an earlier one lies in its input's range: nothing is clipped",
+        trace=CLAIM,
+        unconditional=True,
+    )
+    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
+    over, under = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("over", "under"))
+    yield always(
+        "tolerance",
+        _trusted(model).implies((over <= tolerance) & (under <= tolerance)),
+        statement="a position that is given out is never wider than the tolerable error and the run of an edge's cycle",
+        trace=CLAIM,
+        unconditional=True,
+    )
+
+
+def _report_law(model: FibreArea) -> Bool:
+    """The law of a report, for a train that was in the area before the step."""
+    slot, of = model.area.own.slots[0], model.composition.of(model.area.machine)
+    there = of(slot.there)
+    assert isinstance(there, BoolVar)
+    return Substitution({there: earlier_bool(there)}).bool(of.bool(report_law(slot)))
+
+
+def _wired_in_range(model: FibreArea) -> Bool:
+    """Inputs on board that are wired."""
+    free, terms = set(model.composition.system.inputs), []
+    for machine in model.composition.system.machines:
+        of = model.composition.of(machine)
+        terms += [of.bool(in_range([var])) for var in input_variables(machine) if of(var) not in free]
+    return all_of(terms)
+
+
+# ------------------------------------------------------------------ whatever does not agree, in the same step
+
+
+def _withdrawal(model: FibreArea) -> Iterator[Property]:
+    nothing = ~_trusted(model) & ~_told(model) & _of_slot(model).bool(model.area.own.slots[0].judged.ne(ACCEPTED))
+    for name, (wrong, what, trace) in _wrong(model).items():
+        yield always(
+            f"{name} withholds",
+            wrong.implies(nothing),
+            statement=f"{what} withholds the position, and tells the sections nothing, in the same cycle",
+            trace=trace,
+            unconditional=True,
+        )
+
+
+def _of_slot(model: FibreArea) -> Substitution:
+    return model.composition.of(model.area.machine)
+
+
+def _wrong(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
+    """Everything that does not agree or does not come, in words."""
+    of, verified, entry = model.composition.of, model.verification.own, model.entry
+    emitter, seen = of(model.emitter.machine), of(model.verification.machine)
+    tested, failed = (emitter.bool(model.emitter.machine.flag(name)) for name in ("chain_tested", "failed"))
+    located = {one: of(one.machine).bool(one.machine.flag("valid")) for one in (model.front, model.rear)}
+    told = verified.associated & verified.seen_count.present
+    wrong = {
+        "error F of the front": (_error(model, "front"), "F of the front's machine", ERROR),
+        "error F of the rear": (_error(model, "rear"), "F of the rear's machine", ERROR),
+        "a front not located": (~located[model.front], "a front that is not located", CLAIM),
+        "a rear not located": (~located[model.rear], "a rear that is not located", CLAIM),
+        "another count": (
+            seen.bool(told & verified.seen_count.value.ne(verified.kept_count)),
+            "a count other than the entry record's: a split train, another train, or a miscount",
+            COUNTS,
+        ),
+        "ends apart": (
+            located[model.front] & located[model.rear] & _apart(model),
+            "a distance between front and rear that the entry record does not allow",
+            COUNTS,
+        ),
+        "a lost reference": (
+            of(entry.machine).bool(entry.machine.fired("reference overdue")),
+            "a record or handover that did not come in time",
+            ("FVA-D1", *STAY),
+        ),
+        "a train that left": (of(entry.machine).bool(entry.leaves), "a train that was counted out", STAY),
+        "no pattern": (seen.bool(~verified.associated), "a pattern that belongs to no known train", STAY),
+    }
+    if verified.config.needs_emitter:
+        chain = "a test pattern that failed, or has not come yet"
+        wrong["a chain that failed"] = (failed | ~tested, chain, EMITTER)
+    return wrong
+
+
+def _apart(model: FibreArea) -> Bool:
+    """The ends' bounds and the record's length have nothing in common."""
+    own, seen = model.verification.own, model.composition.of(model.verification.machine)
+    (front_low, front_high), (rear_low, rear_high) = _bounds(model, model.front), _bounds(model, model.rear)
+    low, high = seen.num(own.kept_low), seen.num(own.kept_high)
+    tolerance = own.config.length_tolerance_mm
+    return (front_low - rear_high > high + tolerance) | (front_high - rear_low < low - tolerance)
+
+
+def _bounds(model: FibreArea, fibre: Fibre) -> tuple[Num, Num]:
+    of = model.composition.of(fibre.machine)
+    low, high = ends(fibre)
+    return of.num(low), of.num(high)
+
+
+# ------------------------------------------------------------------ latched and revoked
+
+
+def _latch(model: FibreArea) -> Iterator[Property]:
+    verified, seen = model.verification, model.composition.of(model.verification.machine)
+    none, withheld, trusted, untrusted = verified.machine.modes
+    mode = seen.num(verified.machine.mode)
+    was_known = earlier_bool(seen.bool(verified.machine.mode.one_of(withheld, trusted)))
+    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
+    for end in ("front", "rear"):
+        yield always(
+            f"error F of the {end} is latched",
+            (was_known & _error(model, end) & ~leaves).implies(mode.eq(untrusted)),
+            statement=f"F of the {end}, with a reference stored, makes the train untrusted until another accepted record",
+            trace=ERROR,
+            unconditional=True,
+        )
+    was_untrusted = earlier_bool(seen.bool(verified.machine.mode.eq(untrusted)))
+    yield always(
+        "a mismatch is latched",
+        (was_untrusted & mode.ne(untrusted)).implies(leaves | (due & seen.bool(verified.own.sound))),
+        statement="an untrusted train becomes anything else only by a sound record in its own cycle, or by leaving",
+        trace=(*CLAIM, *STAY),
+        unconditional=True,
+    )
+    given = earlier_bool(_trusted(model))
+    yield always(
+        "what was given out is revoked",
+        (given & mode.eq(untrusted)).implies(seen.bool(verified.machine.flag("revoked"))),
+        statement="a position that was given out is revoked in the cycle in which the train becomes untrusted",
+        trace=(*CLAIM, *ERROR),
+        unconditional=True,
+    )
+    yield always(
+        "no train without a reference",
+        (earlier_bool(seen.bool(verified.machine.mode.eq(none))) & mode.ne(none)).implies(due),
+        statement="nothing is verified before a reference came for this train",
+        trace=(*CLAIM, *STAY),
+        unconditional=True,
+    )
+
+
+def _leaves(model: FibreArea) -> Bool:
+    return model.composition.of(model.entry.machine).bool(model.entry.leaves)
+
+
+# ------------------------------------------------------------------ sections
+
+
+def _sections(model: FibreArea) -> Iterator[Property]:
+    slot, of = model.area.own.slots[0], _of_slot(model)
+    judged, integer = of.bool(slot.judged.eq(ACCEPTED)), of.bool(slot.integer)
+    age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
+    verified, seen = model.verification.own, model.composition.of(model.verification.machine)
+    counted = seen.bool(verified.associated & verified.seen_count.present)
+    yield always(
+        "only a trusted train narrows",
+        judged.implies(_trusted(model) & _told(model) & (age <= limit)),
+        statement="the area narrows where a train may be only on a report that is trusted and fresh in that very cycle",
+        trace=CLEAR,
+        unconditional=True,
+    )
+    yield always(
+        "only a count makes whole",
+        (integer & _told(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
+        statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
+        trace=(*COUNTS, *CLEAR),
+        unconditional=True,
+    )
+    low, high = of.num(slot.low), of.num(slot.high)
+    present, edge = of.bool(slot.present), model.config.sections.area.limit_mm
+    stays = earlier_bool(present) & present & ~of.bool(slot.enters) & ~_trusted(model)
+    yield always(
+        "an untrusted train only grows",
+        stays.implies(((low <= earlier_num(low)) | low.eq(-edge)) & ((high >= earlier_num(high)) | high.eq(edge))),
+        statement="while the train is not trusted, neither end of where it may be comes nearer to the other",
+        trace=CLEAR,
+        unconditional=True,
+    )
+
+
+def _of_sections(model: FibreArea) -> Iterator[Property]:
+    """The properties of area and sections, now resting on the fibre instead of on a report that is assumed true."""
+    whole = Sections(model.area, model.sections, model.composition)
+    for prop in sections_properties.properties(whole):
+        yield prop if prop.unconditional else replace(prop, assumption=LAW)
+
+
+# ------------------------------------------------------------------ what can be reached
+
+
+def _reached(model: FibreArea) -> Iterator[Property]:
+    of, verified = model.composition.of, model.verification
+    seen = of(verified.machine)
+    yield reachable("trusted", _trusted(model), statement="a train can be trusted", trace=CLAIM)
+    yield reachable(
+        "revoked",
+        seen.bool(verified.machine.flag("revoked")),
+        statement="what was given out can be revoked",
+        trace=ERROR,
+    )
+    first = model.sections[0].machine
+    yield reachable(
+        "clear beside a trusted train",
+        _trusted(model) & of(first).bool(first.flag("clear")),
+        statement="a section can be clear while a trusted train is in the area",
+        trace=CLEAR,
+    )
