@@ -44,7 +44,7 @@ ROOMS = {
     "tomli_w": ("safeloc/line/toml_files.py",),
     "lxml": ("safeloc/line/imports/railml_xml.py",),
     "openpyxl": ("safeloc/line/imports/spreadsheet.py",),
-    "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py"),
+    "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py", "safeloc/signals/satellite/line_track.py"),
     "shapely": ("safeloc/line/projection.py",),
 }
 OUTSIDE_THE_KERNEL = {
