@@ -7,7 +7,7 @@ do without it.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from safeloc.backends.writing import Writing
@@ -95,6 +95,17 @@ class Blocks:
     def test(self, condition: Expr, targets: Targets) -> Block:
         """The targets where the condition holds; what it needs computed first is there for what follows, too."""
         return [*self._prepared(condition, 0), Test(self.text(condition), self.ending(targets))]
+
+    def either(self, condition: Expr, holds: Callable[[], Block], fails: Callable[[], Block]) -> Block:
+        """What `holds` makes where the condition holds, else what `fails` makes; both end."""
+        outer = dict(self._written.named)
+        before, text = self._prepared(condition, 0), self.text(condition)
+        inside = dict(self._written.named)
+        then = holds()
+        self._written.named = inside
+        block = [*before, Test(text, then), *fails()]
+        self._written.named = outer
+        return block
 
     def _begin(self, targets: Targets, block: Block, depth: int) -> Expr | None:
         """Settles all targets but those that one condition chooses; that condition, ready to be tested, if any."""

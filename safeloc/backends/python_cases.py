@@ -1,11 +1,12 @@
 """Which cases a machine's moves are written out for apart, so that each computes only what it needs.
 
-Two kinds of case are tried, and kept where they pay:
+Three kinds of case are tried, and kept where they pay:
 
     a quiet step    none of the optional inputs is there that make much of the work, and every verdict is the one
                     that is left where no fault applies: the usual step of a machine that measures often, mostly
                     well, and gets messages seldom
     a mode          what only the other modes' rows need is left out
+    a condition     whichever way it falls, less is left to do: what only one side needs is computed only there
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from safeloc.backends.shapes import chain
 from safeloc.nodes import (
     FALSE,
     TRUE,
+    And,
     Bool,
     BoolVar,
     Choose,
@@ -29,6 +31,7 @@ from safeloc.nodes import (
     Node,
     Not,
     NumVar,
+    Or,
     Var,
     any_of,
 )
@@ -37,6 +40,7 @@ from safeloc.terms import in_order
 
 WORTH = 1 / 8  # a case must save this share of the work
 LONGEST = 3  # all cases together may have so many times the work written out
+MOST_LOOKED_AT = 20_000  # nodes, while a condition is chosen
 
 
 @dataclass(frozen=True)
@@ -128,13 +132,80 @@ def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float)
     written = {mode: sum(case.work for case in cases) for mode, cases in tried.items()}
     worth = [mode for mode in modes if written[mode] <= room and _saved(written[mode], mode, whole) >= WORTH]
     if not worth:
-        return blocks.ending(whole.targets)
+        return _by_condition(whole, blocks, room)
     best = max(worth, key=lambda mode: _saved(written[mode], mode, whole))
     others, block = [mode for mode in modes if mode is not best], list[Statement]()
     for value, case in enumerate(tried[best], best.low):
         inner = _by_mode(others, case, blocks, room * case.work / max(1, written[best]))
         block += [Test(blocks.text(best.eq(value)), inner)] if value < best.high else inner
     return block
+
+
+def _by_condition(whole: _Case, blocks: Blocks, room: float) -> Block:
+    """The moves for a condition that is cheap to test and saves work either way; as they are where there is none."""
+    tried = [
+        (condition, whole.under(_facts(condition, True)), whole.under(_facts(condition, False)))
+        for condition in _cheap(whole)
+    ]
+    costs = [
+        (work([condition]) + max(_passing(holds), _passing(fails)), number)
+        for number, (condition, holds, fails) in enumerate(tried)
+        if holds.work + fails.work <= room
+    ]
+    cost, number = min(costs, default=(0, -1))
+    if number < 0 or cost > _passing(whole) * (1 - WORTH):
+        return blocks.ending(whole.targets)
+    condition, holds, fails = tried[number]
+    share = room / max(1, holds.work + fails.work)
+    return blocks.either(
+        condition,
+        lambda: _by_condition(holds, blocks, share * holds.work),
+        lambda: _by_condition(fails, blocks, share * fails.work),
+    )
+
+
+def _facts(condition: Bool, holds: bool) -> dict[Expr, Expr]:
+    """What is known where the condition holds, or fails: of all parts of a conjunction, or of a disjunction."""
+    known: dict[Expr, Expr] = {condition: TRUE if holds else FALSE}
+    if isinstance(condition, Not):
+        known |= _facts(condition.inner, not holds)
+    elif isinstance(condition, And if holds else Or):
+        for part in condition.parts:
+            known |= _facts(part, holds)
+    return known
+
+
+def _cheap(whole: _Case) -> list[Bool]:
+    """Conditions that cost little and have much behind them, the most first; fewer are looked at in large machines."""
+    behind: dict[Bool, list[Expr]] = {}
+    for condition, branch in _behind(whole):
+        behind.setdefault(condition, []).append(branch)
+    worth = _passing(whole) * WORTH
+    found = [(work(parts), condition) for condition, parts in behind.items() if work([condition]) <= worth]
+    found = sorted((one for one in found if one[0] >= worth), key=lambda one: one[0], reverse=True)
+    return [condition for _, condition in found[: MOST_LOOKED_AT // len(whole.nodes())]]
+
+
+def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:
+    """Conditions, and what is needed only where they hold, or only where they fail."""
+    for node in whole.nodes():
+        if isinstance(node, (Choose, ChooseBool)):
+            condition = node.condition.inner if isinstance(node.condition, Not) else node.condition
+            yield condition, node.then
+            yield condition, node.other
+        elif isinstance(node, (And, Or)):
+            for part in node.parts:
+                condition = part.inner if isinstance(part, Not) else part
+                yield from ((condition, other) for other in node.parts if other is not part)
+
+
+def _passing(case: _Case) -> int:
+    """The work of a step in which no row's condition holds."""
+    terms: list[Expr] = []
+    for _, term in case.targets:
+        rows, last = chain(term)
+        terms += [*(condition for condition, _ in rows), last]
+    return work(terms)
 
 
 def _saved(written: int, mode: NumVar, whole: _Case) -> float:
