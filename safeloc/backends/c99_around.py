@@ -6,11 +6,12 @@ These texts are the same for every machine but for its name, its fields and its 
 from __future__ import annotations
 
 from safeloc.backends.c99_header import statuses
-from safeloc.backends.c99_layout import Layout, literal
+from safeloc.backends.c99_layout import Field, Layout, literal
+from safeloc.backends.c99_terms import constant
 
 
 def stepping(layout: Layout) -> str:
-    """One checked step, many of them, and the outputs of a state."""
+    """One checked step, and the outputs of a state."""
     p, upper = layout.names.prefix, layout.names.upper
     idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
     return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
@@ -27,28 +28,6 @@ def stepping(layout: Layout) -> str:
     return {upper}_OK;
 }}
 
-int32_t {p}_run({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs, size_t count, size_t *done)
-{{
-    if (state == NULL || done == NULL) {{
-        return {upper}_NO_POINTER;
-    }}
-    {p}_state now = *state;
-    {p}_outputs told;
-    int32_t status = {upper}_OK;
-    size_t number = 0;
-    while (number < count && (status = {p}_check_inputs(inputs == NULL ? NULL : inputs + number)) == {upper}_OK) {{
-        advance(&now, inputs + number, &told);
-        if (outputs != NULL) {{
-            show(&now, &told);
-            outputs[number] = told;
-        }}
-        number++;
-    }}
-    *state = now;
-    *done = number;
-    return status;
-}}
-
 int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 {{
     if (state == NULL || outputs == NULL) {{
@@ -58,6 +37,62 @@ int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 {idle}    return {upper}_OK;
 }}
 """
+
+
+def running(layout: Layout) -> str:
+    """Many steps over columns, each row checked before it is taken."""
+    p, upper = layout.names.prefix, layout.names.upper
+    missing = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
+    gathered = "".join(_gathered(field) for field in layout.inputs) or "    (void)columns;\n    (void)number;\n"
+    scattered = "".join(
+        f"    if (told->{field.name} != NULL) {{\n        told->{field.name}[number] = outputs->{field.name};\n    }}\n"
+        for field in layout.told
+    )
+    return f"""static inline void gather({p}_inputs *inputs, const {p}_input_columns *columns, size_t number)
+{{
+{gathered}}}
+
+static void scatter(const {p}_outputs *outputs, const {p}_output_columns *told, size_t number)
+{{
+{scattered}}}
+
+int32_t {p}_run({p}_state *state, const {p}_input_columns *columns, const {p}_output_columns *told, size_t count,
+        size_t *done)
+{{
+    if (state == NULL || columns == NULL || done == NULL{missing}) {{
+        return {upper}_NO_POINTER;
+    }}
+    const {p}_input_columns read = *columns;
+    {p}_state now = *state;
+    {p}_inputs inputs = {{0}};
+    {p}_outputs outputs = {{0}};
+    int32_t status = {upper}_OK;
+    size_t number = 0;
+    for (; number < count; number++) {{
+        gather(&inputs, &read, number);
+        status = {p}_check_inputs(&inputs);
+        if (status != {upper}_OK) {{
+            break;
+        }}
+        advance(&now, &inputs, &outputs);
+        if (told != NULL) {{
+            show(&now, &outputs);
+            scatter(&outputs, told, number);
+        }}
+    }}
+    *state = now;
+    *done = number;
+    return status;
+}}
+"""
+
+
+def _gathered(field: Field) -> str:
+    """One input of a row; the value of an absent one is not read."""
+    value = f"columns->{field.name}[number]"
+    if field.present:
+        value = f"inputs->{field.present} != 0 ? {value} : {constant(field.absent)}"
+    return f"    inputs->{field.name} = {value};\n"
 
 
 def snapshots(layout: Layout) -> str:

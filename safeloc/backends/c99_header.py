@@ -125,6 +125,8 @@ def _structures(layout: Layout) -> Iterator[str]:
     )
     if layout.first:
         yield _structure(layout, f"{prefix}_first", "First values that the declaration leaves open.", layout.first)
+    yield _columns(f"{prefix}_input_columns", "The inputs of many steps, a column each.", "const ", layout.inputs)
+    yield _columns(f"{prefix}_output_columns", "Room for the outputs of many steps, a column each.", "", layout.told)
     yield (
         "/* A state with what tells whether it fits: safe to keep, and to move between programs of one target. */\n"
         f"typedef struct {prefix}_snapshot {{\n    uint64_t declaration;\n    uint64_t checksum;\n"
@@ -134,6 +136,12 @@ def _structures(layout: Layout) -> Iterator[str]:
 
 def _structure(layout: Layout, name: str, says: str, fields: Sequence[Field]) -> str:
     lines = [f"    {field.kind} {field.name}; /* {remark(_told(layout, field))} */" for field in fields]
+    lines = lines or ["    uint8_t nothing; /* C has no empty structures */"]
+    return f"/* {says} */\ntypedef struct {name} {{\n" + "\n".join(lines) + f"\n}} {name};\n"
+
+
+def _columns(name: str, says: str, constness: str, fields: Sequence[Field]) -> str:
+    lines = [f"    {constness}{field.kind} *{field.name};" for field in fields]
     lines = lines or ["    uint8_t nothing; /* C has no empty structures */"]
     return f"/* {says} */\ntypedef struct {name} {{\n" + "\n".join(lines) + f"\n}} {name};\n"
 
@@ -173,10 +181,11 @@ int32_t {p}_check_state(const {p}_state *state);
  */
 int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs);
 
-/* `count` steps in one call; `outputs` may be NULL, else has room for `count`. Stops before the first refused inputs;
- * `done` tells how many steps were taken.
+/* `count` steps in one call. `told` may be NULL, and so may each of its columns. Stops before the first refused row and
+ * returns its status; `done` tells how many steps were taken.
  */
-int32_t {p}_run({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs, size_t count, size_t *done);
+int32_t {p}_run({p}_state *state, const {p}_input_columns *columns, const {p}_output_columns *told, size_t count,
+        size_t *done);
 
 /* The outputs of a state as it is; which transition fired is told as none. */
 int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs);

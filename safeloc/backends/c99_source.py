@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from safeloc.backends.c99_around import snapshots, status_texts, stepping
+from safeloc.backends.c99_around import running, snapshots, status_texts, stepping
 from safeloc.backends.c99_header import input_status
 from safeloc.backends.c99_layout import Field, Layout
 from safeloc.backends.c99_statements import statements
@@ -33,6 +33,7 @@ def source(layout: Layout) -> str:
         _check_state(layout),
         *body,
         stepping(layout),
+        running(layout),
         snapshots(layout),
         status_texts(layout),
     ]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import tempfile
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,14 @@ def load_c(
         return CMachine(layout, build(library_texts(layout), Path(place), layout.names.prefix, cc=cc), first)
 
 
+@dataclass(frozen=True)
+class Columns:
+    """The inputs of `count` steps, an array for each input."""
+
+    count: int
+    arrays: tuple[ctypes.Array[Any], ...]
+
+
 class CMachine:
     """One machine with its state, in C. Not for two threads at once; two machines of one library share nothing."""
 
@@ -74,7 +83,7 @@ class CMachine:
         """One step from inputs by name; its outputs. InputError as in `interpret.read_inputs`, and nothing moves."""
         _fill(self._inputs, self.layout.inputs, self._ordered(record))
         self._call("step", *map(ctypes.byref, (self._state, self._inputs, self._outputs)))
-        return self._named(self._outputs)
+        return self._named([getattr(self._outputs, field.name) for field in self.layout.outputs])
 
     @property
     def fired(self) -> dict[str, str]:
@@ -87,22 +96,25 @@ class CMachine:
         """The state by name."""
         return dict(zip((var.name for var in self.system.state), self._values(), strict=True))
 
-    def rows(self, records: Sequence[Mapping[str, object]]) -> ctypes.Array[Any]:
-        """Inputs of many steps as C holds them; InputError as for `step`."""
-        packed = (type(self._inputs) * len(records))()
-        for row, record in zip(packed, records, strict=True):
-            _fill(row, self.layout.inputs, self._ordered(record))
-        return packed
+    def columns(self, records: Sequence[Mapping[str, object]]) -> Columns:
+        """Inputs of many steps as C reads them; InputError as for `step`."""
+        rows = [self._ordered(record) for record in records]
+        values = zip(*rows, strict=True) if rows else [() for _ in self.layout.inputs]
+        return Columns(
+            len(rows),
+            tuple(_array(field, column) for field, column in zip(self.layout.inputs, values, strict=True)),
+        )
 
-    def run(self, rows: ctypes.Array[Any]) -> int:
-        """All steps in one call, outputs left aside; how many were taken. InputError where C refuses inputs."""
-        return self._ran(rows, None)
+    def run(self, columns: Columns) -> None:
+        """All steps in one call, outputs left aside. InputError, with the row, where C refuses inputs."""
+        self._ran(columns, None)
 
-    def history(self, rows: ctypes.Array[Any]) -> list[dict[str, Value]]:
-        """The outputs of every step, taken in one call."""
-        told = (type(self._outputs) * len(rows))()
-        self._ran(rows, told)
-        return [self._named(one) for one in told]
+    def history(self, columns: Columns) -> list[dict[str, Value]]:
+        """The outputs of every step, taken in one call; InputError as for `run`."""
+        told = [(_CTYPES[field.kind] * columns.count)() for field in self.layout.told]
+        self._ran(columns, told)
+        shown = zip(*told[: len(self.layout.outputs)], strict=True) if self.layout.outputs else [()] * columns.count
+        return [self._named(row) for row in shown]
 
     def save(self) -> bytes:
         """A snapshot of the state, with the declaration's digest and a checksum."""
@@ -118,13 +130,13 @@ class CMachine:
         ctypes.memmove(ctypes.byref(snapshot), saved, len(saved))
         self._call("restore", ctypes.byref(self._state), ctypes.byref(snapshot))
 
-    def _ran(self, rows: ctypes.Array[Any], told: ctypes.Array[Any] | None) -> int:
+    def _ran(self, columns: Columns, told: Sequence[ctypes.Array[Any]] | None) -> None:
         done = ctypes.c_size_t()
-        pointers = (ctypes.byref(self._state), rows, told)
-        status = self._function("run")(*pointers, ctypes.c_size_t(len(rows)), ctypes.byref(done))
+        shown = None if told is None else ctypes.byref(_pointers(self.layout.told, told))
+        given = (ctypes.byref(self._state), ctypes.byref(_pointers(self.layout.inputs, columns.arrays)), shown)
+        status = self._function("run")(*given, ctypes.c_size_t(columns.count), ctypes.byref(done))
         if status:
             raise InputError(f"{self.system.name}: row {done.value}: {self._text(status)}.")
-        return done.value
 
     def _snapshot(self) -> Any:
         fields = [("declaration", ctypes.c_uint64), ("checksum", ctypes.c_uint64), ("state", type(self._state))]
@@ -140,11 +152,9 @@ class CMachine:
     def _states(self) -> zip[tuple[Var, Field]]:
         return zip(self.system.state, self.layout.state, strict=True)
 
-    def _named(self, told: Any) -> dict[str, Value]:
-        return {
-            field.source: bool(getattr(told, field.name)) if field.kind == "uint8_t" else int(getattr(told, field.name))
-            for field in self.layout.outputs
-        }
+    def _named(self, values: Sequence[int]) -> dict[str, Value]:
+        told = zip(self.layout.outputs, values, strict=True)
+        return {field.source: bool(value) if field.kind == "uint8_t" else int(value) for field, value in told}
 
     def _call(self, name: str, *arguments: Any) -> None:
         status = self._function(name)(*arguments)
@@ -163,6 +173,20 @@ def _structure(fields: Sequence[Field]) -> type[ctypes.Structure]:
     """The structure as the header declares it."""
     declared = [(field.name, _CTYPES[field.kind]) for field in fields] or [("nothing", ctypes.c_uint8)]
     return type("Structure", (ctypes.Structure,), {"_fields_": declared})
+
+
+def _array(field: Field, values: Sequence[Value]) -> ctypes.Array[Any]:
+    array: ctypes.Array[Any] = (_CTYPES[field.kind] * len(values))(*map(int, values))
+    return array
+
+
+def _pointers(fields: Sequence[Field], arrays: Sequence[ctypes.Array[Any]]) -> ctypes.Structure:
+    """The structure of columns as the header declares it."""
+    declared = [(field.name, ctypes.POINTER(_CTYPES[field.kind])) for field in fields]
+    made: ctypes.Structure = type("Columns", (ctypes.Structure,), {"_fields_": declared or [("nothing", ctypes.c_uint8)]})()
+    for field, array in zip(fields, arrays, strict=True):
+        setattr(made, field.name, ctypes.cast(array, ctypes.POINTER(_CTYPES[field.kind])))
+    return made
 
 
 def _fill(structure: ctypes.Structure, fields: Sequence[Field], values: Sequence[Value]) -> None:
