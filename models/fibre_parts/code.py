@@ -12,8 +12,8 @@ What they guarantee, with no counting and no measured distance (each is a functi
    expected: a missed section is noticed with the next one that is read. So is a false section, at once if its symbol
    differs, or else with the next true one.
 2. `window` symbols that were read truly tell place and direction without counting.
-3. `window` symbols with one section missed among them, or one false one between two others, or one misread, are no
-   window of the line at any other place (`strict` codes): such a reading tells nothing rather than a wrong place.
+3. `window` symbols with one section missed among them, or one false one before or between the others, or one misread, are
+   no window of the line at any other place (`strict` codes): such a reading tells nothing rather than a wrong place.
 
 What no code of symbols can notice: a false section after the last true one whose symbol is just that of the next. The
 count is then one ahead until the next true section; the window of expected places in the fibre machine, or an additional
@@ -211,5 +211,5 @@ def _one_error(passed: Word, window: int) -> Iterator[Word]:
                 yield (*last[:wrong], symbol, *last[wrong + 1 :])
     fewer = passed[-(window - 1) :]
     if len(fewer) == window - 1:
-        for false, symbol in product(range(1, window - 1), ALPHABET):
+        for false, symbol in product(range(window - 1), ALPHABET):
             yield (*fewer[:false], symbol, *fewer[false:])

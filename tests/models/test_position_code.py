@@ -26,6 +26,13 @@ def test_one_error_within_a_word_never_misleads() -> None:
     assert CODE.undetected() == []
 
 
+def test_a_false_signal_before_the_first_section_never_misleads() -> None:
+    """Read before the line's first sections, from either end: nothing precedes them that it could be a misreading of."""
+    for row in (CODE.symbols, CODE.symbols[::-1]):
+        for symbol in ALPHABET:
+            assert CODE.decode((symbol, *row[: CODE.window - 1])) is None
+
+
 def test_a_code_that_is_not_strict_may_mislead() -> None:
     """The guarantee is not one of unique windows alone."""
     assert make_code(20, strict=False).undetected()
