@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from safeloc.border import Fault, Reason
 from safeloc.errors import InputError
 
 
@@ -46,6 +47,51 @@ class Epoch:
 
     time_s: float
     satellites: dict[str, Measured]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One satellite as a receiver delivers it: anything may stand in it, also what is no number."""
+
+    satellite: str
+    pseudorange_m: object
+    rate_m_per_s: object
+
+
+def received(time_s: object, rows: Iterable[Row]) -> tuple[Epoch | None, tuple[Fault, ...]]:
+    """An epoch at the border: what is faulty in it is left out and named. None without a time that is a number.
+
+    A satellite that is told twice has no values; a value that is not finite or no number is not measured.
+    """
+    number = _number(time_s)
+    if number is None:
+        return None, (Fault("epoch", Reason.NOT_FINITE, f"time {time_s!r}"),)
+    faults: list[Fault] = []
+    found: dict[str, Measured] = {}
+    for row in rows:
+        name = row.satellite
+        if name in found:
+            faults.append(Fault(name, Reason.DUPLICATE, "told twice in one epoch"))
+            found[name] = Measured(None, None)
+        else:
+            values = [_admitted(name, value, faults) for value in (row.pseudorange_m, row.rate_m_per_s)]
+            found[name] = Measured(*values)
+    return Epoch(number, found), tuple(faults)
+
+
+def _number(value: object) -> float | None:
+    """None for what is no finite number."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    return None
+
+
+def _admitted(name: str, value: object, faults: list[Fault]) -> float | None:
+    number = _number(value)
+    if number is None and value is not None:
+        reason = Reason.NOT_FINITE if isinstance(value, float) else Reason.WRONG_TYPE
+        faults.append(Fault(name, reason, repr(value)))
+    return number
 
 
 def in_order(epochs: Iterable[Epoch]) -> Iterator[Epoch]:

@@ -21,6 +21,14 @@ SOLVE, DETECT, EXCLUDE = 2, 3, 4
 PPM = 10**6
 
 
+class NoSolution(InputError):
+    """Nothing can be solved. `why`: FEW_LEFT (fewer satellites than unknowns) or ALIKE (all stand alike to the track)."""
+
+    def __init__(self, why: str, message: str) -> None:
+        super().__init__(message)
+        self.why = why
+
+
 @dataclass(frozen=True, slots=True)
 class Sight:
     """One used satellite: measured minus predicted (mm or mm/s), slope in millionths, and its weight (1/variance).
@@ -66,18 +74,20 @@ class TrackFit:
 def fit(sights: Mapping[str, Sight]) -> TrackFit:
     """Weighted least squares over the named satellites.
 
-    InputError below two satellites or the number of unknowns, for a weight that is not positive, or when all slopes are
-    alike (no solution).
+    NoSolution below two satellites or the number of unknowns, or when all slopes are alike; InputError for a weight that
+    is not positive.
     """
     if len(sights) < SOLVE:
-        raise InputError(f"{len(sights)} usable satellites; {SOLVE} are needed to solve along the track: no fix.")
+        raise NoSolution(
+            "FEW_LEFT", f"{len(sights)} usable satellites; {SOLVE} are needed to solve along the track: no fix."
+        )
     if any(one.weight <= 0 for one in sights.values()):
         raise InputError("a weight must be positive; leave the satellite out instead.")
     clocks = sorted({one.clock for one in sights.values()})
     rows = {name: _row(one, clocks) for name, one in sights.items()}
     size = len(next(iter(rows.values())))
     if any(len(row) != size for row in rows.values()) or len(sights) < size:
-        raise InputError(f"{len(sights)} usable satellites for {size} unknowns: no fix.")
+        raise NoSolution("FEW_LEFT", f"{len(sights)} usable satellites for {size} unknowns: no fix.")
     weights = _whole([one.weight for one in sights.values()])
     normal, sums = _normal(list(rows.values()), weights, [one.difference for one in sights.values()])
     (first, over), (found, under) = _solved(normal, [1, *[0] * (size - 1)]), _solved(normal, sums)
@@ -118,7 +128,7 @@ def _normal(
 def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list[int], int]:
     """The exact solution of whole-numbered equations, over one divisor (Bareiss: no fractions on the way).
 
-    InputError where there is none.
+    NoSolution where there is none.
     """
     rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
     size, last = len(rows), 1

@@ -7,7 +7,6 @@ full there is none, and a satellite without one may not be used.
 from __future__ import annotations
 
 from collections import deque
-from fractions import Fraction
 
 from safeloc.errors import InputError
 
@@ -29,6 +28,6 @@ class Window:
         return self._variance() if len(self._values) == self._values.maxlen else None
 
     def _variance(self) -> int:
-        count = len(self._values)
-        mean = Fraction(sum(self._values), count)
-        return -(-sum((value - mean) ** 2 for value in self._values) // (count - 1))
+        count, total = len(self._values), sum(self._values)
+        squares = count * sum(value * value for value in self._values) - total * total
+        return -(-squares // (count * (count - 1)))
