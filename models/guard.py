@@ -7,11 +7,11 @@ that speed) and by how often in a row the receiver has agreed with both. Flags a
     WITHDRAWN   nothing is held: the receiver's word is all there is, and it is not enough
     RECOVERING  one or more fixes in a row agree among themselves; nothing is passed on
     PASSING     a fix that agrees with what is held is passed on and narrows it
-    PROBATION   the receiver said something implausible, or nothing for long: nothing is passed on and nothing narrows,
-                until as many fixes in a row agree as are asked for
+    PROBATION   the receiver said something implausible: nothing is passed on and nothing narrows, until as many fixes
+                in a row agree as are asked for
 
 What is held is an interval of places along the way and one of speeds. Without a fix that passes, both grow by all that
-the vehicle can do. Distances are nm along the way, speeds um/s, negative against the way's direction.
+the vehicle can do; what is wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along the way, speeds um/s, negative against the way's direction.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     both, config = (passing, probation), own.config
     narrow, coasted = cycle.with_fix, cycle.coasted
     full, none = as_num(config.confirmations, COUNT), as_num(0, COUNT)
-    kept, wide = usable(config, coasted.box), ~tolerable(config, coasted.box)
+    kept = usable(config, coasted.box)
 
     def coast(agreed: Num, judged: Num) -> dict[Var, Expr]:
         return {**become(own, coasted), own.agreed: agreed, own.judged: judged}
@@ -118,7 +118,6 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("window given up", both, lost, ~kept, lose, TRACE, 1)
     doubt = coast(none, cycle.verdict)
     yield Transition("implausible fix", both, probation, cycle.implausible, doubt, TRACE, 2)
-    yield Transition("too long without a fix", passing, probation, wide, coast(none, _withheld(cycle)), TRACE, 3)
     agreeing = coast(cycle.more, as_num(UNCONFIRMED, own.judged.unit))
     yield Transition("fix agrees on probation", probation, probation, cycle.agrees, agreeing, TRACE, 4)
     for mode in both:
@@ -140,7 +139,8 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("fix agrees", recovering, recovering, agrees, {**candidate, own.agreed: cycle.more}, TRACE, 7)
     begin = {**candidate, own.agreed: one}
     yield Transition("first fix", lost, recovering, cycle.begins, begin, TRACE, 7)
-    yield Transition("fix begins anew", recovering, recovering, cycle.begins, begin, TRACE, 8)
+    anew = {**become(own, fresh), own.judged: cycle.verdict, own.agreed: one}
+    yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, TRACE, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
     yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, TRACE, 9)
     waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}

@@ -125,10 +125,18 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     valid, passed = machine.flag("valid"), machine.flag("passed")
     most = own.config.confirmations
     back = machine.fired(*BACK)
+    _, _, passing, probation = machine.modes
     yield always(
         "no resurrection",
-        (valid & ~earlier_bool(valid)).implies(back & before(own.agreed).eq(most - 1)),
-        statement="a position is reported again only with the fix that completes the row of agreeing ones",
+        (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(back & before(own.agreed).eq(most - 1)),
+        statement="a receiver that was in doubt is believed again only with the fix that completes the row of agreeing ones",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "only a passed fix reports",
+        (valid & ~earlier_bool(valid)).implies(passed & machine.mode.eq(passing)),
+        statement="a position that was not reported is reported again only with a fix that is passed on",
         trace=TRACE,
         unconditional=True,
     )
@@ -147,7 +155,6 @@ def _coming_back(model: Guard) -> Iterator[Property]:
         trace=TRACE,
         unconditional=True,
     )
-    _, _, passing, probation = machine.modes
     yield always(
         "passing is trust",
         machine.mode.eq(passing).implies(own.agreed.eq(most)) & machine.mode.eq(probation).implies(own.agreed < most),

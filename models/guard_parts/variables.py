@@ -143,7 +143,7 @@ def parts(config: GuardConfig) -> Parts:
         choice("fault", enumeration(FAULT)),
         optional("fix_mm", MM, -limit, limit),
         number("fix_offset_mm", MM, 0, FARTHEST_OFF_MM),
-        number("fix_age_ms", MS, 0, config.max_age_ms),
+        number("fix_age_ms", MS, 0, config.max_age_ms + config.period_ms),
         boolean("fix_ambiguous"),
         boolean("fix_elsewhere"),
         optional("fix_speed_mm_s", MM_S, 0, 1_000_000),

@@ -45,6 +45,7 @@ class _Course:
     points: tuple[tuple[float, float], ...]
     reached: tuple[float, ...]
     length_mm: int
+    turns: bool
 
     def place_mm(self, distance: float) -> int:
         """The position along the edge, for a distance along the plane course."""
@@ -85,6 +86,33 @@ class Projector:
         off = round(float(course.line.distance(point)) * 1000)
         return Projected(Place(course.edge, course.place_mm(along)), off * course.side(along, east, north))
 
+    def near(self, x: float, y: float, limit_mm: int, *, crs: str = WGS84) -> list[Projected]:
+        """Every place of the track that is the nearest of its surroundings and within the limit; the nearest first.
+
+        An edge that comes by more than once has more than one. InputError as in `project`.
+        """
+        east, north = self._to_plane(x, y, crs)
+        point = self._shapely.Point(east, north)
+        limit = limit_mm / 1000
+        found = []
+        for index in self._tree.query(point, predicate="dwithin", distance=limit):
+            course = self._courses[int(index)]
+            for along in self._passes(course, point, limit):
+                off = round(float(course.line.interpolate(along).distance(point)) * 1000)
+                found.append(
+                    Projected(Place(course.edge, course.place_mm(along)), off * course.side(along, east, north))
+                )
+        return sorted(found, key=lambda one: (abs(one.offset_mm), one.place))
+
+    def _passes(self, course: _Course, point: Any, limit: float) -> list[float]:
+        """Distances along the course at which it comes nearest to the point, once each time it comes within the limit."""
+        if not course.turns:
+            return [float(course.line.project(point))]
+        inside = course.line.intersection(point.buffer(limit * 1.01 + 0.001))
+        pieces = [piece for piece in getattr(inside, "geoms", [inside]) if not piece.is_empty]
+        nearest = (self._shapely.ops.nearest_points(piece, point)[0] for piece in pieces)
+        return [float(course.line.project(one)) for one in nearest if one.distance(point) <= limit]
+
     def distance_mm(self, one: tuple[float, float], other: tuple[float, float], *, crs: str = WGS84) -> int:
         """The straight distance over ground between two positions, to the nearest mm."""
         (ax, ay), (bx, by) = self._to_plane(*one, crs), self._to_plane(*other, crs)
@@ -117,12 +145,20 @@ class Projector:
         reached = tuple(accumulate(steps, initial=0.0))
         if not reached[-1] > 0:
             raise InputError(f"edge {edge.id!r}: its geometry has no length.")
-        return _Course(edge.id, self._shapely.LineString(points), points, reached, edge.length_mm)
+        line = self._shapely.LineString(points)
+        return _Course(edge.id, line, points, reached, edge.length_mm, _turns(points))
+
+
+def _turns(points: Sequence[tuple[float, float]]) -> bool:
+    """Whether a course turns so far, a quarter circle in all, that it may come by a place more than once."""
+    headings = [math.atan2(by - ay, bx - ax) for (ax, ay), (bx, by) in pairwise(points) if (ax, ay) != (bx, by)]
+    return sum(abs(math.remainder(after - before, math.tau)) for before, after in pairwise(headings)) >= math.pi / 2
 
 
 def _shapely() -> Any:
     try:
         import shapely
+        import shapely.ops
     except ImportError as error:
         raise missing("shapely", PURPOSE) from error
     return shapely

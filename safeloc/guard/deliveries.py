@@ -1,0 +1,32 @@
+"""What a receiver delivers: positions in the order they come, and what came instead of one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+KNOT_MM_S = 1852 * 1000 / 3600
+SPEED_UNITS = {"m/s": 1000.0, "km/h": 1000 / 3.6, "mm/s": 1.0, "knots": KNOT_MM_S}
+"""mm/s in one of each."""
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """One line of a stream.
+
+    number       its line, counted from 1
+    time_ms      when the fix was taken: ms of the receiver's own clock, rounded down; None where it does not say
+    x, y         coordinates as the receiver tells them, whatever they are; None: no fix
+    speed_mm_s   the receiver's own speed over ground; None where it tells none
+    flag         the receiver's own quality flag: told, never used
+    received_ms  when it came, on the same clock; None where nobody noted it
+    wrong        why the line is no position at all; empty if it is one
+    """
+
+    number: int
+    time_ms: int | None = None
+    x: float | None = None
+    y: float | None = None
+    speed_mm_s: int | None = None
+    flag: str = ""
+    received_ms: int | None = None
+    wrong: str = ""
