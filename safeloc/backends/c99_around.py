@@ -43,11 +43,15 @@ def running(layout: Layout) -> str:
     """Many steps over columns, each row checked before it is taken."""
     p, upper = layout.names.prefix, layout.names.upper
     missing = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
-    gathered = "".join(_gathered(field) for field in layout.inputs) or "    (void)columns;\n    (void)number;\n"
+    gathered = (
+        "".join(_gathered(field) for field in layout.inputs)
+        or "    (void)inputs;\n    (void)columns;\n    (void)number;\n"
+    )
     scattered = "".join(
         f"    if (told->{field.name} != NULL) {{\n        told->{field.name}[number] = outputs->{field.name};\n    }}\n"
         for field in layout.told
     )
+    scattered = scattered or "    (void)outputs;\n    (void)told;\n    (void)number;\n"
     return f"""static inline void gather({p}_inputs *inputs, const {p}_input_columns *columns, size_t number)
 {{
 {gathered}}}

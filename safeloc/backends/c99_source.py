@@ -12,6 +12,7 @@ from safeloc.backends.c99_layout import Field, Layout
 from safeloc.backends.c99_statements import statements
 from safeloc.backends.c99_terms import CEIL_DIV, FLOOR_DIV, CTerms, constant
 from safeloc.backends.known import Known
+from safeloc.backends.live import live
 from safeloc.backends.python_blocks import Blocks
 from safeloc.machine import Any_
 from safeloc.nodes import INT64_MAX, INT64_MIN, Expr, Lit, NumVar, Truth, Var
@@ -82,7 +83,7 @@ def _may_begin(layout: Layout) -> str:
         return ""
     fixed = {var: _as_term(var, value) for var, value in layout.system.initial.items() if not isinstance(value, Any_)}
     term = Known({})(Substitution(fixed)(layout.system.init))
-    body = statements(_blocks(layout).ending([("holds", term)]), lambda values: [f"return {values[0]};"])
+    body = statements(live(_blocks(layout).ending([("holds", term)])), lambda values: [f"return {values[0]};"])
     return (
         f"/* What the declaration says of the first values together. */\n"
         f"static bool may_begin(const {layout.names.prefix}_first *first)\n{{\n"
@@ -151,7 +152,7 @@ def _advance(layout: Layout) -> str:
     system, p = layout.system, layout.names.prefix
     targets: list[tuple[str, Expr]] = [(f"next_{field.name}", system.next[var]) for var, field in _states(layout)]
     targets += [(f"next_{field.name}", term) for field, term in zip(layout.fired, system.fired.values(), strict=True)]
-    body = statements(_blocks(layout).ending(_folded(targets)), _Moved(layout))
+    body = statements(live(_blocks(layout).ending(_folded(targets))), _Moved(layout))
     return (
         "/* The step itself: the inputs are in their ranges. Values are read first and written last. */\n"
         f"static inline void advance({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)\n{{\n"
@@ -218,7 +219,7 @@ def _show(layout: Layout) -> str:
         shown = zip(layout.outputs, values, strict=True)
         return [*(f"outputs->{field.name} = {stored(field, value)};" for field, value in shown), "return;"]
 
-    body = statements(_blocks(layout).ending(targets), leaf)
+    body = statements(live(_blocks(layout).ending(targets)), leaf)
     unused = "" if layout.outputs else "    (void)outputs;\n"
     return (
         f"static inline void show(const {p}_state *state, {p}_outputs *outputs)\n{{\n{unused}"

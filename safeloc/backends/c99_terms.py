@@ -41,6 +41,8 @@ INT32_MAX = 2**31 - 1
 _OPPOSITE = {"<": ">=", "<=": ">", "==": "!="}
 _MIRRORED = {"<": ">", "<=": ">=", "==": "==", ">=": "<=", ">": "<", "!=": "!="}
 
+CHOICE, OR, AND, COMPARED, SUM, PRODUCT, UNARY, ATOM = range(8)
+
 FLOOR_DIV = """/* left / divisor, rounded towards minus infinity; the divisor is positive. */
 static inline int64_t floor_div(int64_t left, int64_t divisor)
 {
@@ -71,53 +73,65 @@ class CTerms(Writing):
 
     def text(self, term: Expr) -> str:
         """The term as an expression that may stand alone, as a value or as a test."""
+        return self._written(term)[0]
+
+    def _written(self, term: Expr) -> tuple[str, int]:
+        """The term's text, and how firmly it holds together."""
         if term in self.named:
-            return self.named[term]
+            return self.named[term], ATOM
         assert isinstance(term, Node)
         match term:
             case Lit(value, unit):
-                return self._members[unit][value] if isinstance(unit, Enumeration) else constant(value)
+                text = self._members[unit][value] if isinstance(unit, Enumeration) else constant(value)
+                return text, UNARY if text.startswith("-") else ATOM
             case Truth(value):
-                return str(value).lower()
-            case Add(a, b):
-                return f"{self._part(a)} + {self._part(b)}"
-            case Sub(Lit(0, _), FloorDiv(Sub(Lit(0, _), a) as inner, divisor, _) as down) if not self._known(
-                inner, down
-            ):
-                return f"ceil_div({self.text(a)}, {constant(divisor)})"
-            case Sub(Lit(0, _), b):
-                return f"-{self._part(b)}"
-            case Sub(a, b):
-                return f"{self._part(a)} - {self._part(b)}"
-            case Mul(a, b):
-                return f"{self._part(a)} * {self._part(b)}"
-            case FloorDiv(a, divisor, _):
-                return f"floor_div({self.text(a)}, {constant(divisor)})"
+                return str(value).lower(), ATOM
+            case Add() | Sub() | Mul() | FloorDiv():
+                return self._arithmetic(term)
             case Min(a, b):
-                x, y = self._part(a), self._part(b)
-                return f"{x} < {y} ? {x} : {y}"
+                x, y = self._part(a, SUM), self._part(b, SUM)
+                return f"{x} < {y} ? {x} : {y}", CHOICE
             case Max(a, _) if is_magnitude(term):
-                x = self._part(a)
-                return f"{x} >= 0 ? {x} : -{x}"
+                x = self._part(a, ATOM)
+                return f"{x} >= 0 ? {x} : -{x}", CHOICE
             case Max(a, b):
-                x, y = self._part(a), self._part(b)
-                return f"{x} > {y} ? {x} : {y}"
+                x, y = self._part(a, SUM), self._part(b, SUM)
+                return f"{x} > {y} ? {x} : {y}", CHOICE
             case Choose(c, a, b, _):
-                return f"{self._part(c)} ? {self._branch(a)} : {self._branch(b)}"
+                return f"{self._part(c, OR)} ? {self._branch(a)} : {self._branch(b)}", CHOICE
             case ChooseBool(c, p, q):
-                return f"{self._part(c)} ? {self._part(p)} : {self._part(q)}"
+                return f"{self._part(c, OR)} ? {self._part(p, OR)} : {self._part(q, OR)}", CHOICE
             case Not(Compare(op, a, b) as inner) if not self._known(inner):
-                return self._comparison(_OPPOSITE[op], a, b)
+                return self._comparison(_OPPOSITE[op], a, b), COMPARED
             case Not(inner):
-                return f"!{self._part(inner)}"
+                return f"!{self._part(inner, UNARY)}", UNARY
             case And(parts):
-                return " && ".join(map(self._part, parts))
+                return " && ".join(self._part(part, COMPARED) for part in parts), AND
             case Or(parts):
-                return " || ".join(map(self._part, parts))
+                return " || ".join(self._part(part, COMPARED) for part in parts), OR
             case Compare(op, a, b):
-                return self._comparison(op, a, b)
+                return self._comparison(op, a, b), COMPARED
             case Past() | NumVar() | BoolVar():
                 raise KeyError(f"{term!r} has no value here")
+            case _:
+                assert_never(term)
+
+    def _arithmetic(self, term: Add | Sub | Mul | FloorDiv) -> tuple[str, int]:
+        match term:
+            case Add(a, Lit(value, _)) if INT64_MIN < value < 0:
+                return f"{self._part(a, SUM)} - {constant(-value)}", SUM
+            case Add(a, b):
+                return f"{self._part(a, SUM)} + {self._part(b, PRODUCT)}", SUM
+            case Sub(Lit(0, _), FloorDiv(Sub(Lit(0, _), a) as inner, k, _) as down) if not self._known(inner, down):
+                return f"ceil_div({self.text(a)}, {constant(k)})", ATOM
+            case Sub(Lit(0, _), b):
+                return f"-{self._part(b, ATOM)}", UNARY
+            case Sub(a, b):
+                return f"{self._part(a, SUM)} - {self._part(b, PRODUCT)}", SUM
+            case Mul(a, b):
+                return f"{self._part(a, PRODUCT)} * {self._part(b, UNARY)}", PRODUCT
+            case FloorDiv(a, divisor, _):
+                return f"floor_div({self.text(a)}, {constant(divisor)})", ATOM
             case _:
                 assert_never(term)
 
@@ -125,19 +139,18 @@ class CTerms(Writing):
         """One of the terms has a name."""
         return any(term in self.named for term in terms)
 
-    def _part(self, term: Expr) -> str:
-        """The term as part of an expression."""
-        bare = term in self.named or isinstance(term, Truth) or (isinstance(term, Lit) and term.value >= 0)
-        called = isinstance(term, FloorDiv)
-        return self.text(term) if bare or called else f"({self.text(term)})"
+    def _part(self, term: Expr, least: int) -> str:
+        """The term as part of an expression, in brackets where it holds less firmly than that asks for."""
+        text, firmness = self._written(term)
+        return text if firmness >= least else f"({text})"
 
     def _branch(self, term: Expr) -> str:
         """A branch of a choice; what uses the choice counts on 64 bits."""
         plain = isinstance(term, Lit) and term not in self.named and not isinstance(term.unit, Enumeration)
-        return constant(term.value, wide=True) if plain and isinstance(term, Lit) else self._part(term)
+        return constant(term.value, wide=True) if plain and isinstance(term, Lit) else self._part(term, OR)
 
     def _comparison(self, op: str, left: Num, right: Num) -> str:
         """A comparison, the constant last."""
         if isinstance(left, Lit):
             left, op, right = right, _MIRRORED[op], left
-        return f"{self._part(left)} {op} {self._part(right)}"
+        return f"{self._part(left, SUM)} {op} {self._part(right, SUM)}"
