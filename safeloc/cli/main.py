@@ -18,6 +18,7 @@ from safeloc.cli.line_drive import drive
 from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
 from safeloc.cli.replay import as_table, replay_stream, whole_run
+from safeloc.cli.run import run
 from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
 from safeloc.cli.simulate import simulate
 from safeloc.errors import InputError
@@ -38,6 +39,7 @@ app.command("audit")(audit_line)
 app.command("drive")(drive)
 app.command("export")(export)
 app.command("simulate")(simulate)
+app.command("run")(run)
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")

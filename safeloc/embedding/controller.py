@@ -15,6 +15,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from typing import get_args
 
@@ -95,8 +96,10 @@ class Controller:
             values = {} if lost else self._values(cycle.inputs)
             return self._moved(cycle, values, _with_loss(cycle.faults, lost))
 
-    def step_inputs(self, inputs: Mapping[str, object], *, lost: str = "") -> Report:
+    def step_inputs(self, inputs: Mapping[str, object], *, lost: str = "", truth_mm: int | None = None) -> Report:
         """One cycle with the machine's inputs by name, for a host that judges its measurements itself.
+
+        truth_mm   where the vehicle really is, where a simulation or survey says so: for the report, not the machine
 
         Optional inputs that are left out (or None) are missing. A value of a wrong kind or out of range is refused
         with its reason, and then nothing else of the cycle is used: half a reading may mean something else.
@@ -106,7 +109,8 @@ class Controller:
         with self._alone():
             values, faults = stated(self.program, inputs)
             told = _with_loss(tuple(faults), lost)
-            return self._moved(self._builder.close(), {} if told else values, told)
+            remarks = {} if truth_mm is None else {"truth_mm": truth_mm}
+            return self._moved(replace(self._builder.close(), remarks=remarks), {} if told else values, told)
 
     def begin_anew(self, reason: str, start_ms: int | None = None) -> Report:
         """Forget the place, as after a start; `start_ms` is when the next cycle begins, by default at once.
@@ -135,7 +139,11 @@ class Controller:
 
     @property
     def halted(self) -> str:
-        """Why this controller takes no further step; "" if it does. See `step` of a machine that cannot miss a cycle."""
+        """Why this controller takes no further step; "" if it does.
+
+        It ends so where an input that the machine cannot do without was missing, and its first state is a claim about
+        the world: neither going on nor beginning anew would be sound.
+        """
         return self._halted
 
     # ------------------------------------------------------------------ who is told
@@ -158,10 +166,14 @@ class Controller:
 
     def snapshot(self) -> bytes:
         """All that is remembered between cycles, as one line of JSON with a checksum."""
+        return self.freeze()()
+
+    def freeze(self) -> Callable[[], bytes]:
+        """What `snapshot` says now, to be written out later and in another thread: taking it costs microseconds."""
         with self._lock:
             builder = self._builder
-            kept = memory.Kept(builder.start_ms, builder.done, builder.deliveries.last, self._state, self._halted)
-            return memory.snapshot(self.program, self.setting, kept)
+            kept = memory.Kept(builder.start_ms, builder.done, dict(builder.deliveries.last), self._state, self._halted)
+        return partial(memory.snapshot, self.program, self.setting, kept)
 
     def restore(self, data: bytes) -> Report:
         """Go on where the snapshot was taken; what was missed since is for the host to step, cycle by cycle.

@@ -18,7 +18,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from safeloc.border import Reason
-from safeloc.errors import StreamError
+from safeloc.errors import InputError, StreamError
 from safeloc.streams.files import (
     csv_rows,
     existing,
@@ -82,27 +82,38 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
             raise unknown_kind(path)
 
 
+def record_or_fault(row: Row) -> Record | Unusable:
+    """What one row of any origin says; InputError where it is no record at all."""
+    try:
+        return RECORD.validate_python(row)
+    except ValidationError as error:
+        unusable = _unusable(row, error)
+        if unusable is None:
+            raise InputError(_flaw(row, error)) from error
+        return unusable
+
+
 def _record(path: Path, line: int, row: Row) -> Record:
     try:
         return RECORD.validate_python(row)
     except ValidationError as error:
-        strange = [f"{name} is {value}" for name, value in row.items() if not_finite(value)]
-        if strange:
-            raise StreamError(
-                f"{path}:{line}: {strange[0]}, no measurement; leave the record out where there is none."
-            ) from error
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "kind"
-        raise StreamError(
-            f"{path}:{line}: field {where}: {first['msg']} (got {first['input']!r}); mend the record or take it out."
-        ) from error
+        raise StreamError(f"{path}:{line}: {_flaw(row, error)}") from error
 
 
 def _record_or_fault(path: Path, line: int, row: Row) -> Record | Unusable:
     try:
-        return RECORD.validate_python(row)
-    except ValidationError as error:
-        return _unusable(row, error) or _record(path, line, row)
+        return record_or_fault(row)
+    except InputError as error:
+        raise StreamError(f"{path}:{line}: {error}") from error
+
+
+def _flaw(row: Row, error: ValidationError) -> str:
+    strange = [f"{name} is {value}" for name, value in row.items() if not_finite(value)]
+    if strange:
+        return f"{strange[0]}, no measurement; leave the record out where there is none."
+    first = error.errors()[0]
+    where = ".".join(str(part) for part in first["loc"]) or "kind"
+    return f"field {where}: {first['msg']} (got {first['input']!r}); mend the record or take it out."
 
 
 def _unusable(row: Row, error: ValidationError) -> Unusable | None:

@@ -1,0 +1,143 @@
+"""`safeloc run`: a machine as a process of its own, fed with lines (MRK-3)."""
+
+from __future__ import annotations
+
+import selectors
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from safeloc.catalogue import load_target
+from safeloc.embedding import Program
+from safeloc.embedding.controller import period_of
+from safeloc.errors import InputError, SnapshotError
+from safeloc.nodes import Value
+from safeloc.service.address import address
+from safeloc.service.feeds import Feed, GrowingFile, Stdin
+from safeloc.service.fleet import Fleet, Ways
+from safeloc.service.journal import Journal
+from safeloc.service.loop import Loop, Parts, exit_code
+from safeloc.service.outlets import Outlet, Stdout, ToFile
+from safeloc.service.pace import LONGEST_GAP_MS
+from safeloc.service.saving import Saver, claimed, read_saved
+from safeloc.service.tcp import TcpPort
+from safeloc.service.udp import UdpPort
+from safeloc.service.watchdog import Watchdog
+
+STDOUT, STDERR = 1, 2
+BACK = "back"
+
+
+def run(
+    target: Annotated[str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")],
+    config: Annotated[
+        Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
+    ] = None,
+    source: Annotated[
+        str, typer.Option("--from", help="stdin, file:PATH (may grow), tcp:PORT or udp:PORT (on this machine)")
+    ] = "stdin",
+    sink: Annotated[
+        str | None, typer.Option("--to", help="stdout, file:PATH, or back (over the socket; the default there)")
+    ] = None,
+    inputs: Annotated[bool, typer.Option("--inputs", help="lines are the inputs of steps, not records")] = False,
+    period_ms: Annotated[
+        int | None, typer.Option("--period-ms", help="cycle, of a machine whose configuration has none", min=1)
+    ] = None,
+    expect: Annotated[
+        list[str] | None, typer.Option("--expect", help="CHANNEL=N: records it makes in every cycle (repeatable)")
+    ] = None,
+    first: Annotated[
+        list[str] | None, typer.Option("--first", help="NAME=VALUE: first value of an open variable (repeatable)")
+    ] = None,
+    snapshot: Annotated[Path | None, typer.Option("--snapshot", help="keep snapshots here, and go on from it")] = None,
+    every_ms: Annotated[int, typer.Option("--snapshot-every-ms", help="how often, at most", min=10)] = 1_000,
+    fresh: Annotated[bool, typer.Option("--fresh", help="begin anew, whatever the snapshot says")] = False,
+    watchdog_ms: Annotated[
+        int | None, typer.Option("--watchdog-ms", help="end a cycle that is so much overdue by the wall clock", min=1)
+    ] = None,
+    gap_ms: Annotated[
+        int, typer.Option("--longest-gap-ms", help="silence that is charged; after a longer one: anew", min=1)
+    ] = LONGEST_GAP_MS,
+    to_its_end: Annotated[bool, typer.Option("--until-end", help="of a file: do not wait for more")] = False,
+) -> None:
+    """Run a machine as a process of its own: lines in, one report a cycle out, until SIGTERM or the end of the lines."""
+    program = Program(load_target(target, config))
+    period = period_of(program, period_ms)
+    ways = Ways(period, inputs, source.startswith("udp:"), gap_ms, expected=_expected(expect), first=_first(first))
+    journal = Journal(STDERR)
+    fleet = Fleet(program, ways)
+    selector = getattr(
+        selectors, "PollSelector", selectors.SelectSelector
+    )()  # the only ones that take a file for stdin
+    feed = _feed(source, journal, to_its_end=to_its_end)
+    outlet = _outlet(sink, feed, selector)
+    watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
+    with claimed(snapshot):
+        saved = None if snapshot is None or fresh else read_saved(snapshot)
+        saver = None if snapshot is None else Saver(snapshot)
+        loop = Loop(Parts(selector, feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog))
+        if saved is not None:
+            try:
+                loop.restore(saved)
+            except SnapshotError as error:
+                raise SnapshotError(f"{snapshot}: {error} To begin anew: --fresh.") from error
+        loop.run()
+    raise typer.Exit(exit_code(fleet))
+
+
+def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
+    kind, _, where = source.partition(":")
+    if to_its_end and kind != "file":
+        raise typer.BadParameter("--until-end is for --from file:PATH.")
+    match kind, where:
+        case "stdin", "":
+            return Stdin()
+        case "file", where if where:
+            return GrowingFile(Path(where), to_its_end=to_its_end)
+        case "tcp", where if where:
+            return TcpPort(address(where), journal)
+        case "udp", where if where:
+            return UdpPort(address(where), journal)
+        case _:
+            raise typer.BadParameter(f"--from {source!r}: choose stdin, file:PATH, tcp:PORT or udp:PORT.")
+
+
+def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> Outlet:
+    if sink is None:
+        sink = BACK if isinstance(feed, Outlet) else "stdout"
+    kind, _, where = sink.partition(":")
+    match kind, where:
+        case "stdout", "":
+            return Stdout(selector, STDOUT)
+        case "file", where if where:
+            return ToFile(Path(where))
+        case "back", "" if isinstance(feed, Outlet):
+            return feed
+        case _:
+            raise typer.BadParameter(
+                f"--to {sink!r}: choose stdout, file:PATH, or back where lines come over a socket."
+            )
+
+
+def _expected(told: list[str] | None) -> Mapping[str, int]:
+    expected = {}
+    for one in told or ():
+        channel, _, count = one.partition("=")
+        if not channel or not (count.isascii() and count.isdecimal()):
+            raise InputError(f"--expect {one!r}: give CHANNEL=N, for instance front_wheel=1.")
+        expected[channel] = int(count)
+    return expected
+
+
+def _first(told: list[str] | None) -> Mapping[str, Value]:
+    values: dict[str, Value] = {}
+    for one in told or ():
+        name, _, value = one.partition("=")
+        truths = {"true": True, "false": False}
+        try:
+            values[name] = truths[value] if value in truths else int(value)
+        except ValueError as error:
+            raise InputError(f"--first {one!r}: give NAME=VALUE, a whole number, true or false.") from error
+    return values

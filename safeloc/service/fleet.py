@@ -1,0 +1,159 @@
+"""All vehicles of the process: which line is whose, and what is remembered of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from safeloc.embedding import Controller, Program
+from safeloc.nodes import Value
+from safeloc.service.by_records import RecordsVehicle
+from safeloc.service.by_steps import StepsVehicle
+from safeloc.service.lines import Line
+from safeloc.service.messages import Header, Reader, Refused
+from safeloc.service.pace import LONGEST_GAP_MS, Pace
+from safeloc.service.vehicle import Told, Vehicle
+
+MOST_VEHICLES = 1_000
+
+
+@dataclass(frozen=True)
+class Ways:
+    """How lines are read and charged.
+
+    inputs          lines are inputs of steps, not records
+    numbered        every line needs its number, for lines may be lost unseen on their way
+    longest_gap_ms  silence that is charged cycle by cycle; after a longer one a vehicle begins anew
+    """
+
+    period_ms: int
+    inputs: bool = False
+    numbered: bool = False
+    longest_gap_ms: int = LONGEST_GAP_MS
+    most_vehicles: int = MOST_VEHICLES
+    expected: Mapping[str, int] = field(default_factory=dict)
+    first: Mapping[str, Value] = field(default_factory=dict)
+
+
+@dataclass
+class Tally:
+    """What came, since the process was started."""
+
+    lines: int = 0
+    refused: int = 0
+    cycles: int = 0
+    rejections: int = 0
+
+
+class Fleet:
+    """Vehicles by name. Origins are the peers that lines come from; a vehicle is of the one that spoke of it last.
+
+    own   vehicle -> program, where it is not the common one
+    """
+
+    def __init__(self, program: Program, ways: Ways, own: Mapping[str, Program] | None = None) -> None:
+        self.ways, self.tally = ways, Tally()
+        self.vehicles: dict[str, Vehicle] = {}
+        self.origins: dict[str, str] = {}
+        self._flawed: set[str] = set()
+        self._program, self._own = program, own or {}
+        self._reader = Reader(program, inputs=ways.inputs, numbered=ways.numbered, first=ways.first)
+        self._pace = Pace(ways.period_ms, ways.longest_gap_ms)
+
+    def heed(self, origin: str, line: Line, *, whole: bool) -> list[Told]:
+        """One line. `whole`: the first line of this origin is the first one there was."""
+        self.tally.lines += 1
+        message = self._reader.read(line)
+        if isinstance(message, Header):
+            return []
+        name = message.vehicle if isinstance(message, Refused) else message.envelope.vehicle
+        if name is None:
+            assert isinstance(message, Refused)
+            if whole:
+                self._flawed.add(origin)
+            return self._counted(self._whoever(origin, line, message))
+        vehicle = self.vehicles.get(name)
+        if vehicle is None:
+            if isinstance(message, Refused) or len(self.vehicles) >= self.ways.most_vehicles:
+                if whole:
+                    self._flawed.add(origin)
+                reason = message.reason if isinstance(message, Refused) else f"{len(self.vehicles)} vehicles already"
+                return self._counted([{"vehicle": name, "event": "refused", "line": line.number, "reason": reason}])
+            vehicle = self.vehicles[name] = self._made(name, whole and origin not in self._flawed)
+        taken = self.origins.get(name, origin) != origin
+        self.origins[name] = origin
+        if taken:
+            vehicle.be_unsure("another peer speaks for it")
+        return self._counted(vehicle.heed(line.number, message))
+
+    def gone(self, origin: str, why: str) -> None:
+        """A peer that went away: what it said last may not have arrived."""
+        self._flawed.discard(origin)
+        for name in self._of(origin):
+            self.vehicles[name].be_unsure(why)
+
+    def silence(self, name: str, why: str) -> list[Told]:
+        """A vehicle whose cycle should be over by now."""
+        return self._counted(self.vehicles[name].silence(why))
+
+    def finish(self) -> list[Told]:
+        """Nothing more will come, from anyone."""
+        return self._counted([told for vehicle in self.vehicles.values() for told in vehicle.finish()])
+
+    def withdrew(self) -> bool:
+        """Whether a place was withdrawn since this was asked last."""
+        found = [vehicle for vehicle in self.vehicles.values() if vehicle.withdrew]
+        for vehicle in found:
+            vehicle.withdrew = False
+        return bool(found)
+
+    @property
+    def name(self) -> str:
+        """The machine's name."""
+        return self._program.name
+
+    @property
+    def wrong(self) -> int:
+        """Reports that missed the truth beside them."""
+        return sum(vehicle.wrong for vehicle in self.vehicles.values())
+
+    def freeze(self) -> Callable[[], dict[str, Any]]:
+        """All vehicles as plain data, made when the function is called, in whichever thread."""
+        frozen = {name: vehicle.freeze() for name, vehicle in self.vehicles.items()}
+        return lambda: {name: make() for name, make in frozen.items()}
+
+    def restore(self, kept: Mapping[str, Mapping[str, Any]], unsure: str = "") -> None:
+        """Go on where `freeze` was called. `unsure`: why lines may have been lost since; "" if none can have been."""
+        for name, one in kept.items():
+            vehicle = self.vehicles[name] = self._made(name, whole=True)
+            vehicle.restore(one)
+            if unsure:
+                vehicle.be_unsure(unsure)
+
+    def _made(self, name: str, whole: bool) -> Vehicle:
+        ways = self.ways
+        make = partial(_controller, self._own.get(name, self._program), ways)
+        kind = StepsVehicle if ways.inputs else RecordsVehicle
+        return kind(name, make, self._pace, whole=whole)
+
+    def _whoever(self, origin: str, line: Line, refused: Refused) -> list[Told]:
+        """A line of nobody knows whom: everyone who speaks over this origin may have lost it."""
+        told: list[Told] = [{"event": "refused", "line": line.number, "reason": refused.reason}]
+        why = f"line {line.number}: {refused.reason}"
+        return [*told, *(one for name in self._of(origin) for one in self.vehicles[name].missed(why))]
+
+    def _of(self, origin: str) -> list[str]:
+        return [name for name, whose in self.origins.items() if whose == origin]
+
+    def _counted(self, told: list[Told]) -> list[Told]:
+        for one in told:
+            self.tally.refused += one.get("event") == "refused"
+            self.tally.cycles += "mode" in one
+            self.tally.rejections += len(one.get("rejections", ()))
+        return told
+
+
+def _controller(program: Program, ways: Ways, start_ms: int) -> Controller:
+    return Controller(program, period_ms=ways.period_ms, start_ms=start_ms, expected=ways.expected, first=ways.first)

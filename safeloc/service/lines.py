@@ -1,0 +1,63 @@
+"""Bytes as they come, cut into lines. A line that is too long is told, not kept: memory stays bounded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+LONGEST_LINE = 65_536
+"""Bytes; a record takes about a hundred."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line without its end. `flaw` says why it cannot be read, and `text` is empty then."""
+
+    number: int
+    text: bytes
+    flaw: str = ""
+
+
+class LineCutter:
+    """Cuts one stream.
+
+    number    lines seen so far
+    consumed  bytes of all whole lines seen so far, ends included: where the next line begins
+    """
+
+    def __init__(self, number: int = 0, consumed: int = 0) -> None:
+        self.number, self.consumed = number, consumed
+        self._rest = bytearray()
+        self._skipped = 0
+
+    def feed(self, data: bytes) -> Iterator[Line]:
+        """The lines that are whole now. Take all of them before feeding again."""
+        *ended, rest = data.split(b"\n")
+        for part in ended:
+            whole = bytes(self._rest) + part
+            self._rest.clear()
+            yield self._line(whole, 1)
+        self._keep(rest)
+
+    def tail(self) -> Line | None:
+        """What stands after the last line end, when nothing more will come; None if there is nothing."""
+        if not self._rest and not self._skipped:
+            return None
+        whole = bytes(self._rest)
+        self._rest.clear()
+        return self._line(whole, 0)
+
+    def _line(self, whole: bytes, end: int) -> Line:
+        self.number += 1
+        self.consumed += self._skipped + len(whole) + end
+        long = self._skipped + len(whole) > LONGEST_LINE
+        self._skipped = 0
+        if long:
+            return Line(self.number, b"", f"longer than {LONGEST_LINE} bytes")
+        return Line(self.number, whole)
+
+    def _keep(self, rest: bytes) -> None:
+        self._rest += rest
+        if len(self._rest) > LONGEST_LINE:
+            self._skipped += len(self._rest)
+            self._rest.clear()

@@ -1,0 +1,184 @@
+"""What a line says: a record, the end of a cycle, or the inputs of a step, each of one vehicle.
+
+    {"vehicle": "12", "number": 5, "kind": "distance", "time_ms": 100, ...}   a record as in docs/records.md
+    {"vehicle": "12", "number": 6, "kind": "cycle", "time_ms": 100}           all up to this time has been said
+    {"vehicle": "12", "cycle": 17, "front_wheel_mm": 1200, ...}               the inputs of a step
+
+`vehicle` and `number` (the sender's count of the vehicle's lines, from 1) may be left out where one vehicle speaks
+over something that loses nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from safeloc.embedding import Program
+from safeloc.errors import InputError
+from safeloc.service.lines import Line
+from safeloc.streams.record_files import record_or_fault
+from safeloc.streams.records import Record, Unusable
+from safeloc.streams.steps import SCHEMA
+
+ALONE = "1"
+"""The vehicle of lines that name none."""
+
+VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Which vehicle speaks, and its count of lines (None: it does not count)."""
+
+    vehicle: str
+    number: int | None = None
+
+
+@dataclass(frozen=True)
+class Said:
+    """A record."""
+
+    envelope: Envelope
+    record: Record | Unusable
+
+
+@dataclass(frozen=True)
+class Ended:
+    """All that belongs to cycles up to this time has been said."""
+
+    envelope: Envelope
+    time_ms: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """The inputs of a step; `cycle` is its number from 1, None: the next one."""
+
+    envelope: Envelope
+    cycle: int | None
+    inputs: Mapping[str, object]
+    truth_mm: int | None = None
+
+
+@dataclass(frozen=True)
+class Header:
+    """The first line of a step stream: nothing to do."""
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A line that says nothing; `vehicle` is None where not even that can be read."""
+
+    reason: str
+    vehicle: str | None = None
+    number: int | None = None
+
+
+Message = Said | Ended | Step | Header | Refused
+
+
+class Reader:
+    """Reads the lines of one process.
+
+    inputs    lines are inputs of steps, not records
+    numbered  every line needs a number, for what brings them may lose some
+    """
+
+    def __init__(self, program: Program, *, inputs: bool, numbered: bool, first: Mapping[str, object]) -> None:
+        self._program, self._inputs, self._numbered, self._first = program, inputs, numbered, first
+        self._ghosts = {var.name for var in program.target.system.ghosts}
+
+    def read(self, line: Line) -> Message:
+        """Never raises: what cannot be read is Refused, with the reason."""
+        if line.flaw:
+            return Refused(line.flaw)
+        try:
+            fields = _object(line.text)
+        except InputError as error:
+            return Refused(str(error))
+        vehicle: str | None = None
+        try:
+            vehicle = _vehicle(fields)
+            number = _count(fields, "number")
+            if self._numbered and number is None:
+                raise InputError("no number: what brings these lines may lose some; count them from 1 for each vehicle")
+            envelope = Envelope(vehicle, number)
+            return self._step(envelope, fields) if self._inputs else _record(envelope, fields)
+        except InputError as error:
+            return Refused(str(error), vehicle)
+
+    def _step(self, envelope: Envelope, fields: dict[str, Any]) -> Message:
+        if "schema" in fields:
+            return self._header(fields)
+        named = "vehicle" in fields
+        cycle = _count(fields, "cycle")
+        if cycle is None and named:
+            raise InputError("no cycle: with vehicles named, a lost line shows only if each step has its number")
+        truth_mm = fields.pop("truth_mm", None)
+        if truth_mm is not None and type(truth_mm) is not int:
+            raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out")
+        envelope_names = ("vehicle", "number", "cycle")
+        inputs = {k: v for k, v in fields.items() if k not in self._ghosts and k not in envelope_names}
+        self._program.require_known(inputs)
+        return Step(envelope, cycle, inputs, truth_mm)
+
+    def _header(self, fields: Mapping[str, Any]) -> Header:
+        if fields["schema"] != SCHEMA:
+            raise InputError(f"schema is {fields['schema']!r}; this version reads {SCHEMA!r}")
+        machine = fields.get("machine", "")
+        if machine not in ("", self._program.name):
+            raise InputError(f"a stream of machine {machine!r}; here runs {self._program.name!r}")
+        first = fields.get("first", {})
+        if not isinstance(first, dict):
+            raise InputError("`first` must be an object of initial values")
+        board = {name: value for name, value in first.items() if name not in self._ghosts}
+        if board != self._first:
+            raise InputError(f"the stream begins with {board}, the machine here with {dict(self._first)}; give --first")
+        return Header()
+
+
+def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
+    row = {name: value for name, value in fields.items() if name not in ("vehicle", "number")}
+    if row.get("kind") == "cycle":
+        time_ms = row.get("time_ms")
+        if type(time_ms) is not int or time_ms < 0 or len(row) > 2:
+            raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {row}")
+        return Ended(envelope, time_ms)
+    return Said(envelope, record_or_fault(row))
+
+
+def _object(text: bytes) -> dict[str, Any]:
+    """The line's object; InputError for anything else, and for a name given twice."""
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            raise InputError("a name is given twice")
+        return found
+
+    try:
+        found = json.loads(text, object_pairs_hook=once)
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"not JSON ({error})") from error
+    if not isinstance(found, dict):
+        raise InputError(f"expected an object, got {type(found).__name__}")
+    return found
+
+
+def _vehicle(fields: Mapping[str, Any]) -> str:
+    vehicle = fields.get("vehicle", ALONE)
+    if not isinstance(vehicle, str) or not VEHICLE.fullmatch(vehicle):
+        raise InputError(f"vehicle is {str(vehicle)[:80]!r}; give up to 64 letters, digits and _ . : -")
+    return vehicle
+
+
+def _count(fields: Mapping[str, Any], name: str) -> int | None:
+    value = fields.get(name)
+    if value is not None and (type(value) is not int or not 1 <= value < 2**63):
+        raise InputError(f"{name} is {str(value)[:80]!r}; count from 1")
+    return value

@@ -1,0 +1,43 @@
+"""How a vehicle's lines stand to its clock: in step, late, or in another time altogether."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+OUT_OF_STEP_CYCLES = 10
+"""For so many cycles of their own time, lines out of step have to agree before they are believed."""
+
+LONGEST_GAP_MS = 60_000
+LATEST_MS = 2**53
+"""No clock shows more; what does is broken."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Period, and the longest silence that is still charged cycle by cycle, in ms."""
+
+    period_ms: int
+    longest_gap_ms: int = LONGEST_GAP_MS
+
+    def beginning(self, time_ms: int) -> int:
+        """The beginning of the cycle that holds this time, where cycles end at whole periods."""
+        return max(0, (time_ms - 1) // self.period_ms * self.period_ms)
+
+
+class Streak:
+    """Lines out of step in a row. One wrong clock value is one line; a clock that was set goes on from there."""
+
+    def __init__(self, pace: Pace, first_ms: int | None = None, last_ms: int = 0) -> None:
+        self._pace = pace
+        self.first_ms, self.last_ms = first_ms, last_ms
+
+    def end(self) -> None:
+        """A line in step."""
+        self.first_ms = None
+
+    def goes_on(self, time_ms: int) -> bool:
+        """One more line out of step; whether they have agreed for long enough to be believed."""
+        if self.first_ms is None or not 0 <= time_ms - self.last_ms <= self._pace.longest_gap_ms:
+            self.first_ms = time_ms
+        self.last_ms = time_ms
+        return time_ms - self.first_ms >= OUT_OF_STEP_CYCLES * self._pace.period_ms

@@ -1,0 +1,196 @@
+"""Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles back."""
+
+from __future__ import annotations
+
+import selectors
+import socket
+from collections.abc import Iterator
+
+from safeloc.service.address import Address, bound
+from safeloc.service.feeds import AT_ONCE, Arrived, Event, Feed, Left
+from safeloc.service.journal import Journal
+from safeloc.service.lines import LineCutter
+from safeloc.service.outlets import FULL, Outlet
+
+MOST_PEERS = 200
+TOO_MUCH = 8 * FULL
+"""Bytes that wait for a peer; it is sent away with more, for it does not read."""
+
+
+class Peer:
+    """One connection. Reading from it stops while too much waits for it, or all reading is held."""
+
+    def __init__(self, origin: str, sock: socket.socket, port: TcpPort) -> None:
+        self.origin, self._sock, self._port = origin, sock, port
+        self._cutter = LineCutter()
+        self._buffer = bytearray()
+        self._mask = 0
+        self.ended = False
+
+    def attend(self) -> None:
+        """Tell the selector what is waited for now."""
+        reads = not (self.ended or self._port.held or len(self._buffer) > FULL)
+        mask = (selectors.EVENT_READ if reads else 0) | (selectors.EVENT_WRITE if self._buffer else 0)
+        if mask == self._mask:
+            return
+        selector = self._port.selector
+        if self._mask == 0:
+            selector.register(self._sock, mask, self._ready)
+        elif mask == 0:
+            selector.unregister(self._sock)
+        else:
+            selector.modify(self._sock, mask, self._ready)
+        self._mask = mask
+
+    def put(self, data: bytes) -> None:
+        """A line for it."""
+        self._buffer += data
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait for it."""
+        return len(self._buffer)
+
+    def flush(self) -> None:
+        """As much as it takes now. A peer that is gone, or does not read, is closed."""
+        try:
+            while self._buffer:
+                del self._buffer[: self._sock.send(self._buffer)]
+        except BlockingIOError:
+            if len(self._buffer) > TOO_MUCH:
+                self._port.drop(self, "does not read")
+                return
+        except OSError as error:
+            self._port.drop(self, str(error.strerror))
+            return
+        if self.ended and not self._buffer:
+            self._port.drop(self, "")
+        else:
+            self.attend()
+
+    def _ready(self, mask: int) -> Iterator[Event]:
+        if mask & selectors.EVENT_WRITE:
+            self.flush()
+        if mask & selectors.EVENT_READ and self._mask & selectors.EVENT_READ:
+            yield from self._read()
+
+    def _read(self) -> Iterator[Event]:
+        try:
+            data = self._sock.recv(AT_ONCE)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._port.drop(self, str(error.strerror))
+            yield Left(self.origin, "the connection broke")
+            return
+        for line in self._cutter.feed(data):
+            yield Arrived(self.origin, line)
+        if not data:
+            self.ended = True
+            tail = self._cutter.tail()
+            if tail is not None:
+                yield Arrived(self.origin, tail)
+            yield Left(self.origin, "the peer closed the connection")
+            self.flush()
+
+    def close(self) -> None:
+        """Away with it."""
+        self._buffer.clear()
+        self.ended = True
+        self.attend()
+        self._sock.close()
+
+
+class TcpPort(Feed, Outlet):
+    """Listens, reads from all peers, and writes back."""
+
+    def __init__(self, where: Address, journal: Journal) -> None:
+        self._where, self._journal = where, journal
+        self._peers: dict[str, Peer] = {}
+        self._left: list[Left] = []
+        self._count = 0
+        self.held = False
+
+    def open(self, selector: selectors.BaseSelector) -> None:
+        """Listen; InputError where the port is taken."""
+        self.selector = selector
+        self._listener = bound(self._where, socket.SOCK_STREAM)
+        self._listener.listen()
+        selector.register(self._listener, selectors.EVENT_READ, self._ready)
+        host, port = self._listener.getsockname()[:2]
+        self._journal.info("listening", protocol="tcp", host=host, port=port)
+
+    def hold(self, held: bool) -> None:
+        """A connection that is not read fills, and its sender waits."""
+        if held is not self.held:
+            self.held = held
+            for peer in self._peers.values():
+                peer.attend()
+
+    def look(self) -> Iterator[Event]:
+        """Peers that were found gone while writing to them."""
+        left, self._left = self._left, []
+        yield from left
+
+    @property
+    def again_s(self) -> float | None:
+        """At once while there is something to tell."""
+        return 0.0 if self._left else None
+
+    def put(self, origin: str, data: bytes) -> None:
+        """For a peer that is gone there is nobody to tell: counted in the log."""
+        peer = self._peers.get(origin)
+        if peer is None:
+            self._journal.warning("unsent", origin=origin, bytes=len(data))
+        else:
+            peer.put(data)
+
+    def flush(self) -> None:
+        """To every peer what it takes now."""
+        for peer in [one for one in self._peers.values() if one.waiting]:
+            peer.flush()
+
+    @property
+    def full(self) -> bool:
+        """Each peer is held by itself."""
+        return False
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything waits for a peer."""
+        return any(peer.waiting for peer in self._peers.values())
+
+    def drop(self, peer: Peer, why: str) -> None:
+        """No more of this peer. `why` is empty where it had ended by itself."""
+        if self._peers.pop(peer.origin, None) is not None:
+            self._journal.info("peer left", peer=peer.origin, why=why or "closed")
+            if not peer.ended:
+                self._left.append(Left(peer.origin, why))
+            peer.close()
+
+    def close(self) -> None:
+        """No more reading and writing."""
+        for peer in list(self._peers.values()):
+            peer.close()
+        self._peers.clear()
+        self.selector.unregister(self._listener)
+        self._listener.close()
+
+    def _ready(self, _mask: int) -> Iterator[Event]:
+        try:
+            sock, where = self._listener.accept()
+        except OSError as error:
+            self._journal.warning("peer not taken", why=error.strerror)
+            return
+        if len(self._peers) >= MOST_PEERS:
+            self._journal.warning("peer not taken", why=f"{MOST_PEERS} are there")
+            sock.close()
+            return
+        sock.setblocking(False)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._count += 1
+        peer = Peer(f"tcp:{self._count}", sock, self)
+        self._peers[peer.origin] = peer
+        peer.attend()
+        self._journal.info("peer came", peer=peer.origin, address=f"{where[0]}:{where[1]}")
+        yield from ()
