@@ -18,6 +18,7 @@ from safeloc.models import (
     emitter_streams,
     fibre,
     fibre_area,
+    fibre_handover,
     sections,
     train_order,
     train_order_streams,
@@ -29,6 +30,7 @@ from safeloc.properties import axle_section as axle_section_properties
 from safeloc.properties import emitter as emitter_properties
 from safeloc.properties import fibre as fibre_properties
 from safeloc.properties import fibre_area as fibre_area_properties
+from safeloc.properties import fibre_handover as handover_properties
 from safeloc.properties import sections as sections_properties
 from safeloc.properties import train_order as order_properties
 from safeloc.properties import verification as verification_properties
@@ -119,7 +121,13 @@ def _fibre_area(config: BaseModel) -> Target:
         "A train in a line area, from backscatter to virtual sections in one step: both ends' fibre machines, the test "
         "emitter, the entry record, the verification, what is believed of the ends, the area and its sections."
     )
-    reported = Reported(*(f"verification.{key}" for key in ("position_mm", "under_mm", "over_mm", "trusted")))
+    reported = Reported(
+        position="verification.position_mm",
+        under="verification.under_mm",
+        over="verification.over_mm",
+        valid="verification.trusted",
+        truth="front.truth_nm",
+    )
     return Target(
         "fibre_area",
         system.machines,
@@ -128,8 +136,16 @@ def _fibre_area(config: BaseModel) -> Target:
         config,
         doc,
         recorded("fibre_area"),
-        replace(reported, truth="front.truth_nm"),
+        reported,
     )
+
+
+def _fibre_handover(config: BaseModel) -> Target:
+    assert isinstance(config, fibre_handover.FibreHandoverConfig)
+    whole = fibre_handover.compose_machines(config)
+    system, found = whole.composition.system, tuple(handover_properties.properties(whole))
+    doc = "A train between two neighbouring areas: two verifications, the record that goes over, and whose position counts."
+    return Target("fibre_handover", system.machines, system, found, config, doc, recorded("fibre_handover"))
 
 
 ENTRIES = (
@@ -151,5 +167,11 @@ ENTRIES = (
     Entry("train_order", "whose a pattern is, by order on the track", train_order.TrainOrderConfig, _train_order),
     Entry("emitter", "function check of the fibre by a test emitter", emitter.EmitterConfig, _emitter),
     Entry("fibre_area", "a train and its area in one step", fibre_area.FibreAreaConfig, _fibre_area),
+    Entry(
+        "fibre_handover",
+        "a train between two neighbouring areas",
+        fibre_handover.FibreHandoverConfig,
+        _fibre_handover,
+    ),
     Entry("sections", "clear or not: virtual sections of a line area", sections.SectionsConfig, _sections),
 )

@@ -1,0 +1,85 @@
+"""Which of two neighbouring areas gives a train's position out (FVA-D1).
+
+    NOBODY  neither trusts the train where it may speak of it
+    GIVING  the area that the train comes from: it trusts the train, which is surely not beyond the shared stretch
+    TAKING  the area that it runs into: it trusts the train, which has surely come to the shared stretch
+    BOTH    both do; what both allow is given out
+
+Each area speaks only of its own stretch of line, whole interval and all. So both give a position out only of a train
+that is in the shared stretch; and where their intervals have nothing in common, nobody does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, as_num, boolean, maximum, minimum, number
+from safeloc.machine import Machine, Transition, current_mode, modes
+from safeloc.units import MM
+
+TRACE = ("FVA-D1", "FVA-1", "FVA-10")
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """What is heard of one area's verification: it trusts the train, and its interval of the front."""
+
+    trusted: BoolVar
+    low: NumVar
+    high: NumVar
+
+
+@dataclass(frozen=True, eq=False)
+class Speaker:
+    """The machine and its variables; the shared stretch comes from the border, low and high are what is given out."""
+
+    machine: Machine
+    giving: Side
+    taking: Side
+    begins: NumVar
+    ends: NumVar
+    low: NumVar
+    high: NumVar
+
+
+def speaker(far_mm: int) -> Speaker:
+    """The machine of one train, on a line within `far_mm` to either side."""
+    giving, taking = (
+        Side(boolean(f"{side}_trusts"), *(number(f"{side}_{end}_mm", MM, -far_mm, far_mm) for end in ("low", "high")))
+        for side in ("giving", "taking")
+    )
+    names = ("shared_from_mm", "shared_to_mm", "given_low_mm", "given_high_mm")
+    begins, ends, low, high = (number(name, MM, -far_mm, far_mm) for name in names)
+    table = modes("NOBODY", "GIVING", "TAKING", "BOTH")
+    current = current_mode(table)
+    inputs: list[Var] = [var for side in (giving, taking) for var in (side.trusted, side.low, side.high)]
+    machine = Machine(
+        name="speaker",
+        modes=table,
+        inputs=[*inputs, begins, ends],
+        state={low: 0, high: 0},
+        outputs={"given": current.ne(table[0]), "low_mm": low, "high_mm": high},
+        transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
+        mode_variable=current,
+        doc="Which of two neighbouring areas gives a train's position out.",
+    )
+    return Speaker(machine, giving, taking, begins, ends, low, high)
+
+
+def _table(
+    table: tuple[Lit, ...], giving: Side, taking: Side, begins: NumVar, ends: NumVar, given: tuple[NumVar, NumVar]
+) -> Iterator[Transition]:
+    nobody, first, second, both = table
+    before, beyond = giving.trusted & (giving.high <= ends), taking.trusted & (taking.low >= begins)
+    low, high = maximum(giving.low, taking.low), minimum(giving.high, taking.high)
+
+    def row(name: str, target: Lit, when: Bool, bounds: tuple[Expr, Expr], rank: int) -> Transition:
+        return Transition(name, table, target, when, dict(zip(given, bounds, strict=True)), TRACE, rank)
+
+    none = as_num(0, MM)
+    yield row("both agree", both, before & beyond & (low <= high), (low, high), 0)
+    yield row("both contradict each other", nobody, before & beyond & (low > high), (none, none), 0)
+    yield row("the giving area speaks", first, before & ~beyond, (giving.low, giving.high), 0)
+    yield row("the taking area speaks", second, ~before & beyond, (taking.low, taking.high), 0)
+    yield row("nobody speaks", nobody, TRUE, (none, none), 1)

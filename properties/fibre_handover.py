@@ -1,0 +1,154 @@
+"""What must hold of a train between two neighbouring areas (FVA-D1, FVA-1, FVA-2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.expr import Bool, all_of, between, exact_to
+from safeloc.models.fibre_handover import FibreHandover, interval
+from safeloc.models.verification import Verification
+from safeloc.properties.verification import LAW
+from safeloc.spec import Property, always, reachable
+from safeloc.units import NM
+
+BORDER = ("FVA-D1",)
+CLAIM = ("FVA-1", "FVA-10", "FVA-D1")
+STAY = ("FVA-2", "FVA-11", "FVA-D1")
+
+
+def properties(model: FibreHandover) -> list[Property]:
+    """The truth on both sides, never both where the place is not shared, and a lost handover."""
+    return [*_truth(model), *_both(model), *_record(model), *_reached(model)]
+
+
+def _truth(model: FibreHandover) -> Iterator[Property]:
+    of = model.composition.of
+    truth = of(model.giving.machine).num(model.giving.own.truth)
+    for side, verified in (("giving", model.giving), ("taking", model.taking)):
+        here, (low, high) = of(verified.machine), interval(verified)
+        yield always(
+            f"containment in the {side} area",
+            here.bool(verified.machine.flag("trusted")).implies(
+                between(here.num(exact_to(low, NM)), truth, here.num(exact_to(high, NM)))
+            ),
+            statement=f"a position that the {side} area trusts holds the train's front",
+            trace=CLAIM,
+            assumption=LAW,
+        )
+    voice = of(model.speaker.machine)
+    low, high = voice.num(model.speaker.low), voice.num(model.speaker.high)
+    given = voice.bool(model.speaker.machine.flag("given"))
+    yield always(
+        "containment",
+        given.implies(between(exact_to(low, NM), truth, exact_to(high, NM))),
+        statement="the position that is given out holds the train's front, whichever area it comes from",
+        trace=CLAIM,
+        assumption=LAW,
+    )
+    yield always(
+        "nobody trusts, nothing is given out",
+        (~_trusted(model, model.giving) & ~_trusted(model, model.taking)).implies(~given & low.eq(0) & high.eq(0)),
+        statement="where neither area trusts the train, no position is given out",
+        trace=CLAIM,
+        unconditional=True,
+    )
+
+
+def _both(model: FibreHandover) -> Iterator[Property]:
+    of, voice = model.composition.of, model.speaker
+    _, giving, taking, both = voice.machine.modes
+    mode = of(voice.machine).num(voice.machine.mode)
+    truth = of(model.giving.machine).num(model.giving.own.truth)
+    begins, ends = (of(model.border.machine).num(var) for var in (model.border.own.begins, model.border.own.ends))
+    yield always(
+        "both only where the place is shared",
+        mode.eq(both).implies(between(exact_to(begins, NM), truth, exact_to(ends, NM))),
+        statement="both areas give the position of a train out only while it is in the stretch that they share",
+        trace=BORDER,
+        assumption=LAW,
+    )
+    yield always(
+        "each speaks of its own stretch",
+        (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
+        & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
+        statement="the giving area never speaks of a train beyond the shared stretch, nor the taking one of one before it",
+        trace=BORDER,
+        assumption=LAW,
+    )
+
+
+def _record(model: FibreHandover) -> Iterator[Property]:
+    of, giving, taking = model.composition.of, model.giving, model.taking
+    there, here, border = of(giving.machine), of(taking.machine), model.border.machine
+    none, withheld, trusted, untrusted = taking.machine.modes
+    mode = here.num(taking.machine.mode)
+    on_the_way = of(border).num(border.mode)
+    before, offered, _, lost = border.modes
+    gone = of(border).bool(model.border.own.gone)
+    arrives = of(border).bool(border.fired("record arrives"))
+    yield always(
+        "a lost handover is untrusted",
+        of(border).bool(border.fired("record lost on the way", "trust lost on the way")).implies(mode.eq(untrusted)),
+        statement="a record that did not arrive in time makes the train untrusted in the taking area in the same cycle",
+        trace=STAY,
+        unconditional=True,
+    )
+    yield always(
+        "and stays so",
+        on_the_way.eq(lost).implies(mode.eq(untrusted)),
+        statement="after a lost handover the taking area does not trust the train before it is gone",
+        trace=STAY,
+        unconditional=True,
+    )
+    yield always(
+        "nothing is trusted before the record arrived",
+        on_the_way.one_of(before, offered).implies(mode.eq(none)),
+        statement="the taking area verifies nothing, and trusts nothing, before the record arrived",
+        trace=CLAIM,
+        unconditional=True,
+    )
+    yield always(
+        "only a trusted train goes over",
+        arrives.implies(_trusted(model, giving)),
+        statement="a record arrives only in a cycle in which the giving area trusts the train",
+        trace=STAY,
+        unconditional=True,
+    )
+    kept = [(one.kept_count, one.kept_low, one.kept_high) for one in (taking.own, giving.own)]
+    same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in zip(*kept, strict=True))
+    yield always(
+        "the same record on both sides",
+        (arrives & mode.one_of(withheld, trusted)).implies(same),
+        statement="the taking area verifies against the very record that the giving area verified against",
+        trace=STAY,
+        unconditional=True,
+    )
+    yield always(
+        "gone is gone",
+        gone.implies(mode.eq(none) & on_the_way.eq(before)),
+        statement="of a train that is gone nothing is kept for the next one",
+        trace=STAY,
+        unconditional=True,
+    )
+    counted = taking.own.associated & taking.own.seen_count.present
+    yield always(
+        "another train is not taken over",
+        here.bool(counted & taking.own.seen_count.value.ne(taking.own.kept_count)).implies(~_trusted(model, taking)),
+        statement="a train with another number of axles than the record is not trusted in the taking area",
+        trace=CLAIM,
+        unconditional=True,
+    )
+
+
+def _trusted(model: FibreHandover, verified: Verification) -> Bool:
+    return model.composition.of(verified.machine).bool(verified.machine.flag("trusted"))
+
+
+def _reached(model: FibreHandover) -> Iterator[Property]:
+    voice, border = model.speaker.machine, model.border.machine
+    mode = model.composition.of(voice).num(voice.mode)
+    way = model.composition.of(border).num(border.mode)
+    _, _, taking, both = voice.modes
+    yield reachable("taken over", mode.eq(taking), statement="a train can be taken over", trace=BORDER)
+    yield reachable("both", mode.eq(both), statement="both areas can give the same train's position", trace=BORDER)
+    yield reachable("lost", way.eq(border.modes[3]), statement="a handover can be lost", trace=BORDER)
