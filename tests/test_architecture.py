@@ -26,6 +26,7 @@ ROOMS = {
         "safeloc/simulation/",
         "models/odometry_streams.py",
         "models/balise_streams.py",
+        "models/fibre_scenes/",
         "models/fibre_streams.py",
         "models/reflector_streams.py",
         "models/route_streams.py",
@@ -46,6 +47,7 @@ ROOMS = {
     "openpyxl": ("safeloc/line/imports/spreadsheet.py",),
     "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py", "safeloc/signals/satellite/line_track.py"),
     "shapely": ("safeloc/line/projection.py",),
+    "pynmeagps": ("safeloc/guard/nmea.py",),
 }
 OUTSIDE_THE_KERNEL = {
     "catalogue.py": "finds machines of models and of users",

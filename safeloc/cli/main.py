@@ -14,6 +14,7 @@ from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.audit import audit_line
 from safeloc.cli.entry import Commands
 from safeloc.cli.export import export
+from safeloc.cli.guard import guard
 from safeloc.cli.line_drive import drive
 from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
@@ -37,6 +38,7 @@ app.command("list")(list_)
 app.command("import")(import_line)
 app.command("audit")(audit_line)
 app.command("drive")(drive)
+app.command("guard")(guard)
 app.command("export")(export)
 app.command("simulate")(simulate)
 app.command("run")(run)

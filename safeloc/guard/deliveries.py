@@ -14,7 +14,7 @@ class Delivery:
     """One line of a stream.
 
     number       its line, counted from 1
-    time_ms      when the fix was taken: ms of the receiver's own clock, rounded down; None where it does not say
+    time_ms      when the fix was taken: ms of the receiver's own clock, rounded down; None: no fix
     x, y         coordinates as the receiver tells them, whatever they are; None: no fix
     speed_mm_s   the receiver's own speed over ground; None where it tells none
     flag         the receiver's own quality flag: told, never used

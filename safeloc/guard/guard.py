@@ -74,8 +74,10 @@ class Guard:
 
     def judge(self, delivery: Delivery) -> Judgement:
         """Judge one delivery."""
-        if delivery.wrong or delivery.time_ms is None:
-            return self._step(delivery, "MALFORMED", delivery.wrong or "no time")
+        if delivery.wrong:
+            return self._step(delivery, "MALFORMED", delivery.wrong)
+        if delivery.time_ms is None:
+            return self._step(delivery, "NO_FIX", "no time")
         came = delivery.time_ms if delivery.received_ms is None else delivery.received_ms
         now = came if self._now_ms is None else max(came, self._now_ms)
         late = self._late(delivery.time_ms, now)

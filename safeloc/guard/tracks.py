@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, combinations
 
+from safeloc.errors import InputError
 from safeloc.line.model import Line
 from safeloc.line.places import Place, along
 from safeloc.line.projection import WGS84, Projected, Projector
@@ -76,6 +77,8 @@ class Tracks:
 
     limit_mm   how far off its track a true fix may lie
     reach_mm   how far from the vehicle along the track it may lie at most
+    route      the pieces of the route, where one is told
+    projector  what lays positions on the tracks
     roots      the pieces of track that the vehicle was on when a fix was last taken
     """
 
@@ -84,10 +87,11 @@ class Tracks:
     ) -> None:
         self.topology = Topology(line)
         self.crs, self.limit_mm, self.reach_mm = crs, limit_mm, reach_mm
-        self._route = None if route is None else tuple(laid_along(route))
-        edges = None if route is None else sorted({run.edge for run in route.runs})
-        self._projector = Projector(line, edges=edges)
-        self.roots: tuple[Laid, ...] = self._route or ()
+        self.route = None if route is None else tuple(laid_along(route))
+        edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
+        _with_course(line, edges)
+        self.projector = Projector(line, edges=edges)
+        self.roots: tuple[Laid, ...] = self.route or ()
 
     def match(self, x: float, y: float, window: Window | None, *, alone: bool = False) -> Match:
         """Where a fix lies. InputError for what is no position in the coordinate system.
@@ -95,13 +99,13 @@ class Tracks:
         window  where the vehicle can be; None while nothing is held
         alone   what is known of the way comes from fixes that may be false: any other track near makes it ambiguous
         """
-        near = self._projector.near(x, y, self.limit_mm, crs=self.crs)
+        near = self.projector.near(x, y, self.limit_mm, crs=self.crs)
         if not near:
-            return self._beginning([self._projector.project(x, y, crs=self.crs)])
-        if window is None and self._route is None:
+            return self._beginning([self.projector.project(x, y, crs=self.crs)])
+        if window is None and self.route is None:
             return self._beginning(near)
         wide = None if window is None else window.wider(self.reach_mm)
-        possible = self._route or tuple(self._reached(self.roots, wide))
+        possible = self.route or tuple(self._reached(self.roots, wide))
         found = [one for projected in near for one in self._laid(projected, possible, wide)]
         if not found:
             return replace(self._beginning(near), elsewhere=True)
@@ -113,13 +117,13 @@ class Tracks:
 
     def took(self, match: Match, window: Window) -> None:
         """The fix was passed on, or goes on with a row: the vehicle is in the window, on one way with the fix."""
-        if self._route is None:
+        if self.route is None:
             kept = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
             self.roots = tuple(sorted({match.laid, *kept}))
 
     def began(self, match: Match) -> None:
         """The fix is all that is known."""
-        if self._route is None:
+        if self.route is None:
             self.roots = (match.laid,)
 
     def place(self, position_mm: int) -> Place | None:
@@ -203,8 +207,8 @@ class Tracks:
 
     def _first(self, projected: Projected) -> Laid:
         """The piece that an edge is on the route; without one the edge itself, beginning at 0 of its own way."""
-        if self._route is not None:
-            return next(laid for laid in self._route if laid.run.edge == projected.place.edge)
+        if self.route is not None:
+            return next(laid for laid in self.route if laid.run.edge == projected.place.edge)
         ways = (Run(projected.place.edge, "increasing"), Run(projected.place.edge, "decreasing"))
         return Laid(0, next(run for run in ways if run in self.topology.graph))
 
@@ -216,6 +220,16 @@ class Tracks:
 
     def _length(self, run: Run) -> int:
         return self.topology.length_mm(run)
+
+
+def _with_course(line: Line, edges: Iterable[str]) -> None:
+    """A track without a course would be one that no fix can lie on, and none could be ambiguous with."""
+    bare = {edge.id for edge in line.edges if edge.geometry is None} & set(edges)
+    if bare:
+        raise InputError(
+            f"{line.name}: {len(bare)} edges have no course (geometry), such as {min(bare)!r}; positions on them "
+            "cannot be told. Add their courses, or name a way over others."
+        )
 
 
 def laid_along(route: Route) -> Iterator[Laid]:

@@ -113,6 +113,14 @@ class Projector:
         nearest = (self._shapely.ops.nearest_points(piece, point)[0] for piece in pieces)
         return [float(course.line.project(one)) for one in nearest if one.distance(point) <= limit]
 
+    def plane(self, x: float, y: float, *, crs: str = WGS84) -> tuple[float, float]:
+        """A position in the plane of the projection: metres east and north of the line's middle. InputError as above."""
+        return self._to_plane(x, y, crs)
+
+    def courses(self) -> dict[str, tuple[tuple[float, float], ...]]:
+        """The course of every edge in that plane."""
+        return {course.edge: course.points for course in self._courses}
+
     def distance_mm(self, one: tuple[float, float], other: tuple[float, float], *, crs: str = WGS84) -> int:
         """The straight distance over ground between two positions, to the nearest mm."""
         (ax, ay), (bx, by) = self._to_plane(*one, crs), self._to_plane(*other, crs)

@@ -34,7 +34,7 @@ def machine_data(target: Target) -> dict[str, Any]:
         "inputs": len(system.inputs),
         "transitions": sum(len(machine.transitions) for machine in target.machines),
         "configuration": None if target.config is None else target.config.model_dump(mode="json"),
-        "figures": [] if target.config is None else list(_figures(target.config, "")),
+        "figures": [] if target.config is None else list(figures(target.config)),
         "reported": None if target.reported is None else asdict(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
         "parts": [_part(machine) for machine in target.machines],
@@ -50,12 +50,12 @@ def _signal(term: Expr) -> dict[str, Any]:
     return {"unit": term.unit.name, "members": []}
 
 
-def _figures(config: BaseModel, prefix: str) -> Iterator[dict[str, str]]:
+def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
     """Every figure of a configuration with its unit and the source of its default."""
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
         if isinstance(value, BaseModel):
-            yield from _figures(value, f"{prefix}{name}.")
+            yield from figures(value, f"{prefix}{name}.")
             continue
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         source = str(extra.get("source", field.description or ""))

@@ -1,0 +1,106 @@
+"""`safeloc guard`: of a receiver's positions, only those that map and motion allow."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Annotated
+
+import typer
+
+from safeloc.cli.guard_input import Way, config_of, deliveries, direction, form_of, line_of, opened, route_of
+from safeloc.cli.show import err, out, print_json
+from safeloc.errors import InputError
+from safeloc.guard.fields import columns_of
+from safeloc.guard.guard import Guard, Judgement
+from safeloc.guard.told import SCHEMA, as_data
+from safeloc.guard.tracks import Tracks
+from safeloc.line.projection import WGS84
+from safeloc.report.folder import usable
+from safeloc.report.guard_folder import write_guard_folder
+
+NOTHING_PASSED = 3
+
+
+def guard(
+    line: Annotated[str, typer.Argument(help="map with the course of its edges: line (TOML, JSON) or GeoJSON")],
+    stream: Annotated[str, typer.Argument(help="positions: file, or - for standard input")] = "-",
+    vehicle: Annotated[
+        str | None, typer.Option("--vehicle", help="vehicle file, or a shipped one: metro, desiro-br642, freight-v90")
+    ] = None,
+    config: Annotated[Path | None, typer.Option("--config", help="TOML or JSON with figures of the guard")] = None,
+    path: Annotated[Path | None, typer.Option("--path", help="GeoJSON with the edges that are run over")] = None,
+    edges: Annotated[str | None, typer.Option("--edges", help="the edges run over, with commas between them")] = None,
+    first: Annotated[str | None, typer.Option("--first", help="increasing or decreasing, along the first edge")] = None,
+    form: Annotated[str | None, typer.Option("--format", help="csv, jsonl or nmea; by default from the suffix")] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option("--column", help="WHAT=NAME (repeatable); WHAT: time, x, y, speed, flag, received"),
+    ] = None,
+    time_unit: Annotated[str, typer.Option(help="of times that are numbers: ms or s")] = "ms",
+    speed_unit: Annotated[str, typer.Option(help="of speeds: m/s, km/h, mm/s or knots")] = "m/s",
+    no_fix: Annotated[list[str] | None, typer.Option("--no-fix", help="flag that means no position")] = None,
+    crs: Annotated[str, typer.Option(help="coordinate system of the positions")] = WGS84,
+    sentence: Annotated[str, typer.Option(help="NMEA sentence to take: RMC, GGA, GNS or GLL")] = "RMC",
+    where: Annotated[Path | None, typer.Option("--out", help="JSONL to write; else standard output")] = None,
+    report: Annotated[Path | None, typer.Option("--report", help="folder for a page with map and intervals")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print counts as JSON only; needs --out")] = False,
+) -> None:
+    """Guard a receiver: each position with its interval along the track, or the reason why it is withheld.
+
+    Exit code 0: positions were passed on; 3: not one was; 2: wrong input.
+    """
+    if as_json and where is None:
+        raise typer.BadParameter("--json prints the counts; give the positions a file with --out.")
+    columns = columns_of(column or [], time_unit=time_unit, speed_unit=speed_unit, no_fix=no_fix or [])
+    kind = form_of(stream, form)
+    if report is not None:
+        usable(report)
+    figures, network = config_of(vehicle, config), line_of(line)
+    tracks = Tracks(
+        network,
+        limit_mm=figures.offset_limit_mm,
+        reach_mm=figures.tolerance_mm,
+        route=route_of(network, Way(path, edges, direction(first))),
+        crs=crs,
+    )
+    kept: list[Judgement] = []
+    counts: Counter[str] = Counter()
+    with opened(stream) as lines, _target(where) as target:
+        for judgement in Guard(figures, tracks).judge_all(deliveries(lines, kind, columns, sentence, stream)):
+            target.write(json.dumps(as_data(judgement)) + "\n")
+            if where is None:
+                target.flush()
+            counts[judgement.reason] += 1
+            if report is not None:
+                kept.append(judgement)
+    if report is not None:
+        page = write_guard_folder(report, kept, tracks, figures, stream)
+        err.print(f"report: {page}", markup=False)
+    _summary(counts, as_json=as_json, to_stderr=where is None)
+    raise typer.Exit(0 if counts["PASSED"] else NOTHING_PASSED)
+
+
+@contextmanager
+def _target(where: Path | None) -> Iterator[IO[str]]:
+    if where is None:
+        yield sys.stdout
+        return
+    try:
+        file = where.open("w", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{where}: cannot be written: {error.strerror}.") from error
+    with file:
+        yield file
+
+
+def _summary(counts: Counter[str], *, as_json: bool, to_stderr: bool) -> None:
+    if as_json:
+        print_json({"schema": SCHEMA, "deliveries": counts.total(), "reasons": dict(counts.most_common())})
+        return
+    told = ", ".join(f"{reason} {number}" for reason, number in counts.most_common())
+    (err if to_stderr else out).print(f"{counts.total()} deliveries: {told or 'none'}", markup=False)

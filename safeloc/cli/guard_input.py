@@ -1,0 +1,106 @@
+"""What `safeloc guard` is given: the line and the way on it, the figures, and the stream of positions."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Literal
+
+from safeloc.catalogue import read_config
+from safeloc.errors import InputError
+from safeloc.guard.deliveries import Delivery
+from safeloc.guard.fields import Columns
+from safeloc.guard.figures import find_vehicle, guard_config
+from safeloc.guard.nmea import nmea_deliveries
+from safeloc.guard.streams import csv_deliveries, jsonl_deliveries
+from safeloc.line.imports.formats import SUFFIXES, importer
+from safeloc.line.imports.geojson_path import read_path, route_over
+from safeloc.line.model import Line
+from safeloc.line.routes import Route
+from safeloc.line.toml_files import find_line
+from safeloc.line.topology import Topology
+from safeloc.models.guard_parts.variables import GuardConfig
+
+FORMATS = {".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".nmea": "nmea", ".txt": "nmea"}
+Direction = Literal["increasing", "decreasing"]
+
+
+@dataclass(frozen=True)
+class Way:
+    """Which way the vehicle takes, if that is known: a file with the edges run over, or the edges themselves."""
+
+    path: Path | None = None
+    edges: str | None = None
+    first: Direction | None = None
+
+
+def line_of(name: str) -> Line:
+    """A line from TOML, JSON, GeoJSON or railML, by its suffix, or a shipped one by its name."""
+    path = Path(name)
+    return importer(path)(path).line if path.suffix.lower() in SUFFIXES else find_line(name)
+
+
+def route_of(line: Line, way: Way) -> Route | None:
+    """The way on the line; None where nothing is told of it."""
+    if way.path is not None and way.edges is not None:
+        raise InputError("the way is told twice; give either --path or --edges.")
+    topology = Topology(line)
+    if way.path is not None:
+        return read_path(way.path, topology, first=way.first).route
+    if way.edges is None:
+        return None
+    return route_over([edge.strip() for edge in way.edges.split(",")], topology, first=way.first)
+
+
+def direction(told: str | None) -> Direction | None:
+    """increasing or decreasing; InputError for anything else."""
+    match told:
+        case None | "increasing" | "decreasing":
+            return told
+        case _:
+            raise InputError(f"--first {told!r}: choose increasing or decreasing.")
+
+
+def config_of(vehicle: str | None, file: Path | None) -> GuardConfig:
+    """The figures: those of the configuration file before those of the vehicle."""
+    chosen = {} if file is None else read_config(GuardConfig, file).model_dump(exclude_unset=True)
+    return guard_config(None if vehicle is None else find_vehicle(vehicle), chosen)
+
+
+def form_of(stream: str, form: str | None) -> str:
+    """csv, jsonl or nmea: as told, or by the suffix. InputError where neither tells."""
+    chosen = FORMATS.get(Path(stream).suffix.lower()) if form is None else form
+    if chosen is None or chosen not in FORMATS.values():
+        raise InputError(
+            f"{stream}: {'its suffix tells no format' if form is None else form!r}; name csv, jsonl or nmea."
+        )
+    return chosen
+
+
+def deliveries(lines: IO[str], form: str, columns: Columns, sentence: str, name: str) -> Iterator[Delivery]:
+    """The stream's deliveries, as they come."""
+    match form:
+        case "csv":
+            return csv_deliveries(lines, columns, name)
+        case "jsonl":
+            return jsonl_deliveries(lines, columns)
+        case _:
+            return nmea_deliveries(lines, sentence)
+
+
+@contextmanager
+def opened(stream: str) -> Iterator[IO[str]]:
+    """The stream's text; `-` is standard input. What is not UTF-8 shows as a sign that no number has."""
+    if stream == "-":
+        yield io.TextIOWrapper(sys.stdin.buffer, encoding="utf-8-sig", errors="replace", newline="")
+        return
+    try:
+        file = Path(stream).open(encoding="utf-8-sig", errors="replace", newline="")  # noqa: SIM115
+    except OSError as error:
+        raise InputError(f"{stream}: cannot be read: {error.strerror}.") from error
+    with file:
+        yield file

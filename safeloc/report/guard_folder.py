@@ -1,0 +1,97 @@
+"""The report of a guarded run: one self-contained page with a map and the intervals over time, and the judgements."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from safeloc.errors import InputError
+from safeloc.guard.guard import Judgement
+from safeloc.guard.told import as_data, counted
+from safeloc.guard.tracks import Tracks
+from safeloc.models.guard import machine
+from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.report.guard_map import Spot, guard_map
+from safeloc.report.guard_plot import Moment, guard_plot
+from safeloc.report.guard_words import WORDS
+from safeloc.report.machines import figures
+
+TEMPLATE = Path(__file__).with_name("guard.html.jinja")
+STYLE = Path(__file__).with_name("page.html.jinja")
+JUDGEMENTS = "judgements.jsonl"
+
+
+def write_guard_folder(
+    folder: Path, judgements: Sequence[Judgement], tracks: Tracks, config: GuardConfig, stream: str
+) -> Path:
+    """Write page and judgements, and return the path of the page. InputError where the folder cannot be written."""
+    page = folder / "index.html"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lines = (json.dumps(as_data(judgement)) + "\n" for judgement in judgements)
+        (folder / JUDGEMENTS).write_text("".join(lines), encoding="utf-8")
+        page.write_text(guard_page(judgements, tracks, config, stream), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{folder}: the report cannot be written here: {error}") from error
+    return page
+
+
+def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardConfig, stream: str) -> str:
+    """The page as text."""
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    name = Path(stream).name
+    counts = counted(judgements)
+    return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+        style=Markup(_style()),
+        name=name,
+        total=len(judgements),
+        passed=counts.get("PASSED", 0),
+        line=tracks.topology.line.name,
+        rows=[(reason, WORDS[reason], number) for reason, number in counts.items()],
+        map=Markup(
+            guard_map(tracks.projector.courses(), _way(tracks), list(_spots(judgements, tracks)), f"map of {name}")
+        ),
+        plot=Markup(guard_plot(list(_moments(judgements)), config.tolerance_mm, f"intervals of {name}")),
+        figures=list(figures(config)),
+        law=machine(config).doc,
+        judgements=JUDGEMENTS,
+        version=version("safeloc"),
+    )
+
+
+def _style() -> str:
+    """The style of every report."""
+    text = STYLE.read_text(encoding="utf-8")
+    return text[text.index("<style>") + len("<style>") : text.index("</style>")]
+
+
+def _way(tracks: Tracks) -> Iterable[str]:
+    return () if tracks.route is None else (laid.run.edge for laid in tracks.route)
+
+
+def _spots(judgements: Iterable[Judgement], tracks: Tracks) -> Iterator[Spot]:
+    """Every fix that has a place on the map."""
+    for one in judgements:
+        if one.place is not None:
+            assert one.delivery.x is not None and one.delivery.y is not None
+            east, north = tracks.projector.plane(one.delivery.x, one.delivery.y, crs=tracks.crs)
+            yield Spot(east, north, one.reason)
+
+
+def _moments(judgements: Iterable[Judgement]) -> Iterator[Moment]:
+    """Deliveries over time; one that is late stands where it came."""
+    start: int | None = None
+    now = 0
+    for one in judgements:
+        time: Any = one.delivery.time_ms if one.delivery.received_ms is None else one.delivery.received_ms
+        if time is None and start is None:
+            continue
+        start = time if start is None else start
+        now = now if time is None else max(now, time - start)
+        yield Moment(now, one.reason, one.position_mm, one.interval_mm)

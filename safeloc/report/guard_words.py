@@ -1,0 +1,48 @@
+"""Reasons of a guard for a reader: what each means, and how it is drawn. Passed ones are dots, withheld ones crosses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.report.drawing import BLUE, BROWN, GREEN, GREY, ORANGE, PURPLE, RED, SKY
+
+PASSED = "PASSED"
+WORDS: Mapping[str, str] = {
+    "PASSED": "passed on",
+    "UNCONFIRMED": "agrees, but too few in a row yet",
+    "OFF_TRACK": "farther off the track than allowed",
+    "AMBIGUOUS": "more than one track is as near",
+    "JUMP": "where the vehicle cannot be by now",
+    "SPEED_DISAGREES": "speed disagrees with the distance run",
+    "TOO_COARSE": "charged with more than the tolerable error",
+    "NO_FIX": "the receiver has no position",
+    "MALFORMED": "no readable position",
+    "NOT_FINITE": "not a finite number",
+    "STALE": "older than allowed",
+    "FUTURE": "from after it came",
+    "DUPLICATE": "the same time again",
+    "OUT_OF_ORDER": "older than one before",
+    "NOTHING": "nothing was delivered",
+}
+COLOURS: Mapping[str, str] = {
+    "PASSED": BLUE,
+    "UNCONFIRMED": SKY,
+    "OFF_TRACK": RED,
+    "AMBIGUOUS": BROWN,
+    "JUMP": ORANGE,
+    "SPEED_DISAGREES": PURPLE,
+    "TOO_COARSE": GREEN,
+}
+
+
+def colour(reason: str) -> str:
+    """The colour of a reason; grey for what has no place on the map."""
+    return COLOURS.get(reason, GREY)
+
+
+def mark(x: float, y: float, reason: str, size: float = 3) -> str:
+    """A dot for what is passed on, a cross for what is withheld."""
+    if reason == PASSED:
+        return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{size * 0.8:.1f}" fill="{colour(reason)}" class="passed"/>'
+    arms = f"M{x - size:.1f} {y - size:.1f}l{2 * size} {2 * size}m0 {-2 * size}l{-2 * size} {2 * size}"
+    return f'<path d="{arms}" stroke="{colour(reason)}" stroke-width="1.3" fill="none" class="withheld"/>'
