@@ -220,28 +220,27 @@ def _assumption(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...
             (located & edge & ~cycle.error).implies(own.next_base.eq(exact_to(by_map, NM))),
             referred.implies(at_reference & own.next_count.eq(own.reference_count)),
             found.implies(own.true_base.eq(exact_to(own.answer_place, NM)) & own.next_count.eq(own.answer_count)),
-            _code_law(own, cycle, located),
+            _code_law(own, cycle, current.eq(table[1]), located),
         ]
     )
 
 
-def _code_law(own: Parts, cycle: Cycle, located: Bool) -> Bool:
+def _code_law(own: Parts, cycle: Cycle, counting: Bool, located: Bool) -> Bool:
     """A real section whose number is the count looks as the map has it; a near other one does not."""
     ahead = own.true_count - own.count
     other = ahead.ne(0) & (abs_(ahead) <= own.config.reach)
     read_long = cycle.reads_long.iff(own.long)
     passed = located & own.real & cycle.read
-    return all_of(
-        [(passed & other).implies(~read_long), (passed & ahead.eq(0)).implies(read_long), _true_count(own, cycle)]
-    )
+    law = [(passed & other).implies(~read_long), (passed & ahead.eq(0)).implies(read_long)]
+    return all_of([*law, _true_count(own, cycle, counting | located)])
 
 
-def _true_count(own: Parts, cycle: Cycle) -> Bool:
+def _true_count(own: Parts, cycle: Cycle, follows: Bool) -> Bool:
     """Real sections are passed one at a time, seen or not; a false one is not passed; one left again was not either."""
     entered = own.next_count - own.true_count
     seen = ite(own.next_real, entered.eq(cycle.one), entered.eq(0))
     back = entered.eq(ite(own.upwards, as_num(-1, COUNT), as_num(1, COUNT)))
-    left = cycle.leaves & cycle.turned_back & own.real
+    left = follows & cycle.leaves & cycle.turned_back & own.real
     unseen = (abs_(entered) <= 1) & own.next_real.iff(own.real)
     return own.reference | own.answer | ite(cycle.enters, seen, ite(left, back, unseen))
 
