@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,11 +13,13 @@ import typer
 from safeloc.backends.c99 import to_c
 from safeloc.backends.compiled import to_python
 from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
+from safeloc.backends.fmu import to_fmu
 from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.show import err
 from safeloc.errors import InputError
 from safeloc.provers.base import base, step_queries
+from safeloc.runs.lawful import first_state
 from safeloc.runs.sampled import sampled_runs
 from safeloc.system import without_ghosts
 
@@ -31,36 +34,38 @@ TEXTS: Mapping[str, Callable[[Target], str]] = {
 FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
     "c": lambda target: to_c(without_ghosts(target.system), sampled_runs(target), doc=target.doc),
 }
+FILES: Mapping[str, Callable[[Target], bytes]] = {"fmu": lambda target: _unit(target)}
+FORMS = (*TEXTS, *FOLDERS, *FILES)
 
 
 def export(
     target: Annotated[str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")],
-    to: Annotated[str, typer.Option("--to", help=f"{', '.join(TEXTS)} or {', '.join(FOLDERS)}")],
+    to: Annotated[str, typer.Option("--to", help=", ".join(FORMS))],
     config: Annotated[
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
     ] = None,
     where: Annotated[
-        Path | None, typer.Option("--out", help="file to write, standard output without it; for c a folder")
+        Path | None, typer.Option("--out", help="file to write, standard output without it; a folder for c")
     ] = None,
 ) -> None:
     """Write a machine in another form."""
-    if to not in TEXTS and to not in FOLDERS:
-        raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join((*TEXTS, *FOLDERS))}.")
-    if to in FOLDERS and where is None:
-        raise typer.BadParameter(f"--to {to} writes several files; name a folder with --out.")
+    if to not in FORMS:
+        raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join(FORMS)}.")
+    if to not in TEXTS and where is None:
+        what = "several files; name a folder" if to in FOLDERS else "a binary file; name it"
+        raise typer.BadParameter(f"--to {to} writes {what} with --out.")
     loaded = load_target(target, config)
-    if to in TEXTS:
-        _write_text(TEXTS[to](loaded), where)
-    elif where is not None:
-        _write_folder(FOLDERS[to](loaded), where)
-
-
-def _write_text(text: str, where: Path | None) -> None:
     if where is None:
-        sys.stdout.write(text)
-        return
+        sys.stdout.write(TEXTS[to](loaded))
+    elif to in FOLDERS:
+        _write_folder(FOLDERS[to](loaded), where)
+    else:
+        _write_file(FILES[to](loaded) if to in FILES else TEXTS[to](loaded).encode(), where)
+
+
+def _write_file(content: bytes, where: Path) -> None:
     try:
-        where.write_text(text, encoding="utf-8")
+        where.write_bytes(content)
     except OSError as error:
         raise InputError(f"{where}: cannot be written: {error}") from error
 
@@ -74,6 +79,13 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error}") from error
     err.print(f"{len(files)} files in {folder}", markup=False)
+
+
+def _unit(target: Target) -> bytes:
+    """A co-simulation unit; its period is the configuration's, where that has one."""
+    on_board = without_ghosts(target.system)
+    period = getattr(target.config, "period_ms", None)
+    return to_fmu(on_board, period_ms=period, first=first_state(on_board, random.Random(0)), doc=target.doc)
 
 
 def _table(target: Target) -> str:
