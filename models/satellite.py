@@ -65,6 +65,7 @@ from safeloc.models.satellite_selection import build as build_selection
 from safeloc.models.satellite_selection import parts as selection_parts
 from safeloc.units import COUNT, MM, NM, UM_S
 
+NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
 ASSUMED: dict[Trusted, str] = {
     "satellites": (
         "where every satellite of a solution is usable, the solution is within its protection level (which follows from "
@@ -97,7 +98,7 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
     wires: dict[Var, Expr] = {
         told: one.standing.eq(USABLE) for told, one in zip(own.usable, selection.own.channels, strict=True)
     }
-    return Satellite(selection, machine, own, compose("satellite", [selection.machine, machine], wires))
+    return Satellite(selection, machine, own, compose(NAMES[trusted], [selection.machine, machine], wires))
 
 
 def build(own: Parts, trusted: Trusted = "satellites") -> Machine:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pydantic import BaseModel
 
 from safeloc.models import (
@@ -13,7 +15,23 @@ from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import single
+from safeloc.spec import Property
 from safeloc.target import Entry, Target
+
+REPORTED = Reported(
+    position="position.position_mm",
+    under="position.under_mm",
+    over="position.over_mm",
+    valid="position.valid",
+    truth="position.truth_nm",
+)
+BOUNDED = Reported(
+    position="position.position_mm",
+    under="position.drift_bound_mm",
+    over="position.drift_bound_mm",
+    valid="position.drift_checked",
+    truth="position.truth_nm",
+)
 
 
 def _selection(config: BaseModel) -> Target:
@@ -25,17 +43,22 @@ def _selection(config: BaseModel) -> Target:
 def _satellite(config: BaseModel) -> Target:
     assert isinstance(config, SatelliteConfig)
     whole = satellite.compose_machines(config)
-    machines = (whole.selection.machine, whole.machine)
-    properties = tuple(satellite_properties.properties(whole))
     doc = "Selection of usable satellites, and position along the track from them alone, in one step."
-    reported = Reported(
-        position="position.position_mm",
-        under="position.under_mm",
-        over="position.over_mm",
-        valid="position.valid",
-        truth="position.truth_nm",
-    )
-    return Target("satellite", machines, whole.composition.system, properties, config, doc, reported=reported)
+    return _target(whole, satellite_properties.properties(whole), config, doc, REPORTED)
+
+
+def _satellite_drift(config: BaseModel) -> Target:
+    assert isinstance(config, SatelliteConfig)
+    whole = satellite.compose_machines(config, trusted="odometry")
+    doc = "The same machines, with nothing assumed of any signal: how far false signals can lead the position away."
+    return _target(whole, satellite_properties.drift_properties(whole), config, doc, BOUNDED)
+
+
+def _target(
+    whole: satellite.Satellite, properties: Sequence[Property], config: BaseModel, doc: str, reported: Reported
+) -> Target:
+    system, machines = whole.composition.system, (whole.selection.machine, whole.machine)
+    return Target(system.name, machines, system, tuple(properties), config, doc, reported=reported)
 
 
 ENTRIES = (
@@ -46,4 +69,5 @@ ENTRIES = (
         _selection,
     ),
     Entry("satellite", "position along the track from usable satellites", SatelliteConfig, _satellite),
+    Entry("satellite_drift", "how far false signals can lead that position away", SatelliteConfig, _satellite_drift),
 )

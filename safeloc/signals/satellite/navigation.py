@@ -18,7 +18,7 @@ from safeloc.signals.satellite.times import gps_seconds, of_week
 
 _LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
 _READ = "GEJ"
-_E1_BITS, _F_NAV_BIT = 0b111, 0b10
+_F_NAV_BIT = 0b10
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
         omega=four[2],
         omega_dot=four[3],
         idot=five[0],
-        healthy=int(six[1]) & _E1_BITS == 0 if european else six[1] == 0,
+        healthy=six[1] == 0,
         group_delay_s=_european_delay_s(five, six) if european else six[2],
         sent_s=of_week(int(five[2]), seven[0]),
         fit_hours=max(fit, FIT_HOURS),
