@@ -8,13 +8,15 @@ variables. Only systems whose terms stay within 64 bits are taken, so that no st
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from safeloc.backends.c99_check import check_program
 from safeloc.backends.c99_header import header
 from safeloc.backends.c99_layout import Layout, layout_of
 from safeloc.backends.c99_source import source
+from safeloc.backends.c99_terms import constant
 from safeloc.backends.c99_vectors import Run, vectors
+from safeloc.nodes import Value
 from safeloc.system import TransitionSystem
 
 __all__ = ["STRICT", "Run", "library_texts", "to_c"]
@@ -36,7 +38,7 @@ def to_c(system: TransitionSystem, runs: Sequence[Run], *, doc: str = "") -> dic
         "check.c": check_program(layout),
         "vectors.txt": vectors(layout, runs),
         "Makefile": makefile(layout),
-        "README.md": readme(layout, doc),
+        "README.md": readme(layout, doc, runs[0].first or {}),
     }
 
 
@@ -85,14 +87,11 @@ clean:
 """
 
 
-def readme(layout: Layout, doc: str) -> str:
+def readme(layout: Layout, doc: str, chosen: Mapping[str, Value]) -> str:
     """What is in the folder, how to call it, and what it rests on."""
     p, upper = layout.names.prefix, layout.names.upper
-    first = (
-        f", &({p}_first){{{', '.join(f'.{field.name} = {field.absent}' for field in layout.first)}}}"
-        if layout.first
-        else ""
-    )
+    values = ", ".join(f".{field.name} = {constant(int(chosen.get(field.source, 0)))}" for field in layout.first)
+    first = f", &({p}_first){{{values}}}" if layout.first else ""
     return f"""# {p}
 
 {doc}

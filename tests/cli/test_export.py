@@ -1,0 +1,75 @@
+"""`safeloc export --to c` and `--to fmu`: what lands on disk works, and wrong usage is told."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.backends.c_folder import make, needs_compiler
+from tests.cli.calling import DOOR, Call
+
+
+@needs_compiler
+def test_a_folder_of_c_checks_itself(call: Call, tmp_path: Path) -> None:
+    """Exported, compiled and checked; a file of the user's in the folder stays."""
+    folder = tmp_path / "made" / "door"
+    folder.mkdir(parents=True)
+    (folder / "own.txt").write_text("mine", encoding="utf-8")
+    called = call("export", DOOR, "--to", "c", "--out", str(folder))
+    assert called.code == 0, called.err
+    assert f"6 files in {folder}" in called.err
+    assert called.out == ""
+    code, printed = make(folder, "check", "sanitize")
+    assert code == 0, printed
+    assert (folder / "own.txt").read_text(encoding="utf-8") == "mine"
+    assert "make check" in (folder / "README.md").read_text(encoding="utf-8")
+
+
+@needs_compiler
+def test_the_readme_of_the_folder_compiles(call: Call, tmp_path: Path) -> None:
+    """The example in the exported README is C that an integrator can begin with, also where first values are open."""
+    for target in (DOOR, "sections"):
+        assert call("export", target, "--to", "c", "--out", str(tmp_path)).code == 0
+        text = (tmp_path / "README.md").read_text(encoding="utf-8")
+        include, body = text.split("```c\n")[1].split("```")[0].split("\n", 1)
+        (tmp_path / "own.c").write_text(f"{include}\nint main(void)\n{{\n{body}return 0;\n}}\n", encoding="utf-8")
+        name = include.split('"')[1].removesuffix(".h")
+        command = ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-o", "own", "own.c", f"{name}.c"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        assert subprocess.run([str(tmp_path / "own")], check=False).returncode == 0
+
+
+@needs_compiler
+def test_the_configuration_reaches_the_code(call: Call, tmp_path: Path) -> None:
+    """Figures of the configuration stand in the C and in the unit: tolerance and period."""
+    config = tmp_path / "odometry.json"
+    config.write_text(json.dumps({"tolerance_mm": 31_234, "period_ms": 200}), encoding="utf-8")
+    assert call("export", "odometry", "--config", str(config), "--to", "c", "--out", str(tmp_path)).code == 0
+    assert "31234000000" in (tmp_path / "odometry.c").read_text(encoding="utf-8")
+    unit = tmp_path / "odometry.fmu"
+    assert call("export", "odometry", "--config", str(config), "--to", "fmu", "--out", str(unit)).code == 0
+    with zipfile.ZipFile(unit) as archive:
+        assert 'stepSize="0.2"' in archive.read("modelDescription.xml").decode()
+
+
+@pytest.mark.parametrize(("form", "said"), [("c", "several files; name a folder"), ("fmu", "a binary file; name it")])
+def test_forms_that_are_no_text_need_a_place(call: Call, monkeypatch: pytest.MonkeyPatch, form: str, said: str) -> None:
+    """They are not written to standard output."""
+    monkeypatch.setenv("COLUMNS", "300")
+    called = call("export", DOOR, "--to", form)
+    assert called.code == 2
+    assert f"--to {form} writes {said} with --out." in called.err
+    assert called.out == ""
+
+
+def test_a_folder_that_cannot_be_made_is_told(call: Call, tmp_path: Path) -> None:
+    """One sentence, exit code 2."""
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    called = call("export", DOOR, "--to", "c", "--out", str(tmp_path / "file" / "folder"))
+    assert called.code == 2
+    assert "cannot be written" in called.err

@@ -1,0 +1,67 @@
+"""A declaration's digest: the same for the same meaning, another one for any other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.digest import declaration_digest
+from safeloc.expr import floor_div, number
+from safeloc.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.system import TransitionSystem, lower
+from safeloc.units import CM, MM, Unit
+from tests.examples import EXAMPLES
+
+
+def gauge(
+    *,
+    name: str = "gauge",
+    unit: Unit = MM,
+    high: int = 9,
+    first: Initial = 0,
+    divisor: int = 2,
+    least: int = 5,
+    shown: str = "half",
+    row: str = "see",
+    modes_: tuple[str, ...] = ("ON", "OFF"),
+) -> TransitionSystem:
+    """A small system, different in one respect."""
+    table = modes(*modes_)
+    value, seen = number("value", unit, 0, high), number("seen", unit, 0, high)
+    rows = [Transition(row, table, table[0], value > least, {seen: value})]
+    return lower(Machine(name, table, [value], {seen: first}, {shown: floor_div(seen, divisor)}, rows))
+
+
+OTHERS = {
+    "name": gauge(name="other"),
+    "unit": gauge(unit=CM),
+    "range": gauge(high=8),
+    "first value": gauge(first=1),
+    "open first value": gauge(first=ANY),
+    "divisor": gauge(divisor=3),
+    "constant": gauge(least=6),
+    "output's name": gauge(shown="third"),
+    "mode's name": gauge(modes_=("ON", "AWAY")),
+}
+
+
+@pytest.mark.parametrize("what", OTHERS)
+def test_any_difference_shows(what: str) -> None:
+    """Whatever differs, the digest does."""
+    assert declaration_digest(gauge()) != declaration_digest(OTHERS[what])
+
+
+def test_the_same_declaration_again_is_the_same() -> None:
+    """Where it was written, and what its rows are called, does not count; it is 64 hexadecimal digits."""
+    assert declaration_digest(gauge()) == declaration_digest(gauge(row="look"))
+    assert len(declaration_digest(gauge())) == 64
+
+
+def test_examples_differ() -> None:
+    """No two examples have one digest, nor two moves of one variable."""
+    digests = {declaration_digest(example.system) for example in EXAMPLES}
+    assert len(EXAMPLES) == len(digests)
+    system = gauge()
+    still = replace(system, next={var: var for var in system.state})
+    assert declaration_digest(system) != declaration_digest(still)
