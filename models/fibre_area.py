@@ -67,7 +67,7 @@ class FibreAreaConfig(Config):
     emitter: EmitterConfig = EmitterConfig()
     verification: VerificationConfig = VerificationConfig()
     sections: SectionsConfig = SectionsConfig(area=AreaConfig(trains=1, period_ms=500))
-    record_wait_cycles: int = quantity(600, "cycles", 1, 100_000, "[D] 5 min: 1 500 m at 20 km/h past the counter")
+    record_wait_cycles: int = quantity(240, "cycles", 1, 100_000, "[D] 2 min: 740 m at 22 km/h past the counter")
 
     @model_validator(mode="after")
     def _one_cycle(self) -> FibreAreaConfig:

@@ -42,6 +42,7 @@ class Drive:
     referred     a reference is accepted in the first cycle; otherwise the code has to tell the place
     flight_off_mm  what the time of flight is wrong by; None: it is not measured
     points_mm    reflecting points that coincide when the front is near them
+    start_mm     where the end is before the first cycle; stuck_mm: from where to where the amplitude stays raised
     """
 
     speeds_mm_s: tuple[int, ...]
@@ -50,6 +51,8 @@ class Drive:
     referred: bool = True
     flight_off_mm: int | None = 0
     points_mm: tuple[int, ...] = ()
+    start_mm: int = 0
+    stuck_mm: tuple[int, int] | None = None
 
 
 def line(config: FibreConfig, count: int = 12) -> list[Section]:
@@ -86,7 +89,7 @@ class _Run:
         self.places = (
             make_code(len(sections), config.window, config.reach).places if len(sections) >= config.window else {}
         )
-        self.truth_nm, self.edge_nm, self.count, self.inside, self.real = 0, 0, 0, 0, False
+        self.truth_nm, self.edge_nm, self.count, self.inside, self.real = drive.start_mm * NM_PER_MM, 0, 0, 0, False
         spread = config.edge_tolerance_mm * 8 // 10
         self.shifts = self.rng.integers(-spread, spread, endpoint=True, size=(len(sections) + 1, 2))
 
@@ -107,7 +110,9 @@ class _Run:
             low, high = section.low_mm + int(shift[0]), section.high_mm + int(shift[1])
             if number not in self.drive.missed and low <= front_mm <= high:
                 return number
-        return -1 if any(abs(front_mm - place) < self.config.short_mm // 2 for place in self.drive.false_mm) else 0
+        false = any(abs(front_mm - place) < self.config.short_mm // 2 for place in self.drive.false_mm)
+        stuck = self.drive.stuck_mm is not None and self.drive.stuck_mm[0] <= front_mm <= self.drive.stuck_mm[1]
+        return -1 if false or stuck else 0
 
     def _heard(self, true_run_nm: int, inside: int) -> dict[str, Cell]:
         rises = self.sections[inside - 1].symbol.rises if inside > 0 else True

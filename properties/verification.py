@@ -256,11 +256,12 @@ def _course(model: Verification) -> Iterator[Property]:
     )
     step = config.max_speed_mm_s * config.period_ms // v.MS_PER_S + 1 + config.jump_mm
     run = own.place.value - before(own.last_place)
+    above, below = before(own.front_over) + own.place_under, before(own.front_under) + own.place_over
     placed = own.associated & own.located & own.place.present & was(own.place_known) & before(own.reach).eq(0)
     yield always(
         "a jump withholds",
-        (placed & ~between(-step, run, step)).implies(~trusted),
-        statement="between two cycles the front comes no farther than the highest speed and both tolerances allow",
+        (placed & ~between(-(below + step), run, above + step)).implies(~trusted),
+        statement="between two cycles the front comes no farther than the highest speed and both intervals allow",
         trace=COURSE,
         unconditional=True,
     )

@@ -194,10 +194,12 @@ class Judged:
 
     @property
     def jumped(self) -> Bool:
-        """The front is where the train cannot have come."""
+        """The front is where the train cannot have come: not even within what both intervals leave open."""
         own = self.own
-        far = abs_(own.place.value - own.last_place) > self.reach + own.config.jump_mm
-        return self.placed & own.place_known & far
+        run, reach = own.place.value - own.last_place, self.reach + own.config.jump_mm
+        above = run > reach + own.front_over + own.place_under
+        below = -run > reach + own.front_under + own.place_over
+        return self.placed & own.place_known & (above | below)
 
     @property
     def ends_apart(self) -> Bool:

@@ -54,7 +54,7 @@ class VerificationConfig(Config):
     place_tolerance_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] counter to first axle, and fibre edge")
     traction_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure] figures section 2")
     brake_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure]; 2 500 with track brake")
-    jump_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] two places, each within its tolerance")
+    jump_mm: int = quantity(10_000, "mm", 0, 1_000_000, "[M] besides what both intervals leave open")
     reference_age_limit_cycles: int = quantity(4, "cycles", 0, 10_000, "[D] 2 s from counter to safe computer")
     currency_cycles: int = quantity(10, "cycles", 0, 100_000, "[D] 5 s; 0: verified in the very cycle")
     needs_control_data: bool = False
