@@ -26,6 +26,7 @@ from safeloc.nodes import (
     Min,
     Mul,
     Node,
+    Not,
     Or,
     Past,
     Sub,
@@ -182,6 +183,17 @@ def _arithmetic(node: Add | Sub | Mul | Min | Max, left: Expr, right: Expr) -> E
     if isinstance(node, (Min, Max)) and left is right:
         return left
     return rebuilt(node, (left, right))
+
+
+def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
+    """What is known where the condition holds, or fails: of all parts of a conjunction, or of a disjunction, too."""
+    known: dict[Expr, Expr] = {condition: TRUE if holds else FALSE}
+    if isinstance(condition, Not):
+        known |= implied(condition.inner, not holds)
+    elif isinstance(condition, And if holds else Or):
+        for part in condition.parts:
+            known |= implied(part, holds)
+    return known
 
 
 def work(terms: Sequence[Expr]) -> int:

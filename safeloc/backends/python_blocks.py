@@ -10,10 +10,11 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from safeloc.backends.known import Known, implied
 from safeloc.backends.writing import Writing
-from safeloc.nodes import Bool, Choose, ChooseBool, Expr, Lit, Not, Truth
-from safeloc.terms import children
+from safeloc.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
 
+FEWEST_REASONS = 3
 DEEPEST = 40  # Python itself refuses more than 100 levels of indentation
 
 Targets = Sequence[tuple[str, Expr]]
@@ -62,13 +63,6 @@ class _Group:
     condition: Expr | None
     targets: Targets
 
-    def sites(self) -> list[list[Expr]]:
-        """Places of a block: terms that are computed together or not at all."""
-        if self.condition is None:
-            return [[term] for _, term in self.targets]
-        branches = [[term for _, term in _under(self.condition, self.targets, holds)] for holds in (True, False)]
-        return [[self.condition], *branches]
-
 
 class Blocks:
     """Makes statements; knows which terms have a name at the place it has come to."""
@@ -76,6 +70,7 @@ class Blocks:
     def __init__(self, written: Writing) -> None:
         self._written = written
         self._count = 0
+        self._known: dict[tuple[Expr, bool], Known] = {}
 
     def text(self, term: Expr) -> str:
         """The term as an expression."""
@@ -85,9 +80,9 @@ class Blocks:
         """Statements that compute every target and end, in every branch, with their values."""
         outer, block = dict(self._written.named), list[Statement]()
         while (condition := self._begin(targets, block, depth)) is not None:
-            then = self.ending(_under(condition, targets, True), depth + 1)
+            then = self.ending(self._under(condition, targets, True), depth + 1)
             block.append(Test(self.text(condition), then))
-            targets = _under(condition, targets, False)
+            targets = self._under(condition, targets, False)
         block.append(End(tuple(self.text(term) for _, term in targets)))
         self._written.named = outer
         return block
@@ -143,8 +138,8 @@ class Blocks:
         before, branches = self._prepared(condition, depth), list[tuple[str, Block]]()
         rung: Expr | None = condition
         while rung is not None:
-            branches.append((self.text(rung), self._keeping(_under(rung, targets, True), depth + 1)))
-            targets = _under(rung, targets, False)
+            branches.append((self.text(rung), self._keeping(self._under(rung, targets, True), depth + 1)))
+            targets = self._under(rung, targets, False)
             rung = self._next_rung(targets, depth)
         return [*before, Choice(tuple(branches), self._keeping(targets, depth + 1))]
 
@@ -202,25 +197,57 @@ class Blocks:
             groups.setdefault(key, []).append((name, term))
         return [_Group(condition, members) for condition, members in groups.items()]
 
+    def _sites(self, group: _Group) -> list[list[Expr]]:
+        """Places of a block: terms that are computed together or not at all."""
+        if group.condition is None:
+            return [[term] for _, term in group.targets]
+        branches = [[term for _, term in self._under(group.condition, group.targets, holds)] for holds in (True, False)]
+        return [[group.condition], *branches]
+
+    def _under(self, condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
+        """What is left of the targets where it is known whether the condition holds."""
+        left = _chosen(condition, targets, holds)
+        if not any(node is condition for node in self._written.unnamed([term for _, term in left])):
+            return left
+        assert isinstance(condition, Bool)
+        if (condition, holds) not in self._known:
+            kept = {term: term for term in self._written.named}
+            self._known[condition, holds] = Known({**kept, **implied(condition, holds)})
+        return [(name, self._known[condition, holds](term)) for name, term in left]
+
     def _shared(self, groups: Sequence[_Group]) -> list[Expr]:
         """Terms that more than one place of a block needs, outermost ones only, parts before wholes."""
         places: dict[int, int] = {}  # one bit a place
         uses: Counter[int] = Counter()
-        sites = [site for group in groups for site in group.sites()]
+        sites, again = list[list[Expr]](), list[int]()
+        for group in groups:
+            again += [0b11 << len(sites)] if _lists_reasons(group.condition) else []
+            sites += self._sites(group)
         for number, site in enumerate(sites):
             for term in site:
                 places[id(term)] = places.get(id(term), 0) | 1 << number
                 uses[id(term)] += 1
         order = self._written.unnamed([term for site in sites for term in site])
         for node in reversed(order):
-            for part in dict.fromkeys(children(node)):
+            for part in dict.fromkeys(self._written.parts(node)):
                 places[id(part)] = places.get(id(part), 0) | places[id(node)]
                 uses[id(part)] += 1
-        return [node for node in order if uses[id(node)] > 1 and places[id(node)] & (places[id(node)] - 1)]
+        shared = [node for node in order if uses[id(node)] > 1 and places[id(node)] & (places[id(node)] - 1)]
+        return [node for node in shared if all(places[id(node)] & ~both for both in again)]
 
 
-def _under(condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
-    """What is left of the targets where it is known whether the condition holds."""
+def _lists_reasons(condition: Expr | None) -> bool:
+    """Whether most steps have none of what is tested, and the branch looks again which one it was.
+
+    What the test and the branch both need is then computed again rather than named: the test looks at each reason only
+    as far as it takes.
+    """
+    parts = condition.parts if isinstance(condition, And) else (condition,)
+    return any(isinstance(part, Or) and len(part.parts) >= FEWEST_REASONS for part in parts)
+
+
+def _chosen(condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
+    """The targets where the condition holds or fails, if it is what chooses them."""
     left: list[tuple[str, Expr]] = []
     for name, term in targets:
         if isinstance(term, (Choose, ChooseBool)) and term.condition is condition:

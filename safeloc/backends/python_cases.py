@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from safeloc.backends.known import Known, work
+from safeloc.backends.known import Known, implied, work
 from safeloc.backends.python_blocks import Block, Blocks, Statement, Targets, Test
 from safeloc.backends.shapes import chain
 from safeloc.nodes import (
@@ -144,7 +144,7 @@ def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float)
 def _by_condition(whole: _Case, blocks: Blocks, room: float) -> Block:
     """The moves for a condition that is cheap to test and saves work either way; as they are where there is none."""
     tried = [
-        (condition, whole.under(_facts(condition, True)), whole.under(_facts(condition, False)))
+        (condition, whole.under(implied(condition, True)), whole.under(implied(condition, False)))
         for condition in _cheap(whole)
     ]
     costs = [
@@ -162,17 +162,6 @@ def _by_condition(whole: _Case, blocks: Blocks, room: float) -> Block:
         lambda: _by_condition(holds, blocks, share * holds.work),
         lambda: _by_condition(fails, blocks, share * fails.work),
     )
-
-
-def _facts(condition: Bool, holds: bool) -> dict[Expr, Expr]:
-    """What is known where the condition holds, or fails: of all parts of a conjunction, or of a disjunction."""
-    known: dict[Expr, Expr] = {condition: TRUE if holds else FALSE}
-    if isinstance(condition, Not):
-        known |= _facts(condition.inner, not holds)
-    elif isinstance(condition, And if holds else Or):
-        for part in condition.parts:
-            known |= _facts(part, holds)
-    return known
 
 
 def _cheap(whole: _Case) -> list[Bool]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import assert_never
 
 from safeloc.backends.shapes import is_magnitude
@@ -28,6 +28,7 @@ from safeloc.nodes import (
     Past,
     Sub,
     Truth,
+    Var,
 )
 
 _OPPOSITE = {"<": ">=", "<=": ">", "==": "!=", ">": "<=", ">=": "<"}
@@ -36,6 +37,10 @@ _MIRRORED = {"<": ">", "<=": ">=", "==": "=="}
 
 class PythonTerms(Writing):
     """Writes terms as Python."""
+
+    def __init__(self, names: Mapping[Var, str]) -> None:
+        super().__init__(names)
+        self._passing = 0
 
     def text(self, term: Expr) -> str:
         """The term as an expression that may stand alone, as a value or as a test."""
@@ -58,14 +63,14 @@ class PythonTerms(Writing):
             case FloorDiv(a, divisor, _):
                 return f"{self._part(a)} // {divisor}"
             case Min(a, b):
-                x, y = self._part(a), self._part(b)
-                return f"{x} if {x} < {y} else {y}"
+                (x, first), (y, second) = self._twice_read(a), self._twice_read(b)
+                return f"{x} if {first} < {second} else {y}"
             case Max(a, _) if is_magnitude(term):
-                x = self._part(a)
-                return f"{x} if {x} >= 0 else -{x}"
+                x, first = self._twice_read(a)
+                return f"{x} if {first} >= 0 else -{x}"
             case Max(a, b):
-                x, y = self._part(a), self._part(b)
-                return f"{x} if {x} > {y} else {y}"
+                (x, first), (y, second) = self._twice_read(a), self._twice_read(b)
+                return f"{x} if {first} > {second} else {y}"
             case Choose(c, a, b, _) | ChooseBool(c, a, b):
                 return f"{self._part(a)} if {self._part(c)} else {self._part(b)}"
             case Not(Compare() as inner) if inner not in self.named:
@@ -83,6 +88,18 @@ class PythonTerms(Writing):
                 raise KeyError(f"{term!r} has no value here")
             case _:
                 assert_never(term)
+
+    def twice(self, node: Expr) -> tuple[Expr, ...]:  # noqa: ARG002 # says of every node the same
+        """None: a part that is read twice gets its name where it is read first."""
+        return ()
+
+    def _twice_read(self, term: Expr) -> tuple[str, str]:
+        """The term's name, and its text where it is read first."""
+        if term in self.named or isinstance(term, (Lit, Truth)):
+            return self._part(term), self._part(term)
+        self._passing += 1
+        name = f"p{self._passing}"
+        return name, f"({name} := {self.text(term)})"
 
     def _part(self, term: Expr) -> str:
         """The term as part of an expression."""

@@ -23,6 +23,14 @@ class Writing(ABC):
     def text(self, term: Expr) -> str:
         """The term as an expression that may stand alone, as a value or as a test."""
 
+    def parts(self, node: Expr) -> tuple[Expr, ...]:
+        """What is written where the node is: of max(x, 0 - x) only x."""
+        return (node.left,) if isinstance(node, Max) and is_magnitude(node) else children(node)
+
+    def twice(self, node: Expr) -> tuple[Expr, ...]:
+        """Parts that the node's text holds twice; a language that can name them in passing has none."""
+        return self.parts(node) if isinstance(node, (Min, Max)) else ()
+
     def unnamed(self, roots: Iterable[Expr]) -> list[Expr]:
         """Nodes below `roots` that are no constants and have no name yet, parts before wholes."""
         seen: set[int] = set()
@@ -35,19 +43,18 @@ class Writing(ABC):
             elif id(node) not in seen and node not in self.named and not isinstance(node, (Lit, Truth)):
                 seen.add(id(node))
                 stack.append((node, True))
-                stack.extend((part, False) for part in children(node))
+                stack.extend((part, False) for part in self.parts(node))
         return order
 
     def awaited(self, term: Expr) -> list[Expr]:
         """What must get a name before the term is written: what it uses twice, compares twice, or nests too deep."""
         below = self.unnamed([term])
-        uses = Counter(part for node in below for part in children(node))
+        uses = Counter(part for node in below for part in self.parts(node))
         twice = {node for node, count in uses.items() if count > 1}
         depth: dict[Expr, int] = {}
         for node in below:
-            if isinstance(node, (Min, Max)):
-                twice |= {node.left} if is_magnitude(node) else {node.left, node.right}
-            depth[node] = 1 + max((depth.get(part, 0) for part in children(node)), default=0)
+            twice.update(self.twice(node))
+            depth[node] = 1 + max((depth.get(part, 0) for part in self.parts(node)), default=0)
             if depth[node] > LONGEST_INLINE:
                 twice.add(node)
                 depth[node] = 0

@@ -18,14 +18,19 @@ from safeloc.expr import (
     BoolVar,
     Expr,
     Lit,
+    Num,
     Var,
     abs_,
+    any_of,
+    as_num,
     between,
+    boolean,
     choice,
     enumeration,
     floor_div,
     ite,
     members,
+    minimum,
     number,
     optional,
 )
@@ -33,6 +38,7 @@ from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.nodes import Past, Value
 from safeloc.system import lower, without_ghosts
+from safeloc.terms import variables
 from safeloc.trace import Trace
 from safeloc.units import COUNT
 from tests.examples import EXAMPLES, Example
@@ -158,10 +164,56 @@ def test_what_happens_seldom_costs_nothing_else() -> None:
 
 QUIET_STEP_OF_RUNNER = """
         return state, (0,)
-    t5 = v_way + v_speed
-    if -999 <= t5 <= 999:
-        return (1, t5, 0), (1,)
+    t4 = v_way + v_speed
+    if -999 <= t4 <= 999:
+        return (1, t4, 0), (1,)
     return (0, v_way, 0), (2,)"""
+
+
+def _step_of_one_row(when: Bool, state: dict[Var, int], updates: dict[Var, Expr]) -> str:
+    """The generated step of a machine of one mode whose one row has this guard."""
+    (on,) = table = modes("ON")
+    inputs = [var for var in variables([when, *updates.values()]) if var not in state]
+    row = Transition("row", on, on, when, updates)
+    source = to_python(without_ghosts(lower(Machine("one_row", table, inputs, dict(state), {}, [row]))))
+    return source[source.index(" = inputs\n") + 10 : source.index("\n\n\ndef begin")]
+
+
+def test_what_is_read_twice_is_named_where_it_is_read_first() -> None:
+    """So that a guard computes a distance only where its first part holds."""
+    is_open, near, far = boolean("open"), number("near", COUNT, 0, 9), number("far", COUNT, 0, 9)
+    step = _step_of_one_row(is_open & (abs_(near - far) > 3) & (minimum(near + far, 7) > 2), {}, {})
+    distance = "((p1 if (p1 := v_near - v_far) >= 0 else -p1) > 3)"
+    assert (
+        f"    if (v_open and {distance}) and ((p2 if (p2 := v_near + v_far) < 7 else 7) > 2):" == step.splitlines()[0]
+    )
+
+
+def test_reasons_are_looked_at_as_far_as_it_takes() -> None:
+    """A test of many reasons names none of them; which one it was is looked for only where there is one."""
+    values = [number(f"value_{n}", COUNT, 0, 9) for n in range(3)]
+    reasons = [value * 3 + 1 > 20 for value in values]
+    why = number("why", COUNT, 0, 3)
+    told: Num = as_num(0, COUNT)
+    for at, reason in enumerate(reasons, 1):
+        told = ite(reason, as_num(at, COUNT), told)
+    tests = [f"((v_value_{n} * 3) + 1) > 20" for n in range(3)]
+    step = _step_of_one_row(any_of(reasons), {why: 0}, {why: told}).splitlines()
+    assert [f"    if ({tests[0]}) or ({tests[1]}) or ({tests[2]}):", f"        if {tests[2]}:"] == step[:2]
+
+
+def test_what_saves_work_either_way_is_decided_first() -> None:
+    """Two values that only one side of a condition needs are computed only there."""
+    side, one, two = number("side", COUNT, 0, 1), number("one", COUNT, 0, 99), number("two", COUNT, 0, 99)
+    left, right = number("left", COUNT, 0, 10**6), number("right", COUNT, 0, 10**6)
+    is_left = side.eq(0)
+    updates: dict[Var, Expr] = {
+        left: ite(is_left & (one * 3 + two * 5 > 9), abs_(one - two) * 7, 0),
+        right: ite(~is_left & (two * 9 - one * 4 > 11), minimum(one, two) * 6, 0),
+    }
+    step = _step_of_one_row(TRUE, {left: 0, right: 0}, updates)
+    then, other = step.split("    if v_side == 0:\n")[1].split("\n    if ", 1)
+    assert ("* 9" in then, "* 9" in other, "* 5" in then, "* 5" in other) == (False, True, True, False)
 
 
 def test_composed_machines_are_told_apart_by_their_modes() -> None:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.backends.known import Known, work
+from safeloc.backends.known import Known, implied, work
 from safeloc.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
 from safeloc.interpret import evaluate, read_inputs, start
 from safeloc.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num
@@ -32,6 +32,16 @@ def test_terms_under_true_facts_keep_their_value(data: st.DataObject) -> None:
         (value,) = evaluate([term], known)
         facts[term] = Lit(value, term.unit) if isinstance(term, Num) else TRUE if value else FALSE
     assert evaluate(terms, known) == evaluate(list(map(Known(facts), terms)), known)
+
+
+def test_facts_of_a_condition_are_those_of_its_parts() -> None:
+    """Of a conjunction that holds and of a disjunction that fails, and of what is negated; not the other way round."""
+    both, either = A & ~B, A | ~B
+    assert (TRUE, FALSE) == (implied(both, True)[A], implied(both, True)[B])
+    assert (FALSE, TRUE) == (implied(either, False)[A], implied(either, False)[B])
+    assert [both] == list(implied(both, False))
+    assert [either] == list(implied(either, True))
+    assert Known(implied(either, False))(ite(A, X, ite(B, Y, X))) is Y
 
 
 @pytest.mark.parametrize(
