@@ -13,7 +13,7 @@
 
 A later machine sees what an earlier one computed in the same step. Any of the five sources may be left out. Each keeps its
 own proofs; what arbitration, the links and the restrictive state assume of the machines before them is not assumed of the
-whole, but owed by those (`Localizer.composition.owed`).
+whole, but owed by those, and proved.
 """
 
 from __future__ import annotations
@@ -28,7 +28,17 @@ from safeloc.composition import Composition, compose
 from safeloc.config import Config, quantity
 from safeloc.expr import Bool, BoolVar, Expr, Num, NumVar, Optional, Var, ite, maximum
 from safeloc.machine import Machine
-from safeloc.models import arbitration, balise, delocalized, motion, odometry, reflector, transmission, verification
+from safeloc.models import (
+    arbitration,
+    balise,
+    delocalized,
+    motion,
+    odometry,
+    reflector,
+    satellite_selection,
+    transmission,
+    verification,
+)
 from safeloc.models import satellite as satellites
 from safeloc.models.arbitration import SOURCES, Arbitration, ArbitrationConfig, Source
 from safeloc.models.arbitration_parts.variables import parts as arbitration_parts
@@ -145,12 +155,11 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A source: its machines in order, how they are wired, what it states, and where it says the truth is."""
+    """A source: its machines in order, how they are wired, and what it states."""
 
     machines: tuple[Machine, ...]
     wires: Mapping[Var, Expr]
     stated: Stated
-    truth: NumVar
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +195,7 @@ def compose_machines(config: LocalizerConfig | None = None) -> Localizer:
             tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm
         )
     )
-    uplink = transmission.build(transmission.parts(config.uplink), "uplink")
+    uplink = _link("uplink", config.uplink, moves)
     wires = {
         **{var: term for piece in pieces.values() for var, term in piece.wires.items()},
         **link_wires,
@@ -220,14 +229,14 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
     own = odometry_parts(config.odometry)
     own = replace(own, truth=moves.own.truth, true_step=moves.own.true_step)
     model = odometry.build(own)
-    return Piece((model.machine,), _same_distance(own.units[0].step, moves), _plainly(model.machine), own.truth)
+    return Piece((model.machine,), _same_distance(own.units[0].step, moves), _plainly(model.machine))
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     own = balise_parts(config.balise)
     own = replace(own, world=replace(own.world, truth=moves.own.truth, true_step=moves.own.true_step))
     model = balise.build(own)
-    return Piece((model.machine,), _same_distance(own.odometer.step, moves), _plainly(model.machine), own.world.truth)
+    return Piece((model.machine,), _same_distance(own.odometer.step, moves), _plainly(model.machine))
 
 
 def _plainly(machine: Machine) -> Stated:
@@ -258,15 +267,16 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
-    return Piece((machine,), _same_distance(own.odometer.step, moves), stated, own.ghosts.truth)
+    return Piece((machine,), _same_distance(own.odometer.step, moves), stated)
 
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
-    model = satellites.compose_machines(config.satellite)
-    own, machine = model.own, model.machine
+    selection = satellite_selection.build(satellite_selection.parts(config.satellite.selection))
+    own = replace(satellite_words.parts(config.satellite), truth=moves.own.truth)
+    machine = satellites.build(own)
     wires: dict[Var, Expr] = {
-        told: one.standing.eq(satellites.USABLE)
-        for told, one in zip(own.usable, model.selection.own.channels, strict=True)
+        told: one.standing.eq(satellite_selection.USABLE)
+        for told, one in zip(own.usable, selection.own.channels, strict=True)
     }
     wires[own.next_truth] = moves.own.truth
     trusted = next((earlier[name].stated for name in ("balise", "odometry", "reflector") if name in earlier), None)
@@ -288,12 +298,12 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
         machine.flag("valid") & machine.output("fix").eq(satellite_words.ACCEPTED),
         ite(machine.flag("valid"), LOCATED, reason),
     )
-    return Piece((model.selection.machine, machine), wires, stated, own.truth)
+    return Piece((selection.machine, machine), wires, stated)
 
 
 def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     """The trackside's verified position; on board it is stated by the downlink."""
-    model = verification.build(verification.parts(config.fibre))
+    model = verification.build(replace(verification.parts(config.fibre), truth=moves.own.truth))
     machine, trusted = model.machine, model.machine.flag("trusted")
     stated = Stated(
         trusted,
@@ -303,7 +313,7 @@ def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Pi
         trusted,
         NO_REFERENCE,
     )
-    return Piece((machine,), {model.own.next_truth: moves.own.truth}, stated, model.own.truth)
+    return Piece((machine,), {model.own.next_truth: moves.own.truth}, stated)
 
 
 _PIECES = {
@@ -324,13 +334,17 @@ def _downlink(
     """The link that brings fibre reports on board: one is sent when trust is stated, and when it is revoked."""
     if "fibre" not in pieces:
         return None, {}
-    link, (machine,) = transmission.build(transmission.parts(config.downlink), "downlink"), pieces["fibre"].machines
+    link, (machine,) = _link("downlink", config.downlink, moves), pieces["fibre"].machines
     stated = pieces["fibre"].stated
     return link, {
         link.own.sent: machine.flag("trusted") | machine.flag("untrusted"),
         **_into_link(link, stated.valid, stated.position, stated.under, stated.over),
         link.own.next_truth: moves.own.truth,
     }
+
+
+def _link(name: str, config: TransmissionConfig, moves: Motion) -> Transmission:
+    return transmission.build(replace(transmission.parts(config), truth=moves.own.truth), name)
 
 
 def _into_link(link: Transmission, valid: Bool, position: Num, under: Num, over: Num) -> dict[Var, Expr]:
@@ -342,9 +356,9 @@ def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> d
     stated = {name: piece.stated for name, piece in pieces.items()}
     if downlink is not None:
         machine = downlink.machine
-        numbers = (machine.output(f"{what}_mm") for what in ("position", "under", "over"))
+        position, under, over = (machine.output(f"{what}_mm") for what in ("position", "under", "over"))
         held = machine.flag("valid")
-        stated["fibre"] = Stated(held, *numbers, held, NO_REFERENCE)
+        stated["fibre"] = Stated(held, position, under, over, held, NO_REFERENCE)
     return stated
 
 

@@ -32,7 +32,6 @@ class MotionConfig(Config):
     measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
     gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
-    reach_mm: int = quantity(1_000_000, "mm", 0, 10_000_000, "[D] beyond the line's ends, as far as a vehicle is long")
 
     @property
     def limits(self) -> Limits:
@@ -66,7 +65,7 @@ class Motion:
 def parts(config: MotionConfig) -> Parts:
     """Fresh variables for one vehicle."""
     limits = config.limits
-    reach = (config.position_limit_mm + config.reach_mm) * NM_PER_MM
+    reach = config.position_limit_mm * NM_PER_MM
     return Parts(
         config,
         odometer(config.odometer, limits),
@@ -101,7 +100,7 @@ def build(own: Parts) -> Motion:
         mode_variable=current_mode(table),
         doc=(
             "The vehicle's odometer, admitted only where the vehicle can have run the distance, and its true movement: no "
-            "faster than its highest speed. What a distance is worth is assumed by those who use it."
+            "faster than its highest speed, and on the line. What a distance is worth is assumed by those who use it."
         ),
     )
     return Motion(made, own)

@@ -3,7 +3,7 @@
 A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
 
 What a machine assumes of its environment is assumed of the whole, unless it is named in `owes`: then the machines
-before it have to keep it, and `Composition.owed` is what is to be proved of the whole (assume-guarantee).
+before it have to keep it, which is proved together with the lemmas (assume-guarantee, safeloc.provers.inherited).
 """
 
 from __future__ import annotations
@@ -12,24 +12,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.errors import ModelError
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, before, was
+from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of
 from safeloc.machine import Any_, Initial, Machine
 from safeloc.nodes import Value
-from safeloc.system import TransitionSystem, in_range, lower
+from safeloc.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
 from safeloc.terms import Sharing, Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)
 class Composition:
-    """The whole, and the way from a machine's own terms to terms over the whole.
-
-    owed  machine -> what it assumes, and the ranges of its wired inputs, as a term for a property of the whole
-    """
+    """The whole, and the way from a machine's own terms to terms over the whole."""
 
     system: TransitionSystem
     parts: Mapping[Machine, Substitution]
     after: Mapping[Var, Expr]
-    owed: Mapping[Machine, Bool]
 
     def of(self, machine: Machine) -> Substitution:
         """Rewrites terms over one machine's variables into terms over the whole (properties, outputs, lemmas).
@@ -52,7 +48,7 @@ def compose(
     wires   an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
             means the state after the step (so an output of theirs is written as `earlier.output("x")`)
     shared  input or ghost variables that several machines declare as the very same object, kept once
-    owes    machines whose assumption is not assumed of the whole: it is owed by the others, and told as `owed`
+    owes    machines whose assumption is not assumed of the whole: it is owed by the others, and proved
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for a wire to an
     unknown input, a unit that does not fit, a wire that reads a machine that is not earlier or a variable that several
@@ -66,7 +62,6 @@ def compose(
     after: dict[Var, Expr] = {}
     plain: dict[Var, Expr] = {}
     moved: dict[Var, Expr] = {}
-    owed: dict[Machine, Bool] = {}
     merged = TransitionSystem(
         name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
     )
@@ -89,8 +84,8 @@ def compose(
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
         plain |= {**own, **told}
-        if machine in owes:
-            owed[machine] = _told(step.bool(all_of([system.assume, in_range(list(wired))])), moved)
+        heard, owes_it = step.bool(_may_be_heard(system, wired)), _owed(machine in owes, system, wired)
+        part = Part(system, now, heard, step.bool(owes_it))
         rename[machine] = now
         merged = replace(
             merged,
@@ -107,16 +102,20 @@ def compose(
             ghosts=merged.ghosts | {own[var] for var in system.ghosts if var not in wires},
             initial={**merged.initial, **{own[var]: value for var, value in system.initial.items()}},
             optionals=(*merged.optionals, *_kept_optionals(system, own, wires)),
+            parts=(*merged.parts, part),
         )
-    return Composition(replace(merged, next=moved), rename, after, owed)
+    return Composition(replace(merged, next=moved), rename, after)
 
 
-def _told(term: Bool, state: Mapping[Var, Expr]) -> Bool:
-    """A term over the state before the step, as a property reads it."""
-    twins: dict[Var, Expr] = {
-        var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term]) if var in state
-    }
-    return Substitution(twins).bool(term)
+def _may_be_heard(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
+    """Ranges of the inputs that are wired, ghosts apart, and of what is absent among them."""
+    optionals = [option for option in system.optionals if option.value in wired or option.present in wired]
+    return all_of([in_range([var for var in wired if var not in system.ghosts]), absent_is_canonical(optionals)])
+
+
+def _owed(owes: bool, system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
+    """Ranges of the ghosts that are wired, and the assumption, if it is owed."""
+    return all_of([in_range([var for var in wired if var in system.ghosts]), system.assume if owes else TRUE])
 
 
 def _start(value: Initial) -> Value | Any_:

@@ -31,8 +31,24 @@ from safeloc.expr import (
 )
 from safeloc.machine import ANY, Initial, Machine, Transition
 from safeloc.nodes import And, ChooseBool
-from safeloc.terms import Sharing, variables
+from safeloc.terms import Sharing, Substitution, variables
 from safeloc.units import Enumeration
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A machine of a composition: what is proved of it alone holds in the whole, wherever it hears what it may hear.
+
+    alone  the machine by itself
+    into   rewrites terms over its state into terms over the whole's
+    heard  what comes through its wires is in range; over the whole's state before the step and inputs
+    owed   ranges of wired ghosts, and what it assumes, where the machines before it owe that
+    """
+
+    alone: TransitionSystem
+    into: Substitution
+    heard: Bool
+    owed: Bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +65,7 @@ class TransitionSystem:
     initial   state variable -> its declared first value, ANY where open
     optionals the inputs that may be absent
     machines  the machines it was made of
+    parts     of a composition: its machines, and on what terms they are part of it
     """
 
     name: str
@@ -64,6 +81,7 @@ class TransitionSystem:
     initial: Mapping[Var, Initial]
     optionals: tuple[Optional, ...]
     machines: tuple[Machine, ...]
+    parts: tuple[Part, ...] = ()
 
     def variable(self, name: str) -> Var:
         """A state or input variable by name; KeyError if there is none."""
@@ -160,8 +178,13 @@ def _range_term(var: NumVar) -> Bool:
 
 def environment(system: TransitionSystem, *, assume: bool = True) -> Bool:
     """What every step's inputs satisfy: ranges, canonical absent values and, if asked for, the assumption."""
-    absent = [option.present | option.value.eq(canonical(option.value)) for option in system.optionals]
-    return all_of([in_range(system.inputs), *absent, system.assume if assume else TRUE])
+    admissible = [in_range(system.inputs), absent_is_canonical(system.optionals)]
+    return all_of([*admissible, system.assume if assume else TRUE])
+
+
+def absent_is_canonical(optionals: Sequence[Optional]) -> Bool:
+    """What is absent has the value that stands for absence."""
+    return all_of(option.present | option.value.eq(canonical(option.value)) for option in optionals)
 
 
 def without_ghosts(system: TransitionSystem) -> TransitionSystem:
@@ -178,6 +201,7 @@ def without_ghosts(system: TransitionSystem) -> TransitionSystem:
         lemmas={},
         ghosts=frozenset(),
         initial=initial,
+        parts=(),
     )
 
 

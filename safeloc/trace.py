@@ -53,7 +53,7 @@ def present_inputs(system: TransitionSystem, inputs: Mapping[str, Value]) -> dic
 def shown(var: Var, value: Value) -> str:
     """A value as a person reads it: a member's label, or the number."""
     if isinstance(var, NumVar) and isinstance(var.unit, Enumeration):
-        return var.unit.members[value]
+        return var.unit.members[value] if value < len(var.unit.members) else f"{value}, no member"
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 

@@ -14,11 +14,10 @@ from safeloc.backends.c99 import to_c
 from safeloc.backends.compiled import to_python
 from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.backends.fmu import to_fmu
-from safeloc.backends.smtlib import to_smtlib
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.show import err
 from safeloc.errors import InputError
-from safeloc.provers.base import base, step_queries
+from safeloc.provers.base import base
 from safeloc.runs.lawful import first_state
 from safeloc.runs.sampled import sampled_runs
 from safeloc.system import without_ghosts
@@ -29,7 +28,7 @@ TEXTS: Mapping[str, Callable[[Target], str]] = {
     "dot": lambda target: "".join(map(to_dot, target.machines)),
     "svg": lambda target: "".join(map(to_svg, target.machines)),
     "table": lambda target: _table(target),
-    "smtlib": lambda target: "\n".join(to_smtlib(query) for query in step_queries(target.system, base(target.system))),
+    "smtlib": lambda target: "\n".join(base(target.system).certificates.values()),
 }
 FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
     "c": lambda target: to_c(without_ghosts(target.system), sampled_runs(target), doc=target.doc),

@@ -4,8 +4,9 @@ Both are PROVED, once per system, and then serve every property as hypotheses:
 
     always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
     facts   the other lemmas, and ranges of ghosts, under the assumption
+    kept    of a composition: what a machine assumes of those before it, in every step (safeloc.provers.inherited)
 
-What is not inductive together with the rest, or not confirmed by cvc5, is dropped and named in `refuted`; it is
+What a machine of a composition was proved to keep alone is not proved again. What is not inductive together with the rest, or not confirmed by cvc5, is dropped and named in `refuted`; it is
 never assumed.
 """
 
@@ -13,14 +14,15 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, NumVar
 from safeloc.provers.implication import Failure, Undecided, unproved
+from safeloc.provers.inherited import Alone, contracts, inherit
 from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.recheck import certify
-from safeloc.system import TransitionSystem, environment, in_range
+from safeloc.system import Part, TransitionSystem, environment, in_range
 from safeloc.terms import Substitution, variables
 
 
@@ -36,6 +38,7 @@ class Base:
     refuted: Mapping[str, Failure]
     certificates: Mapping[str, str]
     seconds: float
+    kept: Mapping[str, Bool] = field(default_factory=dict)
 
     @property
     def everything(self) -> list[Bool]:
@@ -96,17 +99,32 @@ def range_name(var: NumVar) -> str:
 
 def _prove(system: TransitionSystem, seconds: float) -> Base:
     ends, own, hidden = deadline(seconds), _ranges(system, ghosts=False), _ranges(system, ghosts=True)
+    had = inherit(system, [_alone(part, ends) for part in system.parts], ends)
     free = {name: term for name, term in system.lemmas.items() if not set(variables([term])) & system.ghosts}
-    always, texts, failed = _inductive(_board(system), {**own, **free}, ends)
-    rest = {name: term for name, term in system.lemmas.items() if name not in always}
-    facts, more_texts, refuted = _inductive(_world(system, always, list(texts)), {**hidden, **rest}, ends)
-    refuted |= {name: why for name, why in failed.items() if name in own}
-    return Base(always, facts, refuted, {**texts, **more_texts}, seconds)
+    wanted = _without({**own, **free}, had.always)
+    always, texts, failed = _inductive(_board(system, had.always), wanted, ends)
+    always |= had.always
+    rest = _without({**hidden, **system.lemmas}, {**always, **had.facts})
+    world = _world(system, {**always, **had.facts}, [*had.certificates, *texts])
+    facts, more_texts, refuted = _inductive(world, rest, ends)
+    refuted |= {name: why for name, why in failed.items() if name in own} | had.refuted
+    certificates = {**had.certificates, **texts, **more_texts}
+    return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept)
+
+
+def _alone(part: Part, ends: Deadline) -> Alone:
+    known = base(part.alone, seconds=ends.left)
+    return Alone(known.always, known.facts, known.certificates)
+
+
+def _without(terms: Mapping[str, Bool], known: Mapping[str, Bool]) -> dict[str, Bool]:
+    return {name: term for name, term in terms.items() if name not in known}
 
 
 def ranges_and_lemmas(system: TransitionSystem) -> dict[str, Bool]:
     """All that is to be proved, by name."""
-    return {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True), **system.lemmas}
+    ranges = {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True)}
+    return {**ranges, **system.lemmas, **contracts(system)}
 
 
 def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[str, Bool]:
@@ -114,18 +132,12 @@ def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[str, Bool]:
     return {range_name(var): in_range([var]) for var in numeric if (var in system.ghosts) == ghosts}
 
 
-def _board(system: TransitionSystem) -> _Layer:
-    return _Layer(system, "always", environment(system, assume=False), (), ())
+def _board(system: TransitionSystem, known: Mapping[str, Bool]) -> _Layer:
+    return _Layer(system, "always", environment(system, assume=False), list(known.values()), ())
 
 
 def _world(system: TransitionSystem, always: Mapping[str, Bool], relies_on: Sequence[str]) -> _Layer:
     return _Layer(system, "facts", environment(system), list(always.values()), relies_on)
-
-
-def step_queries(system: TransitionSystem, known: Base) -> list[Query]:
-    """The queries that show the base inductive: what a certificate states."""
-    board, world = _board(system), _world(system, known.always, ())
-    return [query for query in (*board.queries(known.always), *world.queries(known.facts)) if query.goals]
 
 
 def _inductive(

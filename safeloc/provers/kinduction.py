@@ -6,6 +6,7 @@ re-checked by cvc5 before the verdict is Proved.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from safeloc.backends.smtlib import Query
@@ -27,6 +28,12 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
     time limit once more.
     """
     known, ends = base(goal.original, seconds=limits.seconds), deadline(limits.seconds)
+    if goal.original.parts and not goal.observers:
+        implied = Query(
+            f"{goal.original.name} {goal.prop.name} of every state", given_facts(goal, known), {"good": goal.good}
+        )
+        if not unproved(implied, ends.left, limits.seed):
+            return _proved(goal, known, 1, (implied,), limits.seconds)
     for k in range(1, limits.induction + 1):
         start, later = queries(goal, known, k)
         failed = unproved(start, ends.left, limits.seed)
@@ -41,8 +48,8 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
     return Unknown(f"not {limits.induction}-inductive with the proved ranges and lemmas", limits.induction - 1)
 
 
-def _proved(goal: Goal, known: Base, k: int, both: tuple[Query, Query], seconds: float) -> Verdict:
-    made = [certify(query, seconds=seconds, relies_on=list(known.certificates)) for query in both]
+def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query, ...], seconds: float) -> Verdict:
+    made = [certify(query, seconds=seconds, relies_on=list(known.certificates)) for query in texts_of]
     if any(one.undecided for one in made):
         return Unknown(f"proved by {k}-induction in z3, but cvc5 could not confirm it in time", k - 1)
     texts = {**known.certificates, **{one.file: one.text for one in made}}
@@ -62,7 +69,8 @@ def _wanted(goal: Goal) -> Bool:
 def queries(goal: Goal, known: Base, k: int) -> tuple[Query, Query]:
     """Base: `good` in the first k states. Step: after k good states comes another. One question a conjunct."""
     name = f"{goal.original.name} {goal.prop.name}"
-    states, allowed = _unrolled(goal, k)
+    kept = [] if goal.prop.unconditional else list(known.kept.values())
+    states, allowed = _unrolled(goal, kept, k)
     hold = [state.bool(_wanted(goal)) for state in states]
     given = given_facts(goal, known)
     facts = [state.bool(term) for state in states[:-1] for term in given]
@@ -77,10 +85,10 @@ def _parts(name: str, term: Bool) -> list[tuple[str, Bool]]:
     return [(name if len(parts) == 1 else f"{name}, part {number}", part) for number, part in enumerate(parts, 1)]
 
 
-def _unrolled(goal: Goal, k: int) -> tuple[list[Substitution], list[Bool]]:
+def _unrolled(goal: Goal, kept: Sequence[Bool], k: int) -> tuple[list[Substitution], list[Bool]]:
     """State 0 as it is, states 1 to k as terms over it and the steps' inputs, and what each step is allowed."""
     system = goal.system
-    environment_ = environment(system)
+    environment_ = all_of([environment(system), *kept])
     now: dict[Var, Expr] = {}
     states, allowed = [Substitution(now)], []
     for number in range(k):

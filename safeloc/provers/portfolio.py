@@ -18,6 +18,7 @@ from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
+from safeloc.provers.inherited import contract_properties
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.reachability import can_go_on
@@ -88,7 +89,8 @@ def prove(
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
-    claims = [*_lemma_claims(system, known, seconds), *(_property_claim(system, prop) for prop in properties)]
+    lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)]
+    claims = [*lemmas, *(_property_claim(system, prop) for prop in properties)]
     findings: dict[int, Finding] = {}
     for index, finding in _findings(claims, limits, jobs):
         findings[index] = finding
@@ -164,6 +166,19 @@ def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iter
             reach = "for all inputs in range" if name in known.always else "under the assumption"
             method = f"1-induction, all lemmas together, {reach}, re-checked by {ENGINE}"
             yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
+
+
+def _contract_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
+    """What machines of a composition owe each other; for what was not shown, a run that breaks it is searched."""
+    for prop in contract_properties(system):
+        goal = observe(system, prop)
+        if prop.name in known.kept:
+            verdict = Proved(known.kept[prop.name], "1-induction", 1, (ENGINE,), known.certificates)
+            method = f"assume-guarantee: what is known of the machines before it, re-checked by {ENGINE}"
+            yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
+        else:
+            why = known.refuted.get(prop.name, "a machine before it does not keep what it should")
+            yield _Claim(goal, "lemma", _breaking(f"not shown: {why}"))
 
 
 def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:

@@ -122,13 +122,12 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem)
 def pack_base(known: Base) -> Packed:
     """A proved base: names of what holds, the rest as it is."""
     always, facts = tuple(known.always), tuple(known.facts)
-    return (always, facts, dict(known.refuted), dict(known.certificates), known.seconds)
+    return (always, facts, dict(known.refuted), dict(known.certificates), known.seconds, tuple(known.kept))
 
 
 def unpack_base(packed: Packed, terms: Mapping[str, Bool]) -> Base:
     """The base again, out of the terms by name."""
     always, facts, certificates = packed[0], packed[1], packed[3]
     refuted: Mapping[str, Failure] = packed[2]
-    return Base(
-        {name: terms[name] for name in always}, {name: terms[name] for name in facts}, refuted, certificates, packed[4]
-    )
+    always_, facts_, kept = ({name: terms[name] for name in names} for names in (always, facts, packed[5]))
+    return Base(always_, facts_, refuted, certificates, packed[4], kept)

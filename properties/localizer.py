@@ -1,0 +1,148 @@
+"""What must hold of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
+
+What arbitration, the links and the restrictive state assume is owed by the machines before them, and proved with the
+lemmas; so nothing in the whole is assumed but what each source's own sensors keep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.expr import Bool, Num, all_of, between, exact_to
+from safeloc.models.localizer import Localizer
+from safeloc.models.odometry_parts.variables import LOCATED
+from safeloc.spec import Property, always, earlier_bool, within
+from safeloc.units import NM
+
+LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
+TRACE = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
+
+
+def properties(whole: Localizer) -> list[Property]:
+    """What the host and the trackside get, and in which steps."""
+    makers = (_host, _responses, _trackside)
+    return [prop for maker in makers for prop in maker(whole)]
+
+
+def _host(whole: Localizer) -> Iterator[Property]:
+    restrictive, (position, under, over) = _restrictive(whole), _passed(whole)
+    truth, tolerance = whole.motion.own.truth, whole.config.tolerance_mm
+    yield always(
+        "containment",
+        restrictive | between(exact_to(position - under, NM), truth, exact_to(position + over, NM)),
+        statement="the position that the host gets holds the true position of the front end",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "tolerance",
+        (under <= tolerance) & (over <= tolerance),
+        statement="the position that the host gets is never wider than the tolerable error",
+        trace=TRACE,
+        unconditional=True,
+    )
+    counts = whole.composition.of(whole.arbitration.machine)
+    front = counts.num(whole.arbitration.machine.output("min_safe_front_mm"))
+    valid = counts.bool(whole.arbitration.machine.flag("valid"))
+    yield always(
+        "min safe front end",
+        valid.implies(exact_to(front, NM) <= truth),
+        statement="the front end is never behind the min safe front end",
+        trace=TRACE,
+        assumption=LAW,
+    )
+
+
+def _responses(whole: Localizer) -> Iterator[Property]:
+    restrictive = _restrictive(whole)
+    counts = whole.composition.of(whole.arbitration.machine)
+    valid = counts.bool(whole.arbitration.machine.flag("valid"))
+    yield always(
+        "same-step entry",
+        (~valid).implies(restrictive),
+        statement="the step in which arbitration withholds is the step in which the vehicle is restrictive",
+        trace=TRACE,
+        unconditional=True,
+    )
+    lead = counts.num(whole.arbitration.machine.mode)
+    stated = _stated(whole)
+    for name, mode in zip(whole.arbitration.own.sources, whole.arbitration.machine.modes[1:], strict=True):
+        yield always(
+            f"{name.name} leads validly",
+            lead.eq(mode).implies(stated[name.name]),
+            statement=f"{name.name} leads only in steps in which its own machine states a position",
+            trace=TRACE,
+            unconditional=True,
+        )
+    yield always(
+        "every source withdrawn",
+        all_of(~one for one in stated.values()).implies(restrictive),
+        statement="the step in which the last source withdraws is the step in which the vehicle is restrictive",
+        trace=TRACE,
+        unconditional=True,
+    )
+    referred = counts.bool(whole.arbitration.machine.flag("reference_accepted"))
+    yield always(
+        "no resurrection",
+        (earlier_bool(restrictive) & ~restrictive).implies(referred & valid),
+        statement="the restrictive state is left only in a step in which a source accepted an absolute reference and all "
+        "sources that state a position agree",
+        trace=TRACE,
+        unconditional=True,
+    )
+    guard = whole.composition.of(whole.guard)
+    yield always(
+        "reason stated",
+        guard.num(whole.guard.output("reason")).eq(LOCATED).iff(~restrictive),
+        statement="a reason is stated exactly while the vehicle is restrictive",
+        trace=TRACE,
+        unconditional=True,
+    )
+
+
+def _trackside(whole: Localizer) -> Iterator[Property]:
+    seen, machine = whole.composition.of(whole.uplink.machine), whole.uplink.machine
+    valid = seen.bool(machine.flag("valid"))
+    position, under, over = (seen.num(machine.output(f"{name}_mm")) for name in ("position", "under", "over"))
+    yield always(
+        "trackside containment",
+        valid.implies(between(exact_to(position - under, NM), whole.motion.own.truth, exact_to(position + over, NM))),
+        statement="the position that the trackside sees, its age charged, holds the true position of the front end",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    limit = whole.config.uplink.age_limit_cycles
+    arrives = machine.fired("report arrives")
+    yield within(
+        "trackside forgets",
+        limit,
+        earlier_bool(valid) & ~seen.bool(arrives),
+        ~valid | seen.bool(arrives),
+        statement="a vehicle that is not heard of any more is known to the trackside for no longer than the age limit",
+        trace=TRACE,
+        unconditional=True,
+        helper=lambda waited: (waited > 0).implies(~valid | (seen.num(whole.uplink.own.held.age) >= waited)),
+    )
+
+
+def _stated(whole: Localizer) -> dict[str, Bool]:
+    """Which sources state a position after the step, in terms of the whole; of the fibre, what has come on board."""
+    found: dict[str, Bool] = {}
+    for name, piece in whole.pieces.items():
+        machine = piece.machines[-1]
+        if name == "fibre" and whole.downlink is not None:
+            machine = whole.downlink.machine
+            found[name] = whole.composition.of(machine).bool(machine.flag("valid"))
+        else:
+            found[name] = whole.composition.of(machine).bool(piece.stated.valid)
+    return found
+
+
+def _restrictive(whole: Localizer) -> Bool:
+    return whole.composition.of(whole.guard).bool(whole.guard.flag("restrictive"))
+
+
+def _passed(whole: Localizer) -> tuple[Num, Num, Num]:
+    guard = whole.composition.of(whole.guard)
+    position, under, over = (guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "under", "over"))
+    return position, under, over

@@ -1,0 +1,129 @@
+"""Assume-guarantee: what a machine keeps alone it keeps in a composition, wherever the others keep what it assumes.
+
+Machine by machine, in the order of the step:
+
+    heard  what comes through its wires is in range: proved of the whole; then what the machine keeps for all inputs holds
+    owed   what it assumes, where the machines before it owe that: proved of the whole, from what is known of those
+           machines before AND after the step; then what the machine keeps under its assumption holds
+
+Nothing is used of a machine before it is proved, and a machine's own proof never uses a later machine. What a whole owes
+and does not keep leaves the machine's facts to be proved jointly, as if nothing were known of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from safeloc.backends.smtlib import Query
+from safeloc.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.provers.implication import Failure, Undecided, conjuncts, unproved
+from safeloc.provers.limits import Deadline
+from safeloc.provers.recheck import certify
+from safeloc.provers.relevance import Relevance
+from safeloc.spec import Property, always
+from safeloc.system import Part, TransitionSystem, environment
+from safeloc.terms import Substitution
+
+
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """What a machine keeps by itself, over its own state: for all inputs, and under its assumption."""
+
+    always: Mapping[str, Bool]
+    facts: Mapping[str, Bool]
+    certificates: Mapping[str, str]
+
+
+@dataclass(eq=False)
+class Inherited:
+    """What the whole has from its machines; `kept` is what they assume, over state before the step and inputs."""
+
+    always: dict[str, Bool] = field(default_factory=dict)
+    facts: dict[str, Bool] = field(default_factory=dict)
+    kept: dict[str, Bool] = field(default_factory=dict)
+    certificates: dict[str, str] = field(default_factory=dict)
+    refuted: dict[str, Failure] = field(default_factory=dict)
+
+
+def contract_name(part: Part) -> str:
+    """The name under which what a machine is owed is proved."""
+    return f"what {part.alone.name} assumes is kept"
+
+
+def contracts(system: TransitionSystem) -> dict[str, Bool]:
+    """What the machines of a composition owe each other, by name; over the state before a step and its inputs."""
+    return {contract_name(part): part.owed for part in system.parts if part.owed is not TRUE}
+
+
+def contract_properties(system: TransitionSystem) -> list[Property]:
+    """The same as properties of the whole."""
+    return [always(name, _before_the_step(system, term)) for name, term in contracts(system).items()]
+
+
+def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
+    twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
+    return Substitution(twins).bool(term)
+
+
+def inherit(system: TransitionSystem, alone: Sequence[Alone], ends: Deadline) -> Inherited:
+    """What the whole has from its machines, in order."""
+    found, proof = Inherited(), _Proof(system, ends)
+    for part, own in zip(system.parts, alone, strict=True):
+        found.certificates |= own.certificates
+        heard = proof.confirm(f"what {part.alone.name} hears is in range", part.heard, found, always=True)
+        if heard:
+            found.always |= _renamed(part, own.always)
+        name = contract_name(part)
+        owed = heard and proof.confirm(name, part.owed, found, always=False)
+        if owed:
+            found.facts |= _renamed(part, own.facts)
+            found.kept |= {} if part.owed is TRUE else {name: part.owed}
+    return found
+
+
+def _renamed(part: Part, facts: Mapping[str, Bool]) -> dict[str, Bool]:
+    """Facts of a machine, as the whole names them."""
+    ranges = {f"range of {var.name}": _twin(part, var) for var in part.alone.state if isinstance(var, NumVar)}
+    named = {name: f"range of {ranges[name]}" if name in ranges else f"{part.alone.name}: {name}" for name in facts}
+    return {named[name]: part.into.bool(term) for name, term in facts.items()}
+
+
+def _twin(part: Part, var: NumVar) -> str:
+    twin = part.into(var)
+    assert isinstance(twin, NumVar)
+    return twin.name
+
+
+class _Proof:
+    """Proves terms over a step of the whole, each from what is known of the machines it speaks of."""
+
+    def __init__(self, system: TransitionSystem, ends: Deadline) -> None:
+        self._system, self._ends = system, ends
+        self._after, self._relevance = Substitution(dict(system.next)), Relevance(system)
+        self._free, self._lawful = environment(system, assume=False), environment(system)
+
+    def confirm(self, name: str, term: Bool, found: Inherited, *, always: bool) -> bool:
+        """Whether the term holds in every step, by z3 and cvc5; what speaks against it goes into `refuted`."""
+        known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
+        states = [] if always else list(found.facts.values())
+        given = [self._free if always else self._lawful, *known]
+        given += [self._after.bool(fact) for fact in (*found.always.values(), *states)]
+        for number, goals in enumerate(self._alike(term), 1):
+            query = Query(f"{self._system.name} {name} {number}", self._relevance.select(given, goals.values()), goals)
+            failed = unproved(query, self._ends.left)
+            if not failed:
+                certificate = certify(query, seconds=self._ends.left, relies_on=list(found.certificates))
+                found.certificates[certificate.file] = certificate.text
+                failed = {goal: Undecided("cvc5 could not confirm it in time") for goal in certificate.undecided}
+            if failed:
+                found.refuted[name] = next(iter(failed.values()))
+                return False
+        return True
+
+    def _alike(self, term: Bool) -> list[dict[str, Bool]]:
+        """The parts of a term, those together that speak of the same machines."""
+        groups: dict[frozenset[int], dict[str, Bool]] = {}
+        for number, part in enumerate(conjuncts(term), 1):
+            groups.setdefault(self._relevance.machines([part]), {})[f"part {number}"] = part
+        return list(groups.values())
