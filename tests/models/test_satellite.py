@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any, Literal
 
 import pytest
 
+from safeloc.expr import TRUE, Bool, Num, floor_div
 from safeloc.interpret import run
 from safeloc.models.satellite import Satellite, build, compose_machines
-from safeloc.models.satellite_parts.variables import FIX, REASON, SatelliteConfig, parts
+from safeloc.models.satellite_parts.variables import (
+    FIX,
+    MISSING,
+    REASON,
+    Parts,
+    Redundancy,
+    SatelliteConfig,
+    State,
+    parts,
+)
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.properties.satellite import properties
+from safeloc.properties.satellite import drift_properties, properties
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
 from safeloc.system import lower, without_ghosts
@@ -70,6 +82,7 @@ def test_a_solution_narrows() -> None:
     [
         ({"usable_2": False}, "NOT_USABLE"),
         ({"used_1": False, "used_2": False}, "TOO_FEW"),
+        ({"fix_unknowns": 4}, "TOO_FEW"),
         ({"fix_mm": 2_000_000}, "DISJOINT"),
         ({"fix_protection_mm": 30_001}, "TOO_COARSE"),
     ],
@@ -111,25 +124,126 @@ def test_a_reference_that_contradicts_ends_it() -> None:
     assert "CONTRADICTION" == REASON[int(trace.steps[-1].state["reason"])].label
 
 
+@pytest.mark.parametrize(
+    ("redundancy", "unknowns", "least"),
+    [
+        ("solve", 2, 2), ("detect", 2, 3), ("exclude", 2, 4),
+        ("solve", 4, 4), ("detect", 4, 5), ("exclude", 4, 6),
+        ("detect", 3, 4),
+    ],
+)  # fmt: skip
+def test_how_many_satellites_a_solution_needs(redundancy: Redundancy, unknowns: int, least: int) -> None:
+    """Along the track 2, 3, 4; free of it 4, 5, 6; a second constellation's clock is one unknown more. One fewer: no fix."""
+    machine = build(parts(SatelliteConfig(redundancy=redundancy, selection=SelectionConfig(channels=8))))
+    system = without_ghosts(lower(machine))
+
+    def after(satellites: int) -> str:
+        used = {f"used_{n}": n <= satellites for n in range(1, 9)} | {f"usable_{n}": True for n in range(1, 9)}
+        trace = run(system, [{**START, **used}, {**cycle(fix_mm=1_000_000, fix_unknowns=unknowns), **used}])
+        return verdict(trace)
+
+    assert ["TOO_FEW", "ACCEPTED"] == [after(least - 1), after(least)]
+
+
+def test_a_cycle_without_a_solution_says_why() -> None:
+    """The signals' reason is told on; a solution clears it."""
+    why = [one.value for one in MISSING if one.label in ("NONE_LEFT", "ALIKE")]
+    trace = driven(START, *(cycle(fix_missing=one) for one in why), cycle(fix_mm=1_000_000, fix_missing=why[0]))
+    assert [*why, 0] == [int(step.outputs["missing"]) for step in trace.steps[1:]]
+
+
+def test_a_reference_may_know_the_speed() -> None:
+    """With the speed of the train at the balise the margin grows by metres less in the next cycle."""
+    slow = driven(START, cycle())
+    known = driven({**START, "reference_speed_um_s": 20_000_000, "reference_speed_accuracy_um_s": 100_000}, cycle())
+    assert 1_004_000 == known.steps[-1].outputs["position_mm"]
+    assert int(known.steps[-1].outputs["under_mm"]) + 8_000 < int(slow.steps[-1].outputs["under_mm"])
+
+
+def drifting(cycles: int, **every: int | bool) -> list[dict[str, int | bool]]:
+    """False signals that lead a standing train 400 mm on in each cycle, each within the prediction's margin."""
+    speed = {"fix_speed_um_s": 2_000_000, "fix_speed_protection_um_s": 2_500_000, "fix_protection_mm": 8_000}
+    return [cycle(fix_mm=1_000_000 + 400 * (n + 1), **speed, **every) for n in range(cycles)]
+
+
+def test_odometry_ends_a_common_drift() -> None:
+    """Against a train that stands the false place counts until both margins are used up, then DRIFTED, and it ends."""
+    trace = driven(START, *drifting(60, odometry_mm=0, odometry_error_mm=1))
+    judged = [verdict(trace, n) for n in range(1, 61)]
+    assert "ACCEPTED" == judged[10]
+    first = judged.index("DRIFTED")
+    assert 15 < first < 40
+    assert all(
+        abs(int(step.state["position_nm"]) - 10**12) < 20 * 10**9 for step in trace.steps if step.outputs["valid"]
+    )
+    assert not trace.steps[-1].outputs["valid"]
+
+
+def test_odometry_that_runs_elsewhere_ends_the_position() -> None:
+    """A train that is known to stand, and odometry that runs 2 m in each cycle: no more than both margins are carried on."""
+    standing = {**START, "reference_speed_um_s": 0, "reference_speed_accuracy_um_s": 100_000}
+    trace = driven(standing, *[cycle(odometry_mm=2_000, odometry_error_mm=100)] * 6)
+    assert ["LOCATED", "COASTING", "UNLOCATED"] == list(dict.fromkeys(mode(trace, n) for n in range(7)))
+    assert "DRIFT" == REASON[int(trace.steps[-1].state["reason"])].label
+
+
+def test_without_odometry_the_drift_goes_on() -> None:
+    """The stated assumption, shown: nothing else finds it within a minute; what is told says how little is known."""
+    trace = driven(START, *drifting(60))
+    assert ["ACCEPTED"] * 50 == [verdict(trace, n) for n in range(11, 61)]
+    bounds = [int(step.outputs["drift_bound_mm"]) for step in trace.steps[1:]]
+    assert sorted(bounds) == bounds
+    assert int(trace.steps[-1].outputs["drift_bound_mm"]) > 900_000
+
+
+def test_odometry_that_is_lost_too_long_checks_nothing() -> None:
+    """Beyond its limit the anchor is given up, and said so; where it is required the position ends with it."""
+    close = SatelliteConfig(anchor_limit_mm=50_000, selection=CONFIG.selection)
+    trace = driven(START, *drifting(10))
+    loose = run(without_ghosts(lower(build(parts(close)))), [START, *drifting(10)])
+    assert (True, False) == (trace.steps[-1].outputs["drift_checked"], loose.steps[-1].outputs["drift_checked"])
+    strict = close.model_copy(update={"drift_check": "required"})
+    ended = run(without_ghosts(lower(build(parts(strict)))), [START, *drifting(10)])
+    assert (True, False) == (loose.steps[-1].outputs["valid"], ended.steps[-1].outputs["valid"])
+
+
 def test_wrong_configurations_are_refused() -> None:
-    """An odd period, and more satellites than channels."""
+    """An odd period, more satellites than channels, a prediction bound below what braking makes of it."""
     with pytest.raises(ValueError, match="period_ms must be even"):
         SatelliteConfig(period_ms=201)
     with pytest.raises(ValueError, match="3 satellites are needed, and the receiver has 2 channels"):
         SatelliteConfig(selection=SelectionConfig(channels=2))
+    with pytest.raises(ValueError, match="speed_prediction_mm_s 700 is below the predictor's error 3100"):
+        SatelliteConfig(period_ms=1_000, state_error_mm=0)
+    with pytest.raises(ValueError, match="range_prediction_mm 3000 is below the predictor's error 3080"):
+        SatelliteConfig(selection=SelectionConfig(range_prediction_mm=3_000))
 
 
 def _unproved(model: Satellite, *names: str) -> list[str]:
     asked = [prop for prop in properties(model) if not names or prop.name in names]
     findings = prove(model.composition.system, asked, Limits(seconds=60), jobs=2)
-    wanted = {f"satellite/property/{name}" for name in names}
+    wanted = {f"{model.composition.system.name}/property/{name}" for name in names}
     return [f.id for f in findings if not isinstance(f.result, Proved) and (not names or f.id in wanted)]
 
 
-@pytest.mark.parametrize("channels", [4, pytest.param(32, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("channels", [4, *(pytest.param(n, marks=pytest.mark.slow) for n in (8, 16, 32))])
 def test_everything_is_proved(channels: int) -> None:
     """Every property of selection and position together, without a bound."""
     assert [] == _unproved(compose_machines(SatelliteConfig(selection=SelectionConfig(channels=channels))))
+
+
+@pytest.mark.parametrize("drift_check", ["where present", "required"])
+def test_false_signals_lead_no_farther_than_told(drift_check: Literal["where present", "required"]) -> None:
+    """With nothing assumed of any signal: the distance between position and truth is bounded, without a bound on time."""
+    config = SatelliteConfig(selection=SelectionConfig(channels=4), drift_check=drift_check)
+    model = compose_machines(config, trusted="odometry")
+    findings = prove(model.composition.system, drift_properties(model), Limits(seconds=60), jobs=2)
+    assert [] == [finding.id for finding in findings if not isinstance(finding.result, Proved)]
+
+
+def test_containment_needs_its_assumption() -> None:
+    """With nothing assumed of any signal the reported interval may miss the truth: the proof of it is no empty one."""
+    assert ["satellite_drift/property/containment"] == _unproved(compose_machines(CONFIG, "odometry"), "containment")
 
 
 @pytest.mark.parametrize(
@@ -145,10 +259,60 @@ def test_a_wrong_judgement_is_noticed(weaker: dict[str, bool], noticed: str, mon
 
     right = satellite.verdict
 
-    def lax(own: satellite.Parts, located: satellite.Bool) -> satellite.Num:
+    def lax(own: Parts, located: Bool) -> Num:
         if "few" in weaker:
             return right(replace(own, config=own.config.model_copy(update={"redundancy": "solve"})), located)
         return right(replace(own, usable=own.used), located)
 
     monkeypatch.setattr(satellite, "verdict", lax)
     assert [f"satellite/property/{noticed}"] == _unproved(compose_machines(CONFIG), noticed)
+
+
+def _halved(state: State) -> State:
+    return replace(state, margin=state.margin - floor_div(state.margin, 2))
+
+
+@pytest.mark.parametrize(
+    ("name", "broken", "noticed"),
+    [
+        ("predicted", lambda right: lambda own: _halved(right(own)), "containment"),
+        (
+            "predicted",
+            lambda right: lambda own: replace(right(own), speed=right(own).speed + own.change),
+            "the prediction is the state before",
+        ),
+        ("predicted", lambda right: lambda own: _halved(right(own)), "coasting only grows"),
+        ("narrowed", lambda right: lambda first, second: _halved(right(first, second)), "containment"),
+        (
+            "carried",
+            lambda right: lambda own, state: replace(right(own, state), holds=TRUE),
+            "position and odometry meet",
+        ),
+        ("enough", lambda right: lambda own: TRUE, "no fix below the minimum"),
+    ],
+)
+def test_a_wrong_machine_is_noticed(
+    name: str, broken: Callable[[Any], Any], noticed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Margins that shrink, a prediction that overshoots, a drift nobody checks, any number of satellites: not proved."""
+    from safeloc.models import satellite
+
+    monkeypatch.setattr(satellite, name, broken(getattr(satellite, name)))
+    assert [f"satellite/property/{noticed}"] == _unproved(compose_machines(CONFIG), noticed)
+
+
+@pytest.mark.parametrize("name", ["range_threshold_mm", "speed_threshold_mm_s"])
+def test_the_threshold_rule_is_sharp(name: str) -> None:
+    """One above noise, clock and what a cycle makes of the state's error keeps every healthy satellite; exactly that does not."""
+    chosen = CONFIG.selection
+    least = {
+        "range_threshold_mm": chosen.range_noise_mm + chosen.range_clock_mm + CONFIG.least_range_prediction_mm,
+        "speed_threshold_mm_s": chosen.speed_noise_mm_s + chosen.speed_clock_mm_s + CONFIG.least_speed_prediction_mm_s,
+    }[name]
+    rule = "channel 1: braking excludes no healthy one"
+
+    def unproved(threshold: int) -> list[str]:
+        selection = chosen.model_copy(update={name: threshold})
+        return _unproved(compose_machines(CONFIG.model_copy(update={"selection": selection})), rule)
+
+    assert [[], [f"satellite/property/{rule}"]] == [unproved(least + 1), unproved(least)]
