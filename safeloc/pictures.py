@@ -217,7 +217,90 @@ class Stanford:
         return Read(reported=self.reported.outputs)
 
 
-Picture: TypeAlias = Deviation | Approach | Recognition | Stanford
+@dataclass(frozen=True)
+class Stretch:
+    """A piece of line with a name, from `low_mm` to `high_mm`."""
+
+    low_mm: int
+    high_mm: int
+    name: str
+
+
+@dataclass(frozen=True)
+class TrueEnds:
+    """Where a train's ends really were, mm, in each column of an image."""
+
+    low_mm: tuple[int, ...]
+    high_mm: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class LoudFibre:
+    """How loud each piece of a fibre was in each stretch of time.
+
+    says        the scene and the outcome that is expected, in words
+    first_ms    time of the recording's first step; `step_ms` of each, `steps_per_column` of them in a column
+    rows        of pieces of `row_mm`, from the fibre's beginning on: a hexadecimal digit for each column, in steps of
+                `level_cdb` over quiet, f and louder; a dot where nothing was told
+    sections    localization sections as they are; `marks`: places with names
+    """
+
+    title: str
+    says: str
+    first_ms: int
+    step_ms: int
+    steps_per_column: int
+    row_mm: int
+    level_cdb: int
+    rows: tuple[str, ...]
+    trains: tuple[TrueEnds, ...]
+    sections: tuple[Stretch, ...]
+    marks: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A reported interval with its name in the legend."""
+
+    name: str
+    reported: Reported
+
+
+@dataclass(frozen=True)
+class SectionState:
+    """A virtual section: names of the state that holds its bounds and its mode."""
+
+    name: str
+    low: str
+    high: str
+    mode: str
+
+
+@dataclass(frozen=True)
+class Waterfall:
+    """Amplitude of a fibre over distance and time, with trains, intervals and sections over it (issue 4).
+
+    loud      recording (file name without ending) -> what was heard there; it is called only where a picture is drawn
+    signals   outputs that tell of position signals
+    modes     states whose members stand in strips below, by their labels
+    """
+
+    title: str
+    loud: Callable[[str], LoudFibre | None]
+    intervals: tuple[Interval, ...]
+    sections: tuple[SectionState, ...] = ()
+    signals: tuple[str, ...] = ()
+    modes: Mapping[str, str] = field(default_factory=lambda: {"mode": "mode"})
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        intervals = [name for one in self.intervals for name in one.reported.outputs]
+        sections = [name for one in self.sections for name in (one.low, one.high, one.mode)]
+        return Read(reported=(*intervals, *sections, *self.signals, *self.modes.values()))
+
+
+Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Waterfall
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:

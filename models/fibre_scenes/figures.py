@@ -131,7 +131,7 @@ TROUBLES = (
     EndScene(
         "drift-of-n",
         "Drift of n",
-        "The index of refraction drifts by 5 % during the run. Position signals come at their time; the place by time of "
+        "The index of refraction drifts by 0.15 % a second from 60 s on. Position signals come at their time; the place by time of "
         "flight goes astray: error F (FLIGHT_DIFFERS) once it differs by more than its threshold. What stays below the "
         "threshold is not told, and changes no place.",
         _scene(THREE, drift=lambda second: Drift(index_ppm=max(0.0, second - 60) * 1_500), seed=7),

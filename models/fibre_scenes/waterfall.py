@@ -1,6 +1,6 @@
 """The picture data of a scene: how loud each piece of fibre was at each time, small, and what was really there.
 
-Levels are steps of 3 dB over each channel's own quiet, one hexadecimal digit each: 0 is quiet, f is 45 dB and more, a dot
+Levels are steps of 3 dB over the fibre's quiet, one hexadecimal digit each: 0 is quiet, f is 45 dB and more, a dot
 is a block that told nothing. Rows are pieces of fibre from its beginning on, each as loud as its loudest channel.
 """
 
@@ -68,7 +68,7 @@ def _levels(moments: Sequence[Moment]) -> Numbers:
     for number, moment in enumerate(moments):
         if len(moment.energy) and not _silenced(moment):
             energy[number] = moment.energy
-    quiet = np.nanpercentile(energy, QUIET_PERCENT, axis=0)
+    quiet = np.median(np.nanpercentile(energy, QUIET_PERCENT, axis=0))
     with np.errstate(invalid="ignore"):
         return np.asarray(10 * np.log10(np.maximum(energy / quiet, 1)) * 100 / LEVEL_CDB)
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
-from safeloc.pictures import Approach, Deviation, Picture, Recognition, Stanford
+from safeloc.pictures import Approach, Deviation, Picture, Recognition, Stanford, Waterfall
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture
 from safeloc.report.stanford import stanford_picture
 from safeloc.report.told import Broken, Told
+from safeloc.report.waterfall import waterfall_picture, waterfall_table
 from safeloc.results import Finding, Replayed
 from safeloc.target import Target
 from safeloc.verdict import Violated
@@ -19,11 +20,19 @@ from safeloc.verdict import Violated
 def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:
     """Title, recording and drawing of each picture, in order of the recordings."""
     return [
-        {"title": declared.title, "recording": told.name, "violated": [one.name for one in told.broken], "svg": svg}
+        {**_beside(declared, told), "recording": told.name, "violated": [one.name for one in told.broken], "svg": svg}
         for told in runs_told(target, findings)
         for declared in target.pictures
         if (svg := drawn(declared, told))
     ]
+
+
+def _beside(declared: Picture, told: Told) -> dict[str, Any]:
+    """What stands beside a drawing: its title; of a waterfall also what was to come of the scene, and its numbers."""
+    loud = declared.loud(told.name) if isinstance(declared, Waterfall) else None
+    if not isinstance(declared, Waterfall) or loud is None:
+        return {"title": declared.title}
+    return {"title": f"{declared.title}: {loud.title}", "says": loud.says, "table": waterfall_table(declared, told)}
 
 
 def drawn(declared: Picture, told: Told) -> str:
@@ -37,6 +46,8 @@ def drawn(declared: Picture, told: Told) -> str:
             return recognition_picture(declared, told)
         case Stanford():
             return stanford_picture(declared, told)
+        case Waterfall():
+            return waterfall_picture(declared, told)
         case _:
             assert_never(declared)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from pydantic import BaseModel
 
@@ -24,6 +25,7 @@ from safeloc.models import (
     train_order_streams,
     verification,
 )
+from safeloc.models.fibre_parts import picture as fibre_picture
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as axle_section_properties
@@ -44,7 +46,8 @@ def _fibre(config: BaseModel) -> Target:
     assert isinstance(config, fibre.FibreConfig)
     model = fibre.build(fibre.parts(config))
     made = single(model.machine, fibre_properties.properties(model), config)
-    return replace(made, reported=Reported(), simulate=lambda seed: _fibre_simulated(config, seed))
+    simulated = partial(_fibre_simulated, config)
+    return replace(made, reported=Reported(), simulate=simulated, pictures=(fibre_picture.picture(),))
 
 
 def _fibre_simulated(config: fibre.FibreConfig, seed: int) -> Sequence[Mapping[str, Cell]]:

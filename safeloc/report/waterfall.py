@@ -1,0 +1,353 @@
+"""How loud a fibre was over distance and time, and over it the true trains, what machines reported, and sections' states."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
+
+from safeloc.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, Waterfall
+from safeloc.report.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    LEFT,
+    ORANGE,
+    PURPLE,
+    RED,
+    RIGHT,
+    Axis,
+    Swatch,
+    across_axis,
+    band,
+    box_swatch,
+    legend,
+    line,
+    picture,
+    stroke_swatch,
+    upright_axis,
+    word,
+)
+from safeloc.report.png import Colour, data_address, png
+from safeloc.report.strips import strip, strip_legend
+from safeloc.report.thinning import Point, Span, pieces, spans
+from safeloc.report.told import Told
+from safeloc.report.violations import head, violations
+
+HEIGHT, ROW = 430, 26
+INK, CASING = "#101418", "#ffffff"
+QUIET: Colour = (246, 247, 248)
+LOUD: Colour = (44, 50, 60)
+UNTOLD: Colour = (255, 214, 204)
+DIGITS = "0123456789abcdef"
+INTERVALS = (BLUE, GREEN, PURPLE)
+STATES = {"FREE": GREEN, "OCCUPIED": ORANGE, "AMBIGUOUS": PURPLE, "UNKNOWN": GREY}
+SHADE = {"FREE": 0.0, "OCCUPIED": 0.42, "AMBIGUOUS": 0.42, "UNKNOWN": 0.5}
+INITIAL = {"FREE": "F", "OCCUPIED": "O", "AMBIGUOUS": "A", "UNKNOWN": "?"}
+MOST_ROWS = 24
+MS_PER_S = 1_000
+
+
+class Piece(NamedTuple):
+    """A virtual section's state between two times."""
+
+    begin_ms: float
+    end_ms: float
+    state: str
+
+
+@dataclass(frozen=True)
+class Fall:
+    """A run over the loudness of its fibre."""
+
+    one: Waterfall
+    told: Told
+    loud: LoudFibre
+
+    @property
+    def columns(self) -> int:
+        """How many stretches of time the image has."""
+        return len(self.loud.rows[0])
+
+    @property
+    def column_ms(self) -> int:
+        """How long each of them is."""
+        return self.loud.step_ms * self.loud.steps_per_column
+
+    @cached_property
+    def times_ms(self) -> list[float]:
+        """When each step of the run was taken."""
+        return [float(self.loud.first_ms + number * self.loud.step_ms) for number in range(len(self.told.trace.steps))]
+
+    @property
+    def time(self) -> Axis:
+        """Time across the page, in ms."""
+        begin = self.loud.first_ms - self.loud.step_ms
+        return Axis(begin, begin + self.columns * self.column_ms, LEFT, RIGHT)
+
+    def distance(self, top: float) -> Axis:
+        """Distance up the page, in mm."""
+        return Axis(0, len(self.loud.rows) * self.loud.row_mm, top + HEIGHT, top)
+
+    def ends(self, interval: Interval) -> list[tuple[int, int] | None]:
+        """The reported interval after each step."""
+        return [interval.reported.interval_mm(step.outputs) for step in self.told.trace.steps]
+
+    def states(self, section: SectionState) -> list[Piece]:
+        """A virtual section's states in time."""
+        words, made, at = self.told.words(section.mode), list[Piece](), 0
+        for state, group in groupby(words):
+            length = len(list(group))
+            begin = self.times_ms[at] - self.loud.step_ms
+            made.append(Piece(begin, begin + length * self.loud.step_ms, state))
+            at += length
+        return made
+
+    def bounds(self, section: SectionState) -> tuple[float, float]:
+        """A virtual section's bounds, mm."""
+        row = self.told.rows[0]
+        return float(row[section.low]), float(row[section.high])
+
+
+def waterfall_picture(one: Waterfall, told: Told) -> str:
+    """The drawing; empty for a recording of which nothing was kept."""
+    loud = one.loud(told.name)
+    if loud is None:
+        return ""
+    fall, top = Fall(one, told, loud), head(told) + 14
+    time, distance = fall.time, fall.distance(top)
+    made = [_image(fall, distance), upright_axis(distance, "place in km", unit=1_000_000)]
+    made += [_section(fall, section, distance) for section in one.sections]
+    made += [_marked(name, place, distance) for name, place in loud.marks.items()]
+    made += [_stretch(section, distance) for section in loud.sections]
+    for interval, colour in zip(one.intervals, INTERVALS, strict=False):
+        made.append(_interval(fall, interval, distance, colour))
+    made += [_train(fall, train, distance) for train in loud.trains]
+    made += [_signal(fall, name, distance) for name in one.signals]
+    y = top + HEIGHT + 10
+    for label, name in one.modes.items():
+        known: list[float | None] = list(fall.times_ms)
+        made.append(strip(time, known, told.words(name), told.members(name), y, label))
+        y += ROW
+    made.append(across_axis(time, y + 4, "time in s"))
+    made.append(violations(told, fall.times_ms, time, y))
+    keys, y = _legends(fall, y + 58)
+    return picture([*made, keys], y, described(one, told))
+
+
+def described(one: Waterfall, told: Told) -> str:
+    """What a reader who does not see the picture is told: the scene, and when each machine was in which mode."""
+    loud = one.loud(told.name)
+    if loud is None:
+        return ""
+    fall = Fall(one, told, loud)
+    length = len(loud.rows) * loud.row_mm / 1e6
+    told_of = [
+        f"{one.title}, recording {told.name}: {length:.1f} km of fibre over {fall.columns * fall.column_ms // 1_000} s."
+    ]
+    told_of.append(loud.says)
+    for label, name in one.modes.items():
+        told_of.append(f"{label}: {', '.join(_courses(fall, name))}.")
+    return " ".join(told_of)
+
+
+def _courses(fall: Fall, name: str) -> Iterator[str]:
+    at = 0
+    for mode, group in groupby(fall.told.words(name)):
+        yield f"{mode} from {fall.times_ms[at] / MS_PER_S:.0f} s"
+        at += len(list(group))
+
+
+def waterfall_table(one: Waterfall, told: Told) -> dict[str, list[str] | list[list[str]]] | None:
+    """The numbers of the picture, a few of its times; None where there is no picture."""
+    loud = one.loud(told.name)
+    if loud is None:
+        return None
+    fall = Fall(one, told, loud)
+    many = len(loud.trains) > 1
+    trains = [f"train {number} in m" if many else "train in m" for number in range(1, len(loud.trains) + 1)]
+    head_ = ["time in s", *trains, *(f"{one.name} in m" for one in one.intervals), *one.modes]
+    steps = range(0, len(told.trace.steps), -(-len(told.trace.steps) // MOST_ROWS))
+    return {
+        "head": [*head_, *(section.name for section in one.sections)],
+        "rows": [_cells(fall, step) for step in steps],
+    }
+
+
+def _cells(fall: Fall, step: int) -> list[str]:
+    column = min(step // fall.loud.steps_per_column, fall.columns - 1)
+    made = [f"{fall.times_ms[step] / MS_PER_S:.1f}"]
+    made += [_from_to(train.low_mm[column], train.high_mm[column]) for train in fall.loud.trains]
+    for interval in fall.one.intervals:
+        ends = fall.ends(interval)[step]
+        made.append("not reported" if ends is None else _from_to(*ends))
+    names = (*fall.one.modes.values(), *(section.mode for section in fall.one.sections))
+    return [*made, *(fall.told.words(name)[step] for name in names)]
+
+
+def _from_to(low_mm: float, high_mm: float) -> str:
+    return f"{low_mm / 1_000:.0f} to {high_mm / 1_000:.0f}".replace("-", "\N{MINUS SIGN}")
+
+
+# ------------------------------------------------------------------ pieces of the drawing
+
+
+def _image(fall: Fall, distance: Axis) -> str:
+    """The loudness, the greatest place on top."""
+    shades = [_between(QUIET, LOUD, level / (len(DIGITS) - 1)) for level in range(len(DIGITS))]
+    numbers = {digit: number for number, digit in enumerate(DIGITS)} | {".": len(DIGITS)}
+    rows = [bytes(numbers[digit] for digit in row) for row in reversed(fall.loud.rows)]
+    address = data_address(png(rows, [*shades, UNTOLD]))
+    return (
+        f'<image x="{LEFT}" y="{distance.end:.1f}" width="{RIGHT - LEFT}" height="{HEIGHT}" preserveAspectRatio="none" '
+        f'style="image-rendering:pixelated" class="loudness" href="{address}"/>'
+    )
+
+
+def _between(one: Colour, other: Colour, share: float) -> Colour:
+    red, green, blue = (round(a + (b - a) * share) for a, b in zip(one, other, strict=True))
+    return red, green, blue
+
+
+def _train(fall: Fall, train: TrueEnds, distance: Axis) -> str:
+    """Both ends, where they are on the fibre; light beside the ink, for any ground."""
+    made = ""
+    for ends, dash in ((train.high_mm, ""), (train.low_mm, "6 4")):
+        points = [_on(fall, distance, column, place) for column, place in enumerate(ends)]
+        made += line(pieces(points), CASING, kind="casing", width=4.2)
+        made += line(pieces(points), INK, kind="true-end", width=1.8, dash=dash)
+    return made
+
+
+def _on(fall: Fall, distance: Axis, column: int, place_mm: float) -> Point | None:
+    last_ms = fall.loud.first_ms + ((column + 1) * fall.loud.steps_per_column - 1) * fall.loud.step_ms
+    at = min(fall.time.at(last_ms), RIGHT)
+    return Point(at, distance.at(place_mm)) if distance.holds(place_mm) else None
+
+
+def _interval(fall: Fall, interval: Interval, distance: Axis, colour: str) -> str:
+    """A band with its edges; gaps where nothing is reported."""
+    found = [
+        None
+        if ends is None
+        else Span(fall.time.at(at), distance.at(_kept(ends[0], distance)), distance.at(_kept(ends[1], distance)))
+        for at, ends in zip(fall.times_ms, fall.ends(interval), strict=True)
+    ]
+    shown = [
+        None if span is None else Span(span.x, max(span.low, span.high), min(span.low, span.high)) for span in found
+    ]
+    edges = [
+        pieces(None if span is None else Point(span.x, y) for span, y in zip(shown, heights, strict=True))
+        for heights in zip(*((0.0, 0.0) if span is None else (span.low, span.high) for span in shown), strict=True)
+    ]
+    shade = band([[Span(s.x, s.high, s.low) for s in stretch] for stretch in spans(shown)], colour, kind="interval")
+    return shade + "".join(line(edge, colour, kind="interval-edge", width=1.6) for edge in edges)
+
+
+def _kept(place_mm: float, distance: Axis) -> float:
+    """The part of an interval that lies on the fibre is drawn."""
+    return min(max(place_mm, distance.low), distance.high)
+
+
+def _section(fall: Fall, section: SectionState, distance: Axis) -> str:
+    """A virtual section: its bounds, and its state in each stretch of time, with a letter."""
+    low, high = fall.bounds(section)
+    top, bottom = distance.at(high), distance.at(low)
+    made = [
+        f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{INK}" stroke-opacity=".45" stroke-width="1"/>'
+        for y in (top, bottom)
+    ]
+    made += [_state(fall, piece, top, bottom) for piece in fall.states(section)]
+    return "".join(made)
+
+
+def _state(fall: Fall, piece: Piece, top: float, bottom: float) -> str:
+    begin, end = fall.time.at(piece.begin_ms), min(fall.time.at(piece.end_ms), RIGHT)
+    shape = (
+        f'<rect x="{begin:.1f}" y="{top:.1f}" width="{max(end - begin, 1):.1f}" height="{bottom - top:.1f}" '
+        f'fill="{STATES.get(piece.state, GREY)}" fill-opacity="{SHADE.get(piece.state, 0.5)}" class="state {piece.state}"/>'
+    )
+    room = end - begin > 14 and bottom - top > 13
+    letter = INITIAL.get(piece.state, piece.state)
+    return shape + (word(begin + 4, top + 12, letter, style=f"fill:{INK};font-weight:700") if room else "")
+
+
+def _stretch(section: Stretch, distance: Axis) -> str:
+    """A localization section, as surveyed: two dotted lines with what it does between them, at the right."""
+    low, high = distance.at(section.low_mm), distance.at(section.high_mm)
+    lines = "".join(
+        f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{RED}" stroke-dasharray="2 4" class="section"/>'
+        for y in (low, high)
+    )
+    return lines + _plate((low + high) / 2 + 4, section.name)
+
+
+def _marked(name: str, place_mm: int, distance: Axis) -> str:
+    y = distance.at(place_mm)
+    return f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{INK}" stroke-opacity=".6" class="mark"/>' + _plate(y - 4, name)
+
+
+def _plate(y: float, text: str) -> str:
+    """Words at the image's right edge, readable on any ground."""
+    return (
+        f'<text x="{RIGHT - 6}" y="{y:.1f}" class="word" text-anchor="end" paint-order="stroke" '
+        f'style="fill:{INK};stroke:#fff;stroke-width:3">{html.escape(text)}</text>'
+    )
+
+
+def _signal(fall: Fall, name: str, distance: Axis) -> str:
+    """Position signals: a mark at the time on the upper edge."""
+    y = distance.end
+    return "".join(
+        f'<path d="M{fall.time.at(at):.1f} {y + 1:.1f}l-6 12h12z" fill="{RED}" class="position-signal"/>'
+        for at, told in zip(fall.times_ms, fall.told.flags(name), strict=True)
+        if told
+    )
+
+
+def _legends(fall: Fall, y: float) -> tuple[str, float]:
+    made = ""
+    drawn, y = legend(_keys(fall), y, "picture")
+    made += drawn
+    for label, name in fall.one.modes.items():
+        drawn, y = legend(strip_legend(fall.told.words(name), fall.told.members(name)), y, label)
+        made += drawn
+    return made, y
+
+
+def _keys(fall: Fall) -> Sequence[Swatch]:
+    step_db = fall.loud.level_cdb / 100
+    keys = [
+        Swatch(_ramp(), f"amplitude: quiet to {step_db * (len(DIGITS) - 1):.0f} dB over quiet and more"),
+        stroke_swatch(INK, "true train: end towards greater places"),
+        stroke_swatch(INK, "end towards smaller places", "6 4"),
+    ]
+    keys += [
+        box_swatch(colour, f"reported: {one.name}", faint=True)
+        for one, colour in zip(fall.one.intervals, INTERVALS, strict=False)
+    ]
+    if fall.loud.sections:
+        keys.append(stroke_swatch(RED, "localization section", "2 4"))
+    if fall.one.signals:
+        keys.append(Swatch(f'<path d="M13 -6l-6 12h12z" fill="{RED}"/>', "position signal counted"))
+    if any("." in row for row in fall.loud.rows):
+        keys.append(box_swatch("#ffd6cc", "nothing told"))
+    present = {piece.state for section in fall.one.sections for piece in fall.states(section)}
+    return [*keys, *(_state_key(state) for state in STATES if state in present)]
+
+
+def _state_key(state: str) -> Swatch:
+    shade = f'<rect x="0" y="-7" width="26" height="13" fill="{STATES[state]}" fill-opacity="{SHADE[state]}" stroke="{GREY}"/>'
+    return Swatch(shade, f"{INITIAL[state]} section {state}")
+
+
+def _ramp() -> str:
+    """Quiet to loud, in a few shades."""
+    shades = [_between(QUIET, LOUD, share / 4) for share in range(5)]
+    return "".join(
+        f'<rect x="{number * 5.2:.1f}" y="-7" width="5.4" height="13" fill="rgb{colour}"/>'
+        for number, colour in enumerate(shades)
+    )
