@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, before, between, exact_to
+from safeloc.expr import Bool, Num, as_num, before, between, exact_to, ite
 from safeloc.models.guard import Guard
 from safeloc.models.guard_parts.variables import NO_FAULT, PASSED, UNCONFIRMED
 from safeloc.properties.in_step import in_step, num_in_step
-from safeloc.spec import Property, always, earlier_bool, reachable, within
-from safeloc.units import NM
+from safeloc.spec import Property, always, earlier_bool, reachable
+from safeloc.units import COUNT, NM
 
 LAW = (
     "the vehicle keeps its figures; a fix that completes the row of agreeing ones is no farther off than it is charged"
@@ -165,19 +165,18 @@ def _coming_back(model: Guard) -> Iterator[Property]:
 
 
 def _use(model: Guard) -> Iterator[Property]:
-    machine, own = model.machine, model.own
+    machine, own, passed = model.machine, model.own, model.machine.flag("passed")
     most = own.config.confirmations
-    yield within(
-        "believed in time",
-        most,
-        machine.mode.eq(machine.modes[0]),
-        machine.flag("passed"),
-        given=model.judged.agrees & model.judged.begins | machine.mode.eq(machine.modes[0]) & model.judged.begins,
-        statement="while every delivery agrees, the receiver is believed with the last of the fixes asked for",
+    agrees = in_step(machine, model.judged.agrees & model.judged.begins) & ~machine.fired("window given up")
+    was = before(own.agreed)
+    one_more = own.agreed.eq(ite(was >= most - 1, as_num(most, COUNT), was + 1))
+    yield always(
+        "every agreeing fix counts",
+        (agrees & (was > 0)).implies(one_more) & (agrees & (was >= most - 1)).implies(passed),
+        statement="a row grows with each fix that agrees, and is passed on when it is full, unless the window ends first",
         trace=TRACE,
         unconditional=True,
-        helper=lambda waited: own.agreed >= waited,
-    )  # fmt: skip
+    )
     yield reachable(
         "probation is survived",
         machine.fired("receiver believed again"),

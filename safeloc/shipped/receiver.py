@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from pydantic import BaseModel
 
 from safeloc.models import guard
 from safeloc.models.guard_parts.variables import GuardConfig, parts
+from safeloc.nodes import Value
 from safeloc.properties import guard as guard_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import recorded
@@ -25,7 +28,14 @@ def _guard(config: BaseModel) -> Target:
         model.machine.doc,
         recorded("guard"),
         Reported(),
+        lambda seed: _simulated(config, seed),
     )
+
+
+def _simulated(config: GuardConfig, seed: int) -> Sequence[Mapping[str, Value]]:
+    from safeloc.models.guard_streams import simulate  # needed only where something is simulated
+
+    return simulate(config, seed=seed)
 
 
 ENTRIES = (Entry("guard", "of a receiver's positions, those that map and motion allow", GuardConfig, _guard),)

@@ -1,0 +1,259 @@
+"""The guard of a receiver: proved; every guard that is broken on purpose is noticed; rejection and recovery in figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import pytest
+
+from safeloc.catalogue import load_target
+from safeloc.expr import FALSE, TRUE, as_num
+from safeloc.interpret import run
+from safeloc.machine import Machine
+from safeloc.models.guard import Guard, build
+from safeloc.models.guard_parts import box
+from safeloc.models.guard_parts.variables import FAULT, JUDGED, GuardConfig, parts
+from safeloc.models.guard_streams import FIRST_TRUTH, simulate
+from safeloc.monitor import check_all
+from safeloc.nodes import Value
+from safeloc.properties.guard import properties
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.streams.steps import read_steps
+from safeloc.system import lower, without_ghosts
+from safeloc.trace import Trace
+from safeloc.units import COUNT
+from safeloc.verdict import Held, Proved
+from tests.models.one_step import changed, not_kept, without
+from tests.models.spoilt import rebuilt
+
+CONFIG = GuardConfig(confirmations=3, speed_window_ms=400, window_limit_mm=40_000)
+MODEL = build(parts(CONFIG))
+SYSTEM = without_ghosts(lower(MODEL.machine))
+PROPERTIES = {prop.name: prop for prop in properties(MODEL)}
+
+
+def quiet(**changes: Value) -> dict[str, Value]:
+    """A step of one period in which nothing is delivered, but for the changes."""
+    return {
+        "advance": True, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False, "fix_elsewhere": False,
+        **changes,
+    }  # fmt: skip
+
+
+def at(position_mm: int, **changes: Value) -> dict[str, Value]:
+    """A step with a fix."""
+    return quiet(fix_mm=position_mm, **changes)
+
+
+def driven(*steps: Mapping[str, Value]) -> Trace:
+    """The steps, on board."""
+    return run(SYSTEM, steps)
+
+
+def modes(trace: Trace) -> list[str]:
+    """The mode after each step."""
+    return [MODEL.machine.modes[int(step.state["mode"])].label for step in trace.steps]
+
+
+def reasons(trace: Trace) -> list[str]:
+    """What became of each step's delivery."""
+    return [JUDGED[int(step.state["judged"])].label for step in trace.steps]
+
+
+BELIEVED = [at(0), at(0), at(0)]
+
+
+# ------------------------------------------------------------------ proofs
+
+
+@pytest.mark.parametrize(
+    "figures",
+    [{}, {"period_ms": 400, "confirmations": 2}, {"acceleration_mm_s2": 181, "brake_mm_s2": 2_000, "speed_window_ms": 800}],
+    ids=["default", "slow", "freight"],
+)  # fmt: skip
+def test_everything_is_proved(figures: Mapping[str, int]) -> None:
+    """Without a bound, for configurations that differ in period, row and brake."""
+    model = build(parts(GuardConfig.model_validate(figures)))
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=60))
+    assert [finding.id for finding in findings if not isinstance(finding.result, Proved)] == []
+
+
+def broken_by(machine: Machine, name: str) -> set[str]:
+    """What no longer follows in one step, the property of that name included."""
+    found = {prop.name: prop for prop in properties(replace(MODEL, machine=machine))}
+    return not_kept(machine, found[name])
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("receiver believed", {"when": MODEL.judged.agrees & MODEL.judged.begins}),
+        ("receiver believed again", {"when": MODEL.judged.agrees}),
+        ("fix passed on", {"when": MODEL.judged.begins}),
+        ("receiver believed", {"when": MODEL.judged.confirmed}),
+    ],
+    ids=["one fewer in the row", "one lucky fix on probation", "window not looked at", "agreement not looked at"],
+)
+def test_a_broken_guard_loses_the_truth(name: str, fields: Mapping[str, object]) -> None:
+    """A fix that is taken too early, or without its gates, makes containment fail."""
+    assert "the truth is inside" in broken_by(changed(MODEL.machine, name, **fields), "containment")
+
+
+def spoilt_updates(name: str, change: Callable[[Guard], dict[object, object]]) -> Machine:
+    """The machine with some updates of one transition changed."""
+    table = [replace(t, set={**t.set, **change(MODEL)}) if t.name == name else t for t in MODEL.machine.transitions]  # type: ignore[dict-item]
+    return rebuilt(MODEL.machine, table)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("coast while passing", lambda model: {model.own.high: model.own.high}),
+        ("coast while probation", lambda model: {model.own.low: model.own.low}),
+        ("implausible fix", lambda model: box.become(model.own, model.judged.with_fix)),
+        ("fix agrees on probation", lambda model: box.become(model.own, model.judged.with_fix)),
+        ("fix passed on", lambda model: {model.own.anchor_high: model.own.anchor_low}),
+        ("coast while passing", lambda model: {model.own.fast: model.own.fast}),
+    ],
+    ids=["front rests", "rear rests", "an implausible fix narrows", "a doubtful fix narrows", "anchor", "speed rests"],
+)
+def test_a_broken_update_loses_the_truth(name: str, change: Callable[[Guard], dict[object, object]]) -> None:
+    """An interval that does not grow by all that the vehicle can do, or narrows by what was withheld, is noticed."""
+    assert broken_by(spoilt_updates(name, change), "containment")
+
+
+@pytest.mark.parametrize(
+    ("prop", "name", "fields"),
+    [
+        ("no resurrection", "receiver believed again", {"when": MODEL.judged.agrees}),
+        ("an implausible fix costs the trust", "implausible fix", {"when": FALSE}),
+        ("only a full row passes", "fix passed on", {"set": {MODEL.own.agreed: as_num(1, COUNT)}}),
+        ("faults are never passed", "fix passed on", {"when": TRUE}),
+    ],
+)
+def test_a_broken_rule_is_noticed(prop: str, name: str, fields: Mapping[str, object]) -> None:
+    """Each rule of trust fails when the transition that keeps it is broken."""
+    assert prop in broken_by(changed(MODEL.machine, name, **fields), prop)
+
+
+def test_the_implausible_fix_has_to_be_noticed() -> None:
+    """Without its transition an implausible fix would leave the receiver trusted."""
+    prop = "an implausible fix costs the trust"
+    assert prop in broken_by(without(MODEL.machine, "implausible fix"), prop)
+
+
+# ------------------------------------------------------------------ figures
+
+
+def test_a_row_is_needed() -> None:
+    """Two fixes are not enough where three are asked for; the third is passed on with 10 m on either side."""
+    trace = driven(*BELIEVED)
+    assert ["RECOVERING", "RECOVERING", "PASSING"] == modes(trace)
+    assert ["UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)
+    assert (True, 0, 10_000, 10_000) == tuple(
+        trace.steps[-1].outputs[name] for name in ("valid", "position_mm", "under_mm", "over_mm")
+    )
+
+
+def test_a_jump_costs_the_trust() -> None:
+    """After a jump the next fix where the vehicle can be is withheld, and passed on only when the row is full again."""
+    trace = driven(*BELIEVED, at(200_000), at(0), at(0), at(0))
+    assert ["PROBATION", "PROBATION", "PROBATION", "PASSING"] == modes(trace)[3:]
+    assert ["JUMP", "UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)[3:]
+
+
+def test_silence_widens_and_ends_it() -> None:
+    """Without fixes the interval grows by 4.4 m a step and side at 160 km/h; beyond the window it is given up."""
+    trace = driven(*BELIEVED, *[quiet()] * 9)
+    widths = [step.outputs["window_to_mm"] for step in trace.steps[2:9]]
+    assert widths == sorted(widths)
+    assert (False, True) == (trace.steps[7].outputs["valid"], trace.steps[7].outputs["holding"])
+    assert "WITHDRAWN" == modes(trace)[-1]
+
+
+def test_after_silence_a_fix_that_agrees_is_passed_on() -> None:
+    """A receiver that was only silent is not in doubt."""
+    trace = driven(*BELIEVED, *[quiet()] * 5, at(20_000))
+    assert ("PASSED", "PASSING", True) == (reasons(trace)[-1], modes(trace)[-1], trace.steps[-1].outputs["valid"])
+
+
+def test_speed_is_told_from_distance() -> None:
+    """After a window at rest the interval grows more slowly than at the highest speed."""
+    config = GuardConfig(confirmations=2)
+    trace = run(without_ghosts(lower(build(parts(config)).machine)), [*[at(0)] * 42, quiet()])
+    assert trace.steps[-1].state["fast_um_s"] < 10_000_000
+    assert trace.steps[-1].state["slow_um_s"] > -10_000_000
+
+
+@pytest.mark.parametrize(
+    ("step", "reason"),
+    [
+        (at(0, fix_offset_mm=10_001), "OFF_TRACK"),
+        (at(0, fix_ambiguous=True), "AMBIGUOUS"),
+        (at(0, fix_age_ms=900), "TOO_COARSE"),
+        (at(0, fix_elsewhere=True), "JUMP"),
+        (at(30_000), "JUMP"),
+        (at(0, fix_speed_mm_s=46_000), "SPEED_DISAGREES"),
+        *((quiet(fault=number), fault.label) for number, fault in enumerate(FAULT) if number),
+        (at(0, fault=3), "NOT_FINITE"),
+        (quiet(), "NOTHING"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_what_is_withheld(step: Mapping[str, Value], reason: str) -> None:
+    """Each gate has its reason, and what fails it leaves the interval to grow as if nothing had come."""
+    trace = driven(*BELIEVED, step)
+    silent = driven(*BELIEVED, quiet())
+    assert reason == reasons(trace)[-1]
+    assert not trace.steps[-1].outputs["passed"]
+    assert trace.steps[-1].outputs["window_to_mm"] == silent.steps[-1].outputs["window_to_mm"]
+
+
+def test_speed_that_disagrees_with_the_distance_run() -> None:
+    """A receiver that tells 20 m/s at rest is in doubt, once a window has told that the vehicle rests."""
+    config = GuardConfig(confirmations=2)
+    system = without_ghosts(lower(build(parts(config)).machine))
+    trace = run(system, [*[at(0)] * 42, at(0, fix_speed_mm_s=20_000)])
+    assert "SPEED_DISAGREES" == JUDGED[int(trace.steps[-1].state["judged"])].label
+
+
+def test_the_same_instant_moves_nothing() -> None:
+    """A second delivery in one instant finds the vehicle where it was."""
+    trace = driven(*BELIEVED, quiet(advance=False))
+    assert trace.steps[-1].outputs["window_to_mm"] == trace.steps[-2].outputs["window_to_mm"]
+
+
+def test_wrong_configurations_are_refused() -> None:
+    """Figures under which no fix could be passed on, an odd period, a window less than the tolerance or of no steps."""
+    for figures, told in (
+        ({"fix_error_mm": 20_000}, "is charged 35000 mm"),
+        ({"period_ms": 101}, "period_ms must be even"),
+        ({"window_limit_mm": 20_000}, "window_limit_mm must not be less"),
+        ({"speed_window_ms": 100}, "it must be 2 to 100"),
+    ):
+        with pytest.raises(ValueError, match=told):
+            GuardConfig.model_validate(figures)
+
+
+# ------------------------------------------------------------------ streams
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_simulated_receivers_obey_the_law_and_are_guarded(seed: int) -> None:
+    """On simulated faults every property holds with the truth beside it, and most fixes are passed on."""
+    system = lower(MODEL.machine)
+    trace = run(system, simulate(CONFIG, seed=seed, seconds=60), first=FIRST_TRUTH)
+    found = zip(PROPERTIES, check_all(trace, list(PROPERTIES.values())), strict=True)
+    assert [name for name, result in found if name != "probation is survived" and not isinstance(result, Held)] == []
+    assert sum(bool(step.outputs["passed"]) for step in trace.steps) > 30
+
+
+def test_shipped_streams_show_doubt_and_recovery() -> None:
+    """The recordings that ship have fixes passed on, a receiver in doubt, and one that is believed again."""
+    target = load_target("guard")
+    streams = [read_steps(path) for path in target.streams]
+    runs = [run(target.system, stream.steps, first=stream.first) for stream in streams]
+    fired = {name for trace in runs for step in trace.steps for name in step.fired.values()}
+    assert {"fix passed on", "implausible fix", "receiver believed again", "receiver believed"} <= fired
