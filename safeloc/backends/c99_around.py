@@ -16,10 +16,10 @@ def stepping(layout: Layout) -> str:
     idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
     return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
 {{
-    if (state == NULL || outputs == NULL) {{
+    if (state == NULL || inputs == NULL || outputs == NULL) {{
         return {upper}_NO_POINTER;
     }}
-    const int32_t status = {p}_check_inputs(inputs);
+    const int32_t status = judged(inputs);
     if (status != {upper}_OK) {{
         return status;
     }}
@@ -72,14 +72,23 @@ int32_t {p}_run({p}_state *state, const {p}_input_columns *columns, const {p}_ou
     {p}_outputs outputs = {{0}};
     int32_t status = {upper}_OK;
     size_t number = 0;
-    for (; number < count; number++) {{
-        gather(&inputs, &read, number);
-        status = {p}_check_inputs(&inputs);
-        if (status != {upper}_OK) {{
-            break;
+    if (told == NULL) {{
+        for (; number < count; number++) {{
+            gather(&inputs, &read, number);
+            status = judged(&inputs);
+            if (status != {upper}_OK) {{
+                break;
+            }}
+            advance(&now, &inputs, &outputs);
         }}
-        advance(&now, &inputs, &outputs);
-        if (told != NULL) {{
+    }} else {{
+        for (; number < count; number++) {{
+            gather(&inputs, &read, number);
+            status = judged(&inputs);
+            if (status != {upper}_OK) {{
+                break;
+            }}
+            advance(&now, &inputs, &outputs);
             show(&now, &outputs);
             scatter(&outputs, told, number);
         }}

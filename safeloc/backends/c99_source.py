@@ -102,22 +102,26 @@ def _as_term(var: Var, value: object) -> Expr:
 
 
 def _check_inputs(layout: Layout) -> str:
-    p = layout.names.prefix
+    """Within the file the check is a function of its own: one that others may call cannot always be inlined."""
+    p, upper = layout.names.prefix, layout.names.upper
     checks = "".join(
         _returned(_refused(field), input_status(layout, field)) for field in layout.inputs if _refused(field)
     )
-    return _checking(layout, f"int32_t {p}_check_inputs(const {p}_inputs *inputs)", "inputs", checks)
+    unused = "" if checks else "    (void)inputs;\n"
+    missing = _returned("inputs == NULL", f"{upper}_NO_POINTER")
+    return (
+        f"/* The status of the first input that is out of its range. */\n"
+        f"static inline int32_t judged(const {p}_inputs *inputs)\n{{\n{unused}{checks}    return {upper}_OK;\n}}\n\n"
+        f"int32_t {p}_check_inputs(const {p}_inputs *inputs)\n{{\n{missing}    return judged(inputs);\n}}\n"
+    )
 
 
 def _check_state(layout: Layout) -> str:
-    p, status = layout.names.prefix, f"{layout.names.upper}_STATE_OUT_OF_RANGE"
-    checks = "".join(_returned(test, status) for test in (_outside(field, "state") for field in layout.state) if test)
-    return _checking(layout, f"int32_t {p}_check_state(const {p}_state *state)", "state", checks)
-
-
-def _checking(layout: Layout, head: str, pointer: str, checks: str) -> str:
-    missing = _returned(f"{pointer} == NULL", f"{layout.names.upper}_NO_POINTER")
-    return f"{head}\n{{\n{missing}{checks}    return {layout.names.upper}_OK;\n}}\n"
+    p, upper = layout.names.prefix, layout.names.upper
+    tests = ["state == NULL", *(test for field in layout.state if (test := _outside(field, "state")))]
+    statuses = [f"{upper}_NO_POINTER", *[f"{upper}_STATE_OUT_OF_RANGE"] * (len(tests) - 1)]
+    checks = "".join(map(_returned, tests, statuses))
+    return f"int32_t {p}_check_state(const {p}_state *state)\n{{\n{checks}    return {upper}_OK;\n}}\n"
 
 
 def _returned(test: str, status: str) -> str:
