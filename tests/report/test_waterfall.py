@@ -90,9 +90,9 @@ def test_the_interval_is_where_it_was_reported() -> None:
     bands = kinds(of, "interval")
     assert 2 == len(bands)
     xs = [across(of)(x) for x, _ in points(bands[0])]
-    assert (0.5, 5.0) == (pytest.approx(min(xs), abs=0.1), pytest.approx(max(xs), abs=0.1))
+    assert pytest.approx([0.5, 5.0], abs=0.1) == [min(xs), max(xs)]
     heights = [upright(of)(y) for x, y in points(bands[0]) if across(of)(x) < 0.6]
-    assert (0.15, 0.28) == (pytest.approx(min(heights), abs=0.01), pytest.approx(max(heights), abs=0.01))
+    assert pytest.approx([0.15, 0.28], abs=0.01) == [min(heights), max(heights)]
 
 
 def test_sections_and_marks_are_named_at_their_place() -> None:
@@ -101,7 +101,7 @@ def test_sections_and_marks_are_named_at_their_place() -> None:
     assert {"raised, short", "axle counter", "localization section"} <= set(words(of))
     low, high = kinds(of, "section")
     places = [upright(of)(float(str(path.get("d")).split("150 ")[1].split("H")[0])) for path in (low, high)]
-    assert (0.9, 1.1) == (pytest.approx(places[0], abs=0.01), pytest.approx(places[1], abs=0.01))
+    assert pytest.approx([0.9, 1.1], abs=0.01) == places
     assert 5 == len(kinds(of, "position-signal"))
 
 
