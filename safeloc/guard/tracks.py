@@ -101,7 +101,8 @@ class Tracks:
         """
         near = self.projector.near(x, y, self.limit_mm, crs=self.crs)
         if not near:
-            return self._beginning([self.projector.project(x, y, crs=self.crs)])
+            beside = self._beginning([self.projector.project(x, y, crs=self.crs)])
+            return replace(beside, elsewhere=self.route is None)
         if window is None and self.route is None:
             return self._beginning(near)
         wide = None if window is None else window.wider(self.reach_mm)

@@ -15,6 +15,7 @@ from safeloc.errors import InputError
 from safeloc.guard.guard import Judgement
 from safeloc.guard.told import as_data, counted
 from safeloc.guard.tracks import Tracks
+from safeloc.line.projection import Projector
 from safeloc.models.guard import machine
 from safeloc.models.guard_parts.variables import GuardConfig
 from safeloc.report.guard_map import Spot, guard_map
@@ -54,9 +55,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
         passed=counts.get("PASSED", 0),
         line=tracks.topology.line.name,
         rows=[(reason, WORDS[reason], number) for reason, number in counts.items()],
-        map=Markup(
-            guard_map(tracks.projector.courses(), _way(tracks), list(_spots(judgements, tracks)), f"map of {name}")
-        ),
+        map=Markup(_map(judgements, tracks, f"map of {name}")),
         plot=Markup(guard_plot(list(_moments(judgements)), config.tolerance_mm, f"intervals of {name}")),
         figures=list(figures(config)),
         law=machine(config).doc,
@@ -75,13 +74,18 @@ def _way(tracks: Tracks) -> Iterable[str]:
     return () if tracks.route is None else (laid.run.edge for laid in tracks.route)
 
 
-def _spots(judgements: Iterable[Judgement], tracks: Tracks) -> Iterator[Spot]:
+def _map(judgements: Iterable[Judgement], tracks: Tracks, title: str) -> str:
+    """The whole line, also where only a route on it is guarded."""
+    plane = Projector(tracks.topology.line)
+    return guard_map(plane.courses(), _way(tracks), list(_spots(judgements, plane, tracks.crs)), title)
+
+
+def _spots(judgements: Iterable[Judgement], plane: Projector, crs: str) -> Iterator[Spot]:
     """Every fix that has a place on the map."""
     for one in judgements:
         if one.place is not None:
             assert one.delivery.x is not None and one.delivery.y is not None
-            east, north = tracks.projector.plane(one.delivery.x, one.delivery.y, crs=tracks.crs)
-            yield Spot(east, north, one.reason)
+            yield Spot(*plane.plane(one.delivery.x, one.delivery.y, crs=crs), one.reason)
 
 
 def _moments(judgements: Iterable[Judgement]) -> Iterator[Moment]:

@@ -60,7 +60,7 @@ def guard_plot(moments: Sequence[Moment], tolerance_mm: int, title: str) -> str:
     near = Axis(-2.0 * tolerance_mm, 2.0 * tolerance_mm, top + LOWER, top)
     made = [upright_axis(upper, "along the way in m"), _silence(moments, across, upper)]
     made += [_run(moments, across, upper), _spots(moments, across, upper, lambda one: one.position_mm)]
-    made += [upright_axis(near, "from the interval's middle in m"), _silence(moments, across, near)]
+    made += [upright_axis(near, "deviation in m"), _silence(moments, across, near)]
     made += [_bounds(near, tolerance_mm), _around(moments, across, near)]
     made += [_spots(moments, across, near, _beside_middle)]
     made.append(across_axis(across, near.begin + 8, "time in s"))
