@@ -26,10 +26,12 @@ from safeloc.errors import InputError
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import CHECKS, obligations
 from safeloc.provers.portfolio import prove as prove_all
+from safeloc.provers.recorded import Recording
 from safeloc.report.data import report_data
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
+from safeloc.streams.steps import read_steps
 from safeloc.testing import run_tests
 from safeloc.verdict import Proved, word, worst
 
@@ -110,7 +112,8 @@ def _owed(target: Target) -> int:
 
 def _obliged(target: Target, limits: Limits, jobs: int, progress: Progressing) -> list[Finding]:
     progress.say(f"obligations of {target.name}", _owed(target))
-    return obligations(target.system, limits, jobs=jobs, on_finding=progress.add)
+    recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
+    return obligations(target.system, limits, jobs=jobs, on_finding=progress.add, recordings=recordings)
 
 
 @app.command()

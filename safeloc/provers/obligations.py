@@ -11,7 +11,7 @@ assumption   the environment's assumption can be kept, step after step (witness 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from safeloc.provers.limits import Limits
@@ -19,6 +19,7 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.one_step import absence, division, overflow, overlap, ranges
 from safeloc.provers.portfolio import GRACE_SECONDS, OnFinding, proved_base
 from safeloc.provers.reachability import assumption_kept, reached
+from safeloc.provers.recorded import Recording
 from safeloc.provers.transfer import Packed, pack, unpack
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
@@ -39,15 +40,23 @@ SEARCHES = 4  # how often a check may use up its time limit, one search after th
 
 
 def obligations(
-    system: TransitionSystem, limits: Limits, *, jobs: int = 1, on_finding: OnFinding | None = None
+    system: TransitionSystem,
+    limits: Limits,
+    *,
+    jobs: int = 1,
+    on_finding: OnFinding | None = None,
+    recordings: Sequence[Recording] = (),
 ) -> list[Finding]:
-    """All free obligations of a system, one Finding each; checks run in `jobs` processes that the clock ends."""
+    """All free obligations of a system, one Finding each; checks run in `jobs` processes that the clock ends.
+
+    What `recordings` show to happen need not be found by search.
+    """
     proved_base(system, limits)
     tasks = [
         Task(
             f"{system.name}: {name}", partial(_packed, check, system, limits), SEARCHES * limits.seconds + GRACE_SECONDS
         )
-        for name, check in CHECKS.items()
+        for name, check in _checks(recordings).items()
     ]
     found: dict[int, list[Finding]] = {}
     for number, packed, seconds in in_processes(tasks, jobs):
@@ -56,6 +65,14 @@ def obligations(
             if on_finding is not None:
                 on_finding(finding)
     return [finding for number in range(len(tasks)) for finding in found[number]]
+
+
+def _checks(recordings: Sequence[Recording]) -> dict[str, Check]:
+    searches: dict[str, Check] = {
+        "reachable": partial(reached, recordings=recordings),
+        "assumption": partial(assumption_kept, recordings=recordings),
+    }
+    return {**CHECKS, **searches}
 
 
 def _packed(check: Check, system: TransitionSystem, limits: Limits) -> list[Packed]:

@@ -5,7 +5,7 @@ One incremental search serves all targets; a target found is a stream, replayed 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import z3
@@ -22,6 +22,7 @@ from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.obligation import Obligation
+from safeloc.provers.recorded import Recording, lasting, shown
 from safeloc.provers.spacer import spacer
 from safeloc.spec import Goal, Watch, observe, reachable, watch
 from safeloc.system import TransitionSystem, environment, in_range
@@ -31,6 +32,7 @@ from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 ASSUMPTION_STEPS = 5
 FURTHER_STEPS = 60
+GOES_ON = f"a run that keeps the assumption can go on for {FURTHER_STEPS} more steps"
 
 # ------------------------------------------------------------------ search for many targets at once
 
@@ -43,8 +45,11 @@ class Runs:
     depth: int
 
 
-def first_runs(goals: Sequence[Goal], limits: Limits) -> Runs:
-    """Shortest runs to as many targets as the limits allow; all goals are of one system and one assumption."""
+def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[str] = ()) -> Runs:
+    """Shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
+
+    The search ends where all that is left is `known` by name to be reached.
+    """
     if not goals:
         return Runs({}, limits.depth)
     watched = watch(replace(goals[0].original, assume=goals[0].system.assume), goals)
@@ -55,7 +60,7 @@ def first_runs(goals: Sequence[Goal], limits: Limits) -> Runs:
     for depth in range(limits.depth + 1):
         if not _search_depth(watched, unrolling, solver, depth, found, ends):
             return Runs(found, depth - 1)
-        if len(found) == len(goals):
+        if all(goal.prop.name in found or goal.prop.name in known for goal in goals):
             return Runs(found, depth)
         solver.add(unrolling.transition(depth))
     return Runs(found, limits.depth)
@@ -105,11 +110,14 @@ class _Target:
     goal: Goal
 
 
-def reached(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """Modes and transitions: first under the assumption; what is not found under it, without it."""
+def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()) -> Iterator[Obligation]:
+    """Modes and transitions: first under the assumption, found or recorded; what is neither, without it."""
     targets = list(_targets(system))
     defences = _impossible(system, targets, limits)
-    kept = first_runs([target.goal for target in targets if target.name not in defences], limits)
+    possible = [target.goal for target in targets if target.name not in defences]
+    seen = shown(possible, recordings)
+    kept = first_runs(possible, limits, seen)
+    kept = replace(kept, found={**seen, **kept.found})
     missing = [without_assumption(target.goal) for target in targets if target.name not in kept.found]
     free = first_runs(missing, limits)
     for target in targets:
@@ -179,7 +187,9 @@ def _dead(goal: Goal, depth: int, limits: Limits) -> Verdict:
 # ------------------------------------------------------------------ the assumption
 
 
-def assumption_kept(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+def assumption_kept(
+    system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()
+) -> Iterator[Obligation]:
     """A run under the assumption in which as many inputs and ghosts as possible take different values."""
     unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
     statement = f"the assumption can be kept for {ASSUMPTION_STEPS} steps from the start, and not by standing still"
@@ -199,7 +209,10 @@ def assumption_kept(system: TransitionSystem, limits: Limits) -> Iterator[Obliga
             still.append(var.name)
     yield Obligation("assumption", statement, *_shown(system, unrolling, model, still))
     last = unrolling.values(model, ASSUMPTION_STEPS, system.state)
-    yield _lasting(system, unrolling.values(model, 0, system.state), _stream(system, unrolling, model), last, ends)
+    first, stream = unrolling.values(model, 0, system.state), _stream(system, unrolling, model)
+    found = _lasting(system, first, stream, last, ends)
+    recorded = lasting(system, recordings, ASSUMPTION_STEPS + FURTHER_STEPS) if _undecided(found) else None
+    yield found if recorded is None else _lasts(recorded, f"a recorded run of {len(recorded.steps)} steps")
 
 
 def _shown(
@@ -225,7 +238,6 @@ def _lasting(
     ends: Deadline,
 ) -> Obligation:
     """Goes on from the end of the run, step by step: a state from which nothing lawful follows is a dead end."""
-    statement = f"a run that keeps the assumption can go on for {FURTHER_STEPS} more steps"
     unrolling, solver = Unrolling(system), z3.Solver()
     solver.add(unrolling.transition(0))
     for _ in range(FURTHER_STEPS):
@@ -234,14 +246,21 @@ def _lasting(
         answer = _checked(solver, ends)
         if answer != z3.sat:
             solver.pop()
-            return Obligation("assumption lasts", statement, _stuck(system, first, stream, answer), "step by step")
+            return Obligation("assumption lasts", GOES_ON, _stuck(system, first, stream, answer), "step by step")
         model = solver.model()
         solver.pop()
         stream.append(unrolling.values(model, 0, system.inputs))
         state = unrolling.values(model, 1, system.state)
-    witness = admissible_run(system, first, stream)
-    verdict = Proved(None, "bmc", len(stream), ("interpreter",), witness=witness)
-    return Obligation("assumption lasts", statement, verdict, f"one run of {len(stream)} steps, step by step")
+    return _lasts(admissible_run(system, first, stream), f"one run of {len(stream)} steps, step by step")
+
+
+def _undecided(found: Obligation) -> bool:
+    return isinstance(found.verdict, Unknown)
+
+
+def _lasts(run: Trace, method: str) -> Obligation:
+    verdict = Proved(None, "bmc", len(run.steps), ("interpreter",), witness=run)
+    return Obligation("assumption lasts", GOES_ON, verdict, method)
 
 
 def _stuck(
