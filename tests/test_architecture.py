@@ -30,6 +30,7 @@ ROOMS = {
         "models/fibre_streams.py",
         "models/reflector_streams.py",
         "models/route_streams.py",
+        "models/satellite_streams.py",
         "models/sections_streams.py",
         "models/stop_point_streams.py",
     ),

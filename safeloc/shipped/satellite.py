@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from pydantic import BaseModel
 
@@ -11,11 +12,13 @@ from safeloc.models import (
     satellite_selection,
 )
 from safeloc.models.satellite_parts.variables import SatelliteConfig
+from safeloc.pictures import Deviation, Stanford
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.reported import Reported
-from safeloc.shipped.making import single
+from safeloc.shipped.making import recorded, single
 from safeloc.spec import Property
+from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
 
 REPORTED = Reported(
@@ -37,7 +40,14 @@ BOUNDED = Reported(
 def _selection(config: BaseModel) -> Target:
     assert isinstance(config, satellite_selection.SelectionConfig)
     model = satellite_selection.build(satellite_selection.parts(config))
-    return single(model.machine, selection_properties.properties(model), config)
+    made = single(model.machine, selection_properties.properties(model), config)
+    return replace(made, simulate=lambda seed: _selection_simulated(config, seed))
+
+
+def _selection_simulated(config: satellite_selection.SelectionConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.satellite_streams import simulate_selection  # numpy is loaded only where something is simulated
+
+    return simulate_selection(config, seed=seed)
 
 
 def _satellite(config: BaseModel) -> Target:
@@ -55,10 +65,28 @@ def _satellite_drift(config: BaseModel) -> Target:
 
 
 def _target(
-    whole: satellite.Satellite, properties: Sequence[Property], config: BaseModel, doc: str, reported: Reported
+    whole: satellite.Satellite, properties: Sequence[Property], config: SatelliteConfig, doc: str, reported: Reported
 ) -> Target:
     system, machines = whole.composition.system, (whole.selection.machine, whole.machine)
-    return Target(system.name, machines, system, tuple(properties), config, doc, reported=reported)
+    streams, pictures = recorded(system.name), _pictures(reported, config.tolerance_mm)
+    return Target(
+        system.name, machines, system, tuple(properties), config, doc, streams, reported,
+        lambda seed: _simulated(config, seed), pictures,
+    )  # fmt: skip
+
+
+def _pictures(reported: Reported, tolerance_mm: int) -> tuple[Deviation, Stanford]:
+    """How every recorded run is drawn."""
+    return (
+        Deviation("Deviation along the track", reported, tolerance_mm, mode="position.mode"),
+        Stanford("Error against the margin stated for it", reported, tolerance_mm),
+    )
+
+
+def _simulated(config: SatelliteConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.satellite_streams import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
 
 
 ENTRIES = (

@@ -85,7 +85,7 @@ class Truth:
     """One epoch: true GPS time (s), place (m) and speed (m/s) along the track.
 
     error_m, error_m_per_s  of every measured satellite what detours, echoes and spoofers add
-    healthy_m               of every measured satellite the error that a healthy signal has
+    healthy_m, healthy_m_per_s  of every measured satellite the errors that a healthy signal has
     reflected               those that come by a detour only
     """
 
@@ -95,6 +95,7 @@ class Truth:
     error_m: Mapping[str, float]
     error_m_per_s: Mapping[str, float]
     healthy_m: Mapping[str, float]
+    healthy_m_per_s: Mapping[str, float]
     reflected: frozenset[str]
 
 
@@ -221,6 +222,7 @@ class _Told:
             {name: float(self.error[n, j]) for j, name in heard},
             {name: float(self.error_rate[n, j]) for j, name in heard},
             {name: float(self.usual.code_m[n, j]) for j, name in heard},
+            {name: float(self.usual.rate_m_per_s[n, j]) for j, name in heard},
             frozenset(name for j, name in heard if self.got.reflected[n, j]),
         )
 
