@@ -43,6 +43,7 @@ class RecordsVehicle(Vehicle):
     def _ended(self, line: int, time_ms: int) -> None:
         if self.controller is None:
             self.controller = self._make(time_ms // self._pace.period_ms * self._pace.period_ms)
+            self._lost = self._lost_until_heard = ""  # what belongs to earlier cycles has been said
         if not self._in_step(line, time_ms):
             return
         while not self.stopped and time_ms >= self.controller.next_end_ms:

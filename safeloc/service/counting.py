@@ -35,7 +35,7 @@ class LineCount:
             )
         self.last = number
         if last is None:
-            return Counted(lost=unsure)
+            return Counted() if number == 1 else Counted(lost=unsure)
         if number == last + 1:
             return Counted()
         return Counted(lost="the sender counts anew" if number == 1 else f"{number - last - 1} lines before {number}")

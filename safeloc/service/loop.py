@@ -68,9 +68,9 @@ class Loop:
     def run(self) -> None:
         """Until there is no more. Errors come out after what waits was saved and handed over, as far as possible."""
         parts = self._parts
+        parts.feed.open(parts.selector)
         try:
             with self._signals():
-                parts.feed.open(parts.selector)
                 parts.journal.info("started", pid=os.getpid(), machine=parts.fleet.name)
                 while not self._over and not self._stop:
                     self._once()
@@ -198,7 +198,8 @@ class Loop:
                     parts.saver.end()
             finally:
                 parts.feed.close()
-                parts.outlet.close()
+                if not isinstance(parts.outlet, Feed):
+                    parts.outlet.close()
                 tally = parts.fleet.tally
                 parts.journal.info(
                     "stopped", why=self._stop or "no more to read", wrong=parts.fleet.wrong, **vars(tally)

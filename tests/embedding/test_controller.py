@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from safeloc.border import Reason
 from safeloc.catalogue import load_target
 from safeloc.embedding import EVERY, Controller, Program, Report
-from safeloc.embedding.controller import MOST_RECORDS
+from safeloc.embedding.controller import MOST_RECORDS, periods
 from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.streams.cycles import cycles
@@ -54,7 +54,7 @@ def test_steps_are_the_interpreters(name: str) -> None:
     stream, program = read_steps(target.streams[0]), Program(target)
     kept = {var.name for var in program.system.state}
     first = {name: value for name, value in stream.first.items() if name in kept}
-    controller = Controller(program, period_ms=getattr(target.config, "period_ms", PERIOD_MS), first=first)
+    controller = Controller(program, period_ms=None if periods(target.config) else PERIOD_MS, first=first)
     inputs = [{key: value for key, value in step.items() if key in program.by_name} for step in stream.steps]
     expected = run(program.system, inputs, first=first).steps
     assert len(expected) > 10
