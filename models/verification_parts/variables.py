@@ -48,8 +48,10 @@ class VerificationConfig(Config):
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
     margin_limit_mm: int = quantity(500_000, "mm", 1, 100_000_000, "[D] wider tells nothing")
     max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
-    length_tolerance_mm: int = quantity(20_000, "mm", 0, 200_000, "[S] l. 160: 5 to 10 m at each end")
-    length_change_mm: int = quantity(40_000, "mm", 0, 400_000, "[D] two readings, each within its tolerance")
+    length_tolerance_mm: int = quantity(
+        40_000, "mm", 0, 200_000, "[D] of the front end, measured; [S] l. 160: 10 to 20 m"
+    )
+    length_change_mm: int = quantity(80_000, "mm", 0, 400_000, "[D] two readings, each within its tolerance")
     speed_tolerance_mm_s: int = quantity(1_400, "mm/s", 0, 20_000, "[S] Kowarik 2020: 5 km/h from one channel")
     place_tolerance_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] counter to first axle, and fibre edge")
     traction_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure] figures section 2")

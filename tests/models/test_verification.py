@@ -85,7 +85,7 @@ def test_named_faults(stay: Stay, reason: str, *, revoked: bool) -> None:
     ("cells", "reason"),
     [
         ({"fibre_length_mm": 160_000}, "LENGTH"),
-        ({"fibre_length_mm": 229_001}, "LENGTH"),
+        ({"fibre_length_mm": 249_001}, "LENGTH"),
         ({"fibre_speed_mm_s": 35_000}, "SPEED_CHANGED"),
         ({"fibre_position_mm": 900_000}, "JUMP"),
         ({"control_axles": 38}, "CONTROL_COUNT"),
