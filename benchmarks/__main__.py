@@ -20,7 +20,8 @@ def main() -> None:
     print(*table("Small odometer, 3 state variables", small, contenders.UNIT), "", sep="\n")
     print(*(judged(target, small) for target in contenders.TARGETS), "", sep="\n")
     whole = race(whole_odometry.contenders(), whole_odometry.expected)
-    print(*table("Odometry with two devices, 46 state variables", whole, whole_odometry.UNIT), sep="\n")
+    print(*table("Odometry with two devices, 46 state variables", whole, whole_odometry.UNIT), "", sep="\n")
+    print(*(judged(target, whole) for target in whole_odometry.TARGETS), sep="\n")
 
 
 if __name__ == "__main__":

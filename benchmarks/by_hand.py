@@ -57,6 +57,14 @@ def run_hand_written(rows: list[Row]) -> Last:
     return odometer.mode, odometer.position, odometer.margin
 
 
+BORDER = f"""
+        if (movement[n] < -5000 || movement[n] > 5000 || present[n] > 1
+                || (present[n] && (reference[n] < 0 || reference[n] > {LINE_MM}))) {{
+            break;
+        }}
+"""
+"""The check that generated code makes of every row: it stops before the first one with an input out of its range."""
+
 C_SOURCE = f"""
 #include <stdint.h>
 
@@ -64,6 +72,7 @@ void run(int64_t steps, const int64_t *movement, const uint8_t *present, const i
 {{
     int64_t mode = state[0], position = state[1], margin = state[2];
     for (int64_t n = 0; n < steps; n++) {{
+        /* border */
         int64_t way = movement[n] < 0 ? -movement[n] : movement[n];
         int64_t grown = margin + way * {RATE_PPM}, moved = position + movement[n];
         if (present[n]) {{
@@ -81,10 +90,10 @@ void run(int64_t steps, const int64_t *movement, const uint8_t *present, const i
 """
 
 
-def compiled_c(compiler: str, folder: Path) -> Callable[[list[Row]], Callable[[], Last]]:
+def compiled_c(compiler: str, folder: Path, *, border: bool) -> Callable[[list[Row]], Callable[[], Last]]:
     """The C loop, compiled now: rows -> a function that runs them and gives the last state."""
-    source, library = folder / "odometer.c", folder / "odometer.so"
-    source.write_text(C_SOURCE)
+    source, library = folder / f"by_hand_{border}.c", folder / f"by_hand_{border}.so"
+    source.write_text(C_SOURCE.replace("/* border */", BORDER if border else ""))
     subprocess.run([compiler, "-O2", "-Wall", "-Werror", "-shared", "-fPIC", source, "-o", library], check=True)
     run = ctypes.CDLL(str(library)).run
     run.argtypes = [ctypes.c_int64, *[ctypes.c_void_p] * 4]

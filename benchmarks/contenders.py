@@ -14,17 +14,20 @@ from benchmarks.odometer import Last, Row, odometer, on_board, stream
 from benchmarks.other_packages import run_bare_transitions, run_python_statemachine, run_sismic
 from benchmarks.turns import Contender, Ready, Target
 from safeloc.backends.batch import compile_batch, simulate
+from safeloc.backends.c_loader import load_c
 from safeloc.backends.compiled import compile_system
 from safeloc.backends.runtime import to_fsm
 from safeloc.interpret import start, step
 
 UNIT = "hand-written class"
 BATCH_RUNS = 16384
+C_STEPS, C_RUNS = 200_000, 20
 
 TARGETS = (
     Target("generated Python, tick", 1.0, UNIT),
     Target("generated Python, fused loop", 1.0, UNIT),
     Target("transitions, embedded", 0.8, "transitions, bare"),
+    Target("generated C, fused loop", 0.8, "hand-written C, fused loop"),
     Target("numpy batch", 10.0, "generated Python, tick"),
     Target("numpy batch", 50e6, None),
 )
@@ -44,7 +47,16 @@ def contenders(folder: Path) -> list[Contender]:
         Contender("generated Python, tick", 50_000, _plain(_ticked())),
         Contender("generated Python, fused loop", 50_000, _plain(_fused())),
         Contender("numpy batch", 200, _batch, BATCH_RUNS),
-        *([Contender("hand-written C, fused loop", 200_000, _plain_c(compiler, folder))] if compiler else []),
+        *(_in_c(compiler, folder) if compiler else []),
+    ]
+
+
+def _in_c(compiler: str, folder: Path) -> list[Contender]:
+    """By hand with and without the check of every row that generated code makes, and generated."""
+    return [
+        Contender("hand-written C, unchecked", C_STEPS, _by_hand(compiler, folder, border=False), C_RUNS),
+        Contender("hand-written C, fused loop", C_STEPS, _by_hand(compiler, folder, border=True), C_RUNS),
+        Contender("generated C, fused loop", C_STEPS, _generated_c(compiler, folder), C_RUNS),
     ]
 
 
@@ -58,9 +70,32 @@ def _plain(run: Callable[[list[Row]], Last]) -> Callable[[int], Ready]:
     return prepare
 
 
-def _plain_c(compiler: str, folder: Path) -> Callable[[int], Ready]:
+def _by_hand(compiler: str, folder: Path, *, border: bool) -> Callable[[int], Ready]:
     """A fused loop in C, written by hand."""
-    return lambda steps: compiled_c(compiler, folder)(stream(steps))
+    return lambda steps: _again_and_again(compiled_c(compiler, folder, border=border)(stream(steps)))
+
+
+def _again_and_again(run: Ready) -> Ready:
+    """A run that is over too soon to be timed, many times."""
+    return lambda: [run() for _ in range(C_RUNS)][-1]
+
+
+def _generated_c(compiler: str, folder: Path) -> Callable[[int], Ready]:
+    """The loop over columns of the generated C."""
+
+    def prepare(steps: int) -> Ready:
+        machine = load_c(on_board(), folder=folder, cc=compiler)
+        columns, first = machine.packed(stream(steps)), machine.save()
+
+        def run() -> Last:
+            machine.restore(first)
+            machine.run(columns)
+            mode, position, margin = machine.state.values()
+            return mode, position, margin
+
+        return _again_and_again(run)
+
+    return prepare
 
 
 def _interpreted(rows: list[Row]) -> Last:

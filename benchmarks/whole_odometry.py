@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
-from benchmarks.turns import Contender, Last, Ready
+from benchmarks.turns import Contender, Last, Ready, Target
 from safeloc.backends.batch import compile_batch, simulate
+from safeloc.backends.c_loader import load_c
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.interpret import run
 from safeloc.models import odometry, odometry_streams
@@ -17,7 +19,9 @@ from safeloc.nodes import BoolVar, Value
 from safeloc.system import TransitionSystem, lower, without_ghosts
 
 UNIT = "generated Python, tick"
+TARGETS = (Target("generated C, fused loop", 5e6, None),)
 STEPS, BATCH_STEPS, BATCH_RUNS = 1_000, 20, 8_192
+C_RUNS = 200
 SEED = 20_250_101
 
 
@@ -56,6 +60,7 @@ def contenders() -> list[Contender]:
         Contender(UNIT, STEPS, _ticked),
         Contender("generated Python, fused loop", STEPS, _fused),
         Contender("numpy batch", BATCH_STEPS, _batch, BATCH_RUNS),
+        *([Contender("generated C, fused loop", STEPS, _in_c, C_RUNS)] if shutil.which("cc") else []),
     ]
 
 
@@ -95,6 +100,20 @@ def _ticked(steps: int) -> Ready:
 def _fused(steps: int) -> Ready:
     rows, loop, first = _rows(steps), _code().run, _code().first()
     return lambda: _plain(loop(rows, first))
+
+
+def _in_c(steps: int) -> Ready:
+    """The loop over columns of the generated C, many times, since it is soon over."""
+    machine = load_c(_system())
+    columns, first = machine.packed(_rows(steps)), machine.save()
+
+    def run_all() -> Last:
+        for _ in range(C_RUNS):
+            machine.restore(first)
+            machine.run(columns)
+        return _plain(list(machine.state.values()))
+
+    return run_all
 
 
 def _batch(steps: int) -> Ready:

@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from safeloc.backends.c99 import library_texts
 from safeloc.backends.c99_build import build
@@ -66,6 +66,8 @@ class CMachine:
         self._state, self._inputs, self._outputs = (
             _structure(fields)() for fields in (layout.state, layout.inputs, layout.told)
         )
+        self._input_columns, self._output_columns = (_pointers(fields) for fields in (layout.inputs, layout.told))
+        self._snapshot = _snapshot(type(self._state))
         self._function("status_text").restype = ctypes.c_char_p
         self.reset(first)
 
@@ -98,12 +100,13 @@ class CMachine:
 
     def columns(self, records: Sequence[Mapping[str, object]]) -> Columns:
         """Inputs of many steps as C reads them; InputError as for `step`."""
-        rows = [self._ordered(record) for record in records]
+        return self.packed([self._ordered(record) for record in records])
+
+    def packed(self, rows: Sequence[Sequence[Value]]) -> Columns:
+        """The same from rows of values in the order of `system.inputs`; ranges are then judged by C alone, in `run`."""
         values = zip(*rows, strict=True) if rows else [() for _ in self.layout.inputs]
-        return Columns(
-            len(rows),
-            tuple(_array(field, column) for field, column in zip(self.layout.inputs, values, strict=True)),
-        )
+        arrays = (_array(field, column) for field, column in zip(self.layout.inputs, values, strict=True))
+        return Columns(len(rows), tuple(arrays))
 
     def run(self, columns: Columns) -> None:
         """All steps in one call, outputs left aside. InputError, with the row, where C refuses inputs."""
@@ -132,15 +135,11 @@ class CMachine:
 
     def _ran(self, columns: Columns, told: Sequence[ctypes.Array[Any]] | None) -> None:
         done = ctypes.c_size_t()
-        shown = None if told is None else ctypes.byref(_pointers(self.layout.told, told))
-        given = (ctypes.byref(self._state), ctypes.byref(_pointers(self.layout.inputs, columns.arrays)), shown)
+        shown = None if told is None else ctypes.byref(_filled(self._output_columns, told))
+        given = (ctypes.byref(self._state), ctypes.byref(_filled(self._input_columns, columns.arrays)), shown)
         status = self._function("run")(*given, ctypes.c_size_t(columns.count), ctypes.byref(done))
         if status:
             raise InputError(f"{self.system.name}: row {done.value}: {self._text(status)}.")
-
-    def _snapshot(self) -> Any:
-        fields = [("declaration", ctypes.c_uint64), ("checksum", ctypes.c_uint64), ("state", type(self._state))]
-        return type("Snapshot", (ctypes.Structure,), {"_fields_": fields})()
 
     def _ordered(self, record: Mapping[str, object]) -> list[Value]:
         values = read_inputs(self.system, record)
@@ -180,13 +179,22 @@ def _array(field: Field, values: Sequence[Value]) -> ctypes.Array[Any]:
     return array
 
 
-def _pointers(fields: Sequence[Field], arrays: Sequence[ctypes.Array[Any]]) -> ctypes.Structure:
+def _pointers(fields: Sequence[Field]) -> type[ctypes.Structure]:
     """The structure of columns as the header declares it."""
-    declared = [(field.name, ctypes.POINTER(_CTYPES[field.kind])) for field in fields]
-    made: ctypes.Structure = type("Columns", (ctypes.Structure,), {"_fields_": declared or [("nothing", ctypes.c_uint8)]})()
-    for field, array in zip(fields, arrays, strict=True):
-        setattr(made, field.name, ctypes.cast(array, ctypes.POINTER(_CTYPES[field.kind])))
-    return made
+    declared = [(field.name, ctypes.POINTER(_CTYPES[field.kind])) for field in fields] or [("nothing", ctypes.c_uint8)]
+    return type("Columns", (ctypes.Structure,), {"_fields_": declared})
+
+
+def _filled(kind: type[ctypes.Structure], arrays: Sequence[ctypes.Array[Any]]) -> ctypes.Structure:
+    """Columns that point to the arrays."""
+    return kind(
+        *(ctypes.cast(array, cast("type[Any]", field[1])) for array, field in zip(arrays, kind._fields_, strict=False))
+    )
+
+
+def _snapshot(state: type[ctypes.Structure]) -> type[ctypes.Structure]:
+    fields = [("declaration", ctypes.c_uint64), ("checksum", ctypes.c_uint64), ("state", state)]
+    return type("Snapshot", (ctypes.Structure,), {"_fields_": fields})
 
 
 def _fill(structure: ctypes.Structure, fields: Sequence[Field], values: Sequence[Value]) -> None:
