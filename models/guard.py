@@ -122,7 +122,12 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("fix agrees on probation", probation, probation, cycle.agrees, agreeing, TRACE, 4)
     for mode in both:
         yield Transition(
-            f"coast while {mode.label.lower()}", mode, mode, set=coast(own.agreed, _withheld(cycle)), rank=5
+            f"coast while {mode.label.lower()}",
+            mode,
+            mode,
+            set=coast(own.agreed, _withheld(cycle)),
+            trace=TRACE,
+            rank=5,
         )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.border import Deliveries, Raw, Reason
@@ -81,10 +82,12 @@ class Guard:
         came = delivery.time_ms if delivery.received_ms is None else delivery.received_ms
         now = came if self._now_ms is None else max(came, self._now_ms)
         late = self._late(delivery.time_ms, now)
+        if late is not None and self._now_ms is None:
+            return self._step(delivery, *late)
         ahead = self._run_until(now)
-        fault, detail = late or _no_position(delivery)
-        if fault:
-            return self._step(delivery, fault, detail)
+        fault = late or _no_position(delivery)
+        if fault is not None:
+            return self._step(delivery, *fault)
         try:
             match = self._matched(delivery)
         except InputError as error:
@@ -195,7 +198,9 @@ class Guard:
         return int(self._state[self._code.state_names.index(name)])
 
 
+@cache
 def _code(config: GuardConfig) -> Compiled:
+    """The machine, compiled once for all receivers of one configuration."""
     return compile_system(without_ghosts(lower(build(parts(config)).machine)))
 
 
@@ -218,10 +223,10 @@ def _of_match(match: Match, delivery: Delivery, age_ms: int) -> dict[str, Value]
     return said if delivery.speed_mm_s is None else {**said, "fix_speed_mm_s": delivery.speed_mm_s}
 
 
-def _no_position(delivery: Delivery) -> tuple[str, str]:
-    """Why there is no position to look up; empty where there is one."""
+def _no_position(delivery: Delivery) -> tuple[str, str] | None:
+    """Why there is no position to look up; None where there is one."""
     if delivery.x is None or delivery.y is None:
         return "NO_FIX", ""
     if not (math.isfinite(delivery.x) and math.isfinite(delivery.y)):
         return "NOT_FINITE", f"({delivery.x}, {delivery.y})"
-    return "", ""
+    return None
