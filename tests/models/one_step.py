@@ -9,14 +9,19 @@ from safeloc.machine import Machine
 from safeloc.provers.base import ranges_and_lemmas
 from safeloc.provers.implication import unproved
 from safeloc.spec import Property, observe
-from safeloc.system import environment, in_range, lower
+from safeloc.system import TransitionSystem, environment, in_range, lower
 from safeloc.terms import Substitution, variables
 from tests.models.spoilt import rebuilt
 
 
 def not_kept(machine: Machine, prop: Property) -> set[str]:
     """Names of what does not follow in one step from ranges, lemmas and the property: empty for a sound machine."""
-    goal = observe(lower(machine), prop)
+    return not_kept_by(lower(machine), prop)
+
+
+def not_kept_by(system: TransitionSystem, prop: Property) -> set[str]:
+    """The same of a composition."""
+    goal = observe(system, prop)
     ghosts = goal.original.ghosts if prop.unconditional else frozenset()
     known = {
         name: term for name, term in ranges_and_lemmas(goal.original).items() if not ghosts & set(variables([term]))

@@ -1,0 +1,269 @@
+"""A train and its area in one step: proved through all machines, told in journeys, and broken on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.expr import FALSE, TRUE, Expr, Var
+from safeloc.interpret import run
+from safeloc.models import area as area_model
+from safeloc.models import emitter as emitter_model
+from safeloc.models import fibre as fibre_model
+from safeloc.models import fibre_area
+from safeloc.models import verification as verification_model
+from safeloc.models.area import AreaConfig
+from safeloc.models.emitter import Emitter
+from safeloc.models.fibre import Fibre
+from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
+from safeloc.models.fibre_area_parts import report as report_model
+from safeloc.models.fibre_area_parts.entry import Entry, entry
+from safeloc.models.fibre_area_streams import REMARK, Journey, first_state, simulate_journey
+from safeloc.models.sections import SectionsConfig, section
+from safeloc.models.verification import Verification, VerificationConfig
+from safeloc.monitor import check_all
+from safeloc.properties.fibre_area import properties
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.streams.steps import Cell
+from safeloc.testing import run_tests
+from safeloc.trace import Trace
+from safeloc.verdict import Proved, Violated, word
+from tests.models.fibre_family import labels
+from tests.models.one_step import changed, not_kept_by
+
+CONFIG = FibreAreaConfig()
+Wiring = Callable[[Verification, Fibre, Fibre, Emitter, Entry], dict[Var, Expr]]
+
+
+@cache
+def made() -> FibreArea:
+    """The composition of one train and one section."""
+    return compose_machines(CONFIG)
+
+
+def travelled(journey: Journey, **cells: dict[int, dict[str, Cell | None]]) -> Trace:
+    """A journey, with cells changed (None: absent) in single cycles; every property holds on it."""
+    steps = [{name: cell for name, cell in step.items() if name != REMARK} for step in simulate(journey)]
+    for cycle, new in cells.get("at", {}).items():
+        merged: dict[str, Cell | None] = {**steps[cycle], **new}
+        steps[cycle] = {name: cell for name, cell in merged.items() if cell is not None}
+    trace = run(made().composition.system, steps, first=first_state(journey))
+    assert not [one for one in check_all(trace, properties(made())) if isinstance(one, Violated)]
+    return trace
+
+
+@cache
+def simulate(journey: Journey) -> list[dict[str, Cell]]:
+    """The journey's steps."""
+    return simulate_journey(CONFIG, seed=1, journey=journey)
+
+
+def mode(trace: Trace, machine: str, cycle: int) -> str:
+    """A machine's mode after a cycle."""
+    (found,) = [one for one in trace.system.machines if one.name == machine]
+    return found.modes[int(trace.steps[cycle].state[f"{machine}.mode"])].label
+
+
+# ------------------------------------------------------------------ journeys
+
+
+def test_a_verified_journey() -> None:
+    """Trusted from the first count after the record on; the section behind the train becomes clear; gone, it is forgotten."""
+    trace = travelled(Journey(cycles=120))
+    assert [mode(trace, "verification", cycle) for cycle in (13, 14, 15, 109, 110)] == [
+        "NO_REFERENCE", "WITHHELD", "TRUSTED", "TRUSTED", "NO_REFERENCE"
+    ]  # fmt: skip
+    assert [mode(trace, "section_1", cycle) for cycle in (14, 30, 66, 119)] == ["UNKNOWN", "AMBIGUOUS", "FREE", "FREE"]
+    assert all(trace.steps[cycle].outputs["verification.verified_by_emitter"] for cycle in (20, 60, 100))
+
+
+def test_the_code_locates_and_a_late_record_trusts() -> None:
+    """Without a counter's reference both ends find themselves by the code; the record was missing, then it comes."""
+    journey = Journey(cycles=295, record=290, referred=False, area_mm=(0, 8_000_000), cuts_mm=((3_000_000, 4_000_000),))
+    trace = travelled(journey)
+    assert [mode(trace, "entry", cycle) for cycle in (240, 241, 289, 290)] == ["AWAITED", "MISSING", "MISSING", "TOLD"]
+    assert labels(trace, "verification.reason")[241] == "REFERENCE_LOST"
+    assert [mode(trace, "verification", cycle) for cycle in (240, 241, 294)] == ["NO_REFERENCE", "UNTRUSTED", "TRUSTED"]
+
+
+@pytest.mark.parametrize(
+    ("journey", "cycle", "reason"),
+    [
+        (Journey(cycles=90, split=60), 60, "COUNT"),
+        (Journey(cycles=90, front_missed=(1,)), 62, "FIBRE_ERROR"),
+        (Journey(cycles=90, emitter_dead=(30, 70)), 41, "CHAIN_FAILED"),
+    ],
+    ids=["split train", "missed section", "emitter fails"],
+)
+def test_named_faults(journey: Journey, cycle: int, reason: str) -> None:
+    """Each fault revokes in its cycle, and the train stays untrusted; what it may have reached is never clear again."""
+    trace = travelled(journey)
+    assert [mode(trace, "verification", number) for number in (cycle - 1, cycle, 89)] == [
+        "TRUSTED", "UNTRUSTED", "UNTRUSTED"
+    ]  # fmt: skip
+    assert set(labels(trace, "verification.reason")[cycle:]) == {reason}
+    assert trace.steps[cycle].outputs["verification.revoked"]
+    assert {mode(trace, "section_1", number) for number in range(cycle, 90)} == {"AMBIGUOUS", "UNKNOWN"}
+
+
+@pytest.mark.parametrize(
+    ("cells", "reason"),
+    [
+        ({"front.flight_position_mm": 1_200_000}, "FIBRE_ERROR"),
+        ({"rear.flight_position_mm": 1_200_000}, "FIBRE_ERROR"),
+        ({"rear.amplitude_cdb": 1_200}, "FIBRE_ERROR"),
+        ({"verification.fibre_axles": 39}, "COUNT"),
+        ({"verification.fibre_length_mm": 100_000}, "LENGTH"),
+        ({"verification.associated": False}, "NOT_ASSOCIATED"),
+        ({"emitter.heard_pattern": CONFIG.emitter.pattern, "emitter.heard_place_mm": 500_000}, "CHAIN_FAILED"),
+    ],
+)
+def test_one_cycle_that_does_not_agree(cells: dict[str, Cell | None], reason: str) -> None:
+    """One cycle is enough: the position is withheld in it, and the area's interval of the train grows."""
+    trace = travelled(Journey(cycles=50), at={40: cells})
+    assert labels(trace, "verification.reason")[40] == reason
+    before, after = (trace.steps[cycle].state for cycle in (39, 40))
+    assert after["area.train_1_low_mm"] < before["area.train_1_low_mm"]
+    assert after["area.train_1_high_mm"] > before["area.train_1_high_mm"]
+
+
+def test_ends_that_the_record_does_not_allow() -> None:
+    """A record of a much longer train contradicts where both ends are, even without a count or a length of the fibre."""
+    cells: dict[str, Cell | None] = {
+        "verification.record_length_low_mm": 700_000,
+        "verification.record_length_high_mm": 710_000,
+    }
+    trace = travelled(Journey(cycles=20, counted_every=100), at={14: cells})
+    assert labels(trace, "verification.reason")[14] == "ENDS_APART"
+
+
+def test_a_stale_reading_narrows_nothing() -> None:
+    """A trusted position that is older than the limit is given out, but the area does not narrow by it."""
+    trace = travelled(Journey(cycles=50), at={40: {"report.reading_age_ms": 1_500}})
+    assert mode(trace, "verification", 40) == "TRUSTED"
+    assert labels_of_area(trace)[40] == "STALE"
+
+
+def labels_of_area(trace: Trace) -> list[str]:
+    """What became of the train's report in every cycle."""
+    unit = made().area.own.slots[0].judged.unit
+    return [str(unit.members[int(step.state["area.train_1_judged"])]) for step in trace.steps]  # type: ignore[union-attr]
+
+
+def test_cycles_that_differ_are_refused() -> None:
+    """All machines act in one step, so they have one cycle."""
+    with pytest.raises(ValidationError, match="give all of them one cycle"):
+        FibreAreaConfig(verification=VerificationConfig(period_ms=1_000))
+
+
+# ------------------------------------------------------------------ proofs
+
+
+def test_everything_is_proved() -> None:
+    """Every lemma and property through the whole step, without a bound."""
+    found = prove(made().composition.system, properties(made()), Limits(seconds=60), jobs=2)
+    assert {one.id: word(one.result) for one in found if not isinstance(one.result, Proved)} == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("trains", [2])
+def test_several_trains_are_proved(trains: int) -> None:
+    """The same with other trains in the area, whose reports are inputs, and two sections."""
+    config = FibreAreaConfig(sections=SectionsConfig(area=AreaConfig(trains=trains, period_ms=500), sections=2))
+    model = compose_machines(config)
+    found = prove(model.composition.system, properties(model), Limits(seconds=120), jobs=2)
+    assert {one.id: word(one.result) for one in found if not isinstance(one.result, Proved)} == {}
+
+
+@pytest.mark.slow
+def test_properties_hold_along_drawn_streams() -> None:
+    """Hypothesis along plausible and faulty streams finds nothing against any property."""
+    system, asked = made().composition.system, properties(made())
+    found = run_tests(system, asked, examples=10, steps=40, seed=1)
+    assert {one.id: word(one.result) for one in found if word(one.result) != "held"} == {}
+
+
+# ------------------------------------------------------------------ broken on purpose
+
+
+def spoilt(part: str, row: str, **fields: object) -> FibreArea:
+    """The composition with one row of one machine changed."""
+    slots = area_model.parts(CONFIG.sections.area)
+    front, rear = (fibre_model.build(fibre_model.parts(CONFIG.fibre), name) for name in ("front", "rear"))
+    machines = {
+        "front": front,
+        "rear": rear,
+        "emitter": emitter_model.build(emitter_model.parts(CONFIG.emitter)),
+        "entry_": entry(CONFIG.record_wait_cycles),
+        "verification": verification_model.build(verification_model.parts(CONFIG.verification), place_kept=True),
+        "report": report_model.build(report_model.parts(CONFIG.sections.area.reach, 10**13)),
+        "area": area_model.build(slots, kept=slots.slots[:1]),
+    }
+    table = {mode.label: mode for mode in machines[part].machine.modes}  # type: ignore[attr-defined]
+    if isinstance(fields.get("target"), str):
+        fields["target"] = table[str(fields["target"])]
+    broken = changed(machines[part].machine, row, **fields)  # type: ignore[attr-defined]
+    machines[part] = replace(machines[part], machine=broken)  # type: ignore[type-var]
+    return joined(CONFIG, **machines, sections=(section(CONFIG.sections, "section_1"),))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("part", "row", "fields", "broken"),
+    [
+        ("verification", "mismatch", {"when": FALSE}, "error F of the rear is latched"),
+        ("verification", "mismatch", {"when": FALSE}, "another count withholds"),
+        ("verification", "mismatch", {"when": FALSE}, "ends apart withholds"),
+        ("verification", "mismatch is kept", {"target": "WITHHELD"}, "a mismatch is latched"),
+        ("verification", "still verified", {"set": {}}, "containment"),
+        ("front", "error", {"when": FALSE}, "containment"),
+        ("rear", "run on", {"set": {}}, "train 1 containment"),
+        ("report", "count matches", {"when": TRUE}, "only a count makes whole"),
+        ("report", "runs up since it was whole", {"when": TRUE}, "train 1 containment"),
+        ("entry_", "reference overdue", {"set": {}}, "a lost reference withholds"),
+        ("area", "follow trains, loose vehicles apart", {"set": {}}, "section_1 is never clear with a train in it"),
+    ],
+)
+def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object], broken: str) -> None:
+    """A row without its guard, its updates or its target loses a proof of the whole."""
+    model = spoilt(part, row, **fields)
+    (prop,) = [one for one in properties(model) if one.name == broken]
+    assert not_kept_by(model.composition.system, prop)
+
+
+@pytest.mark.parametrize(
+    ("wire", "broken"),
+    [
+        ("fibre_error", "error F of the rear is latched"),
+        ("ends_low", "ends apart withholds"),
+        ("chain_failed", "a chain that failed withholds"),
+        ("located", "a rear not located withholds"),
+    ],
+)
+def test_a_broken_wire_is_noticed(wire: str, broken: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wire that does not tell what it should loses a proof of the whole."""
+    monkeypatch.setattr(fibre_area, "_verification_wires", _with_broken(fibre_area._verification_wires, wire))
+    model = compose_machines(CONFIG)
+    (prop,) = [one for one in properties(model) if one.name == broken]
+    assert not_kept_by(model.composition.system, prop)
+
+
+def _with_broken(wires: Wiring, name: str) -> Wiring:
+    def broken(
+        verification: Verification, front: Fibre, rear: Fibre, emitter: Emitter, entry_: Entry
+    ) -> dict[Var, Expr]:
+        own = verification.own
+        says = front.machine
+        wrong: dict[str, dict[Var, Expr]] = {
+            "fibre_error": {own.fibre_error: says.flag("error")},
+            "ends_low": {own.ends_low.present: FALSE},
+            "chain_failed": {own.chain_failed: FALSE, own.chain_tested: TRUE},
+            "located": {own.located: says.flag("valid"), own.place.present: says.flag("valid")},
+        }
+        return {**wires(verification, front, rear, emitter, entry_), **wrong[name]}
+
+    return broken

@@ -1,0 +1,144 @@
+"""A train between two areas: proved for both together, and told once with and once without the record arriving."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.expr import FALSE, TRUE
+from safeloc.interpret import run
+from safeloc.models.fibre_area_parts import border as border_model
+from safeloc.models.fibre_area_parts.border import BorderConfig
+from safeloc.models.fibre_area_parts.speaker import speaker
+from safeloc.models.fibre_handover import FibreHandover, FibreHandoverConfig, compose_machines, joined
+from safeloc.models.fibre_streams import Stay, simulate_stay
+from safeloc.models.verification import build, parts
+from safeloc.monitor import check_all
+from safeloc.nodes import Value
+from safeloc.properties.fibre_handover import properties
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
+from safeloc.streams.steps import Cell
+from safeloc.testing import run_tests
+from safeloc.trace import Trace
+from safeloc.verdict import Violated, word
+from tests.models.one_step import changed, not_kept_by
+
+CONFIG = FibreHandoverConfig()
+SHARED_MM = (300_000, 500_000)
+CYCLES = 60
+RECORD = ("reference_due", "reference_from", "record_sound", "record_axles", "record_length_low_mm")
+WIRED = {*RECORD, "record_length_high_mm", "train_leaves", "next_true_axles", "next_true_length_um", "next_truth_nm"}
+
+
+@cache
+def made() -> FibreHandover:
+    """Both areas."""
+    return compose_machines(CONFIG)
+
+
+def handed_over(*, arrives: int | None, **stay: int) -> Trace:
+    """A train that runs 12.5 m a cycle through the shared stretch; `arrives`: from which cycle on a record gets through."""
+    steps: list[dict[str, Cell]] = []
+    for cycle, heard in enumerate(simulate_stay(CONFIG.verification, seed=1, stay=Stay(cycles=CYCLES, **stay))):
+        step: dict[str, Cell] = {f"giving.{name}": cell for name, cell in heard.items() if name != "truth_mm"}
+        step |= {f"taking.{name}": cell for name, cell in heard.items() if name not in {*WIRED, "truth_mm"}}
+        through = arrives is not None and cycle >= arrives
+        steps.append(step | {"border.record_arrives": through, "border.train_gone": cycle == CYCLES - 1})
+    begins, ends = SHARED_MM
+    first: dict[str, Value] = {"border.shared_from_mm": begins, "border.shared_to_mm": ends}
+    trace = run(made().composition.system, steps, first=first)
+    assert not [one for one in check_all(trace, properties(made())) if isinstance(one, Violated)]
+    return trace
+
+
+def speakers(trace: Trace) -> list[str]:
+    """Who gives the position out, each once, in order."""
+    said = [made().speaker.machine.modes[int(step.state["speaker.mode"])].label for step in trace.steps]
+    return [one for number, one in enumerate(said) if number == 0 or said[number - 1] != one]
+
+
+def taking(trace: Trace) -> list[str]:
+    """The mode of the taking area's verification, each once, in order."""
+    said = [made().taking.machine.modes[int(step.state["taking.mode"])].label for step in trace.steps]
+    return [one for number, one in enumerate(said) if number == 0 or said[number - 1] != one]
+
+
+def test_a_train_goes_over() -> None:
+    """The giving area speaks, then both in the shared stretch, then the taking one alone."""
+    trace = handed_over(arrives=0)
+    assert speakers(trace) == ["NOBODY", "GIVING", "BOTH", "TAKING", "NOBODY"]
+    assert trace.steps[-2].outputs["taking.trusted"]
+
+
+def test_a_lost_record() -> None:
+    """A record that never arrives: untrusted in the taking area; beyond the shared stretch nobody speaks."""
+    trace = handed_over(arrives=None)
+    assert taking(trace) == ["NO_REFERENCE", "UNTRUSTED", "NO_REFERENCE"]
+    assert speakers(trace) == ["NOBODY", "GIVING", "NOBODY"]
+
+
+def test_a_train_that_is_not_trusted_does_not_go_over() -> None:
+    """A train that lost a wagon before the border has no record for the taking area, whatever arrives there."""
+    trace = handed_over(arrives=0, lost_from=10)
+    assert taking(trace) == ["NO_REFERENCE"]
+    assert speakers(trace)[-1] == "NOBODY"
+
+
+def test_trust_lost_on_the_way() -> None:
+    """A train that becomes untrusted while its record is on the way is untrusted on both sides."""
+    trace = handed_over(arrives=40, error_from=26)
+    assert taking(trace) == ["NO_REFERENCE", "UNTRUSTED", "NO_REFERENCE"]
+
+
+def test_everything_is_proved() -> None:
+    """Every lemma and property of both areas together, without a bound."""
+    found = prove(made().composition.system, properties(made()), Limits(seconds=30), jobs=2)
+    assert {one.id: word(one.result) for one in found if word(one.result) != "proved"} == {}
+
+
+@pytest.mark.slow
+def test_properties_hold_along_drawn_streams() -> None:
+    """Hypothesis along plausible and faulty streams finds nothing against any property."""
+    found = run_tests(made().composition.system, properties(made()), examples=20, steps=40, seed=1)
+    assert {one.id: word(one.result) for one in found if word(one.result) != "held"} == {}
+
+
+def spoilt(part: str, row: str, **fields: object) -> FibreHandover:
+    """Both areas with one row of the border or of the speaker changed."""
+    giving, taking_ = (build(parts(CONFIG.verification), name=name) for name in ("giving", "taking"))
+    far = CONFIG.border.position_limit_mm + CONFIG.verification.margin_limit_mm
+    between, voice = border_model.build(border_model.parts(CONFIG.border, far)), speaker(far)
+    if part == "border":
+        between = replace(between, machine=changed(between.machine, row, **fields))
+    else:
+        voice = replace(voice, machine=changed(voice.machine, row, **fields))
+    return joined(CONFIG, giving, between, taking_, voice)
+
+
+@pytest.mark.parametrize(
+    ("part", "row", "fields", "broken"),
+    [
+        ("border", "record lost on the way", {"set": {}}, "a lost handover is untrusted"),
+        ("border", "trust lost on the way", {"set": {}}, "and stays so"),
+        ("border", "record arrives", {"when": TRUE}, "only a trusted train goes over"),
+        ("speaker", "both agree", {"when": TRUE}, "both only where the place is shared"),
+        ("speaker", "the taking area speaks", {"when": TRUE}, "each speaks of its own stretch"),
+        ("speaker", "nobody speaks", {"set": {}}, "nobody trusts, nothing is given out"),
+        ("speaker", "the giving area speaks", {"set": {}}, "containment"),
+    ],
+)
+def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object], broken: str) -> None:
+    """A row without its guard or its updates loses a proof of the whole."""
+    model = spoilt(part, row, **fields)
+    (prop,) = [one for one in properties(model) if one.name == broken]
+    assert not_kept_by(model.composition.system, prop)
+
+
+def test_places_beyond_the_line_are_refused() -> None:
+    """The border sees every position that a verification can give."""
+    with pytest.raises(ValidationError, match=r"is beyond border\.position_limit_mm"):
+        FibreHandoverConfig(border=BorderConfig(position_limit_mm=1_000_000))
