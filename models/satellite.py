@@ -26,6 +26,7 @@ from safeloc.expr import (
     Lit,
     Num,
     Var,
+    abs_,
     any_of,
     as_num,
     between,
@@ -37,7 +38,7 @@ from safeloc.expr import (
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.models.satellite_parts.anchor import Anchor, carried
 from safeloc.models.satellite_parts.law import Trusted, assumption, enough, lemmas
-from safeloc.models.satellite_parts.motion import narrowed, predicted, referred, reportable, solved
+from safeloc.models.satellite_parts.motion import confirmed, fixed, predicted, referred, reportable, solved
 from safeloc.models.satellite_parts.variables import (
     ACCEPTED,
     COASTED_OUT,
@@ -57,7 +58,7 @@ from safeloc.models.satellite_parts.variables import (
     Parts,
     SatelliteConfig,
     State,
-    meet,
+    held,
     parts,
 )
 from safeloc.models.satellite_selection import USABLE, Selection
@@ -115,20 +116,21 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
             own.odometry_error,
         ],
         state={
-            own.position: 0, own.margin: 0, own.speed: 0, own.speed_margin: 0, own.change: 0, own.coasted: 0,
+            own.position: 0, own.low: 0, own.high: 0, own.speed: 0, own.slowest: 0, own.fastest: 0, own.change: 0,
+            own.coasted: 0,
             own.anchored: False, own.anchor_offset: 0, own.anchor_margin: 0,
             own.judged: NO_FIX, own.why_missing: MISSING[0], own.reason: NO_REFERENCE,
         },
         outputs={
             "valid": valid,
             "position_mm": ite(valid, floor_to(own.position, MM), 0),
-            "under_mm": ite(valid, ceil_to(own.margin, MM), 0),
-            "over_mm": ite(valid, ceil_to(own.margin, MM) + 1, 0),
+            "under_mm": ite(valid, ceil_to(held(own).under, MM), 0),
+            "over_mm": ite(valid, ceil_to(held(own).over, MM) + 1, 0),
             "coasting": current.eq(table[2]),
             "fix": own.judged,
             "missing": own.why_missing,
             "drift_checked": own.anchored,
-            "drift_bound_mm": ite(own.anchored, ceil_to(own.margin + 2 * own.anchor_margin, MM) + 1, 0),
+            "drift_bound_mm": ite(own.anchored, ceil_to(abs_(own.anchor_offset) + own.anchor_margin, MM) + 1, 0),
             "reason": own.reason,
         },
         transitions=list(_table(own, table, valid)),
@@ -153,7 +155,7 @@ def verdict(own: Parts, located: Bool) -> Num:
     foreign = any_of(used & ~usable for used, usable in zip(own.used, own.usable, strict=True))
     coarse = own.protection > own.config.protection_limit_mm
     meets = solved(own).meets(predicted(own))
-    drifted = ~carried(own, narrowed(predicted(own), solved(own))).holds
+    drifted = ~carried(own, fixed(own)).holds
     judged = ite(coarse, TOO_COARSE, ite(meets, ite(drifted, DRIFTED, ACCEPTED), DISJOINT))
     judged = ite(foreign, NOT_USABLE, ite(enough(own), judged, TOO_FEW))
     return ite(own.fix.present, ite(located, judged, NOT_LOCATED), NO_FIX)
@@ -165,8 +167,7 @@ def verdict(own: Parts, located: Bool) -> Num:
 def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transition]:
     lost, located, coasting = table
     on, trace, judged = (located, coasting), ("SAT-5",), verdict(own, valid)
-    ahead, known = predicted(own), referred(own)
-    nearer, fixed = narrowed(ahead, known), narrowed(ahead, solved(own))
+    ahead, known, both, found = predicted(own), referred(own), confirmed(own), fixed(own)
     told: dict[Var, Expr] = {own.judged: judged, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
 
     def become(state: State, anchor: Anchor, coasted: Num) -> dict[Var, Expr]:
@@ -180,13 +181,13 @@ def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transiti
     start = become(known, _at_reference(own, known), none)
     yield Transition("trusted reference", lost, located, begin, {**start, own.change: as_num(0, UM_S)}, trace, 0)
     yield Transition("wait for a reference", lost, lost, TRUE, told, trace, 1)
-    clash = own.reference.present & ~meet(known.bounds, ahead.bounds)
+    clash = own.reference.present & ~known.meets(ahead)
     yield Transition("reference contradicts", on, lost, clash, drop(CONTRADICTION), ("SAT-5", "SAT-1"), 2)
-    better = own.reference.present & reportable(own, nearer)
-    again = become(nearer, _at_reference(own, nearer), none)
+    better = own.reference.present & reportable(own, both)
+    again = become(both, _at_reference(own, both), none)
     yield Transition("reference while located", on, located, better, again, trace, 3)
-    good = judged.eq(ACCEPTED) & reportable(own, fixed)
-    yield Transition("solution counts", on, located, good, become(fixed, carried(own, fixed), none), trace, 4)
+    good = judged.eq(ACCEPTED) & reportable(own, found)
+    yield Transition("solution counts", on, located, good, become(found, carried(own, found), none), trace, 4)
     over = own.coasted >= own.config.coast_limit_cycles
     yield Transition("coasted too long", on, lost, over, drop(COASTED_OUT), ("SAT-1", "SAT-5"), 5)
     yield Transition("tolerance exceeded", on, lost, ~reportable(own, ahead), drop(TOLERANCE), trace, 6)
@@ -201,16 +202,18 @@ def _become(own: Parts, state: State) -> dict[Var, Expr]:
     change, most = state.speed - own.speed, own.config.speed_change_um_s
     return {
         own.position: state.position,
-        own.margin: state.margin,
+        own.low: state.low,
+        own.high: state.high,
         own.speed: state.speed,
-        own.speed_margin: minimum(state.speed_margin, own.speed_margin.high),
+        own.slowest: state.slowest,
+        own.fastest: state.fastest,
         own.change: ite(between(-most, change, most), change, as_num(0, UM_S)),
     }
 
 
 def _at_reference(own: Parts, state: State) -> Anchor:
     known = referred(own)
-    return Anchor(TRUE, state.position - known.position, known.margin, TRUE)
+    return Anchor(TRUE, state.position - known.position, known.over, TRUE)
 
 
 def _anchored(own: Parts, anchor: Anchor) -> dict[Var, Expr]:
@@ -225,6 +228,7 @@ def _anchored(own: Parts, anchor: Anchor) -> dict[Var, Expr]:
 def _nothing(own: Parts) -> dict[Var, Expr]:
     """The state while nothing is reported."""
     numbers = (
-        own.position, own.margin, own.speed, own.speed_margin, own.change, own.coasted, own.anchor_offset, own.anchor_margin,
+        own.position, own.low, own.high, own.speed, own.slowest, own.fastest, own.change, own.coasted, own.anchor_offset,
+        own.anchor_margin,
     )  # fmt: skip
     return {**{one: as_num(0, one.unit) for one in numbers}, own.anchored: FALSE}

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Literal
 
 from pydantic import Field
@@ -124,6 +124,18 @@ def _programs(config: SatelliteConfig) -> tuple[Compiled, Compiled]:
     )
 
 
+UNLOCATED = 0
+"""The position machine's first mode."""
+
+
+@lru_cache(maxsize=8)
+def _compiled(config: SatelliteConfig) -> tuple[Compiled, Compiled]:
+    """The composed machine, and the selection alone."""
+    whole = compose_machines(config)
+    selection = lower(whole.selection.machine)
+    return compile_system(without_ghosts(whole.composition.system)), compile_system(without_ghosts(selection))
+
+
 class EpochChain:
     """The on-board system: receiver channels, memory with validity periods and map, and the machine (SAT-6)."""
 
@@ -143,7 +155,7 @@ class EpochChain:
     def step(self, cycle: Cycle) -> Outcome:
         """One cycle. InputError for a reference or a run that the machine's inputs cannot hold."""
         before = self.state
-        predicted = ahead(before, self.config.satellite) if before["position.mode"] else None
+        predicted = ahead(before, self.config.satellite) if before["position.mode"] != UNLOCATED else None
         epoch, late = self._of_this_cycle(cycle.epoch)
         seen = self._sighting(epoch, predicted)
         heard = self._heard(epoch, seen)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 
-from safeloc.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, between, exact_to, ite, minimum
+from safeloc.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, between, exact_to, ite, maximum, minimum
 from safeloc.models.satellite import Satellite
 from safeloc.models.satellite_parts.motion import predicted, solved
-from safeloc.models.satellite_parts.variables import ACCEPTED, LOCATED, SPARE, State
+from safeloc.models.satellite_parts.variables import ACCEPTED, LOCATED, SPARE, State, held
 from safeloc.models.satellite_selection import EXCLUDED, USABLE, Channel
 from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.units import COUNT, MM, MM_S, MS, NM, UM_S
@@ -32,8 +33,8 @@ def drift_properties(model: Satellite) -> list[Property]:
     bounded = always(
         "common drift is bounded",
         of.bool(own.anchored).implies(between(position - bound, of.num(own.truth), position + bound)),
-        statement="however false the signals are, the position is no farther from the truth than the told bound: both "
-        "margins, and that of odometry since the last reference once more",
+        statement="however false the signals are, the position is no farther from the truth than the told bound: its "
+        "distance from where odometry has carried the last reference, and what odometry may be wrong by",
         trace=("SAT-1", "SAT-5"),
         assumption=FALSE_SIGNALS,
     )
@@ -148,11 +149,8 @@ def _prediction(model: Satellite) -> Iterator[Property]:
         trace=("SAT-1", "SAT-D1"),
         unconditional=True,
     )
-    found, before = (
-        State(*(of.num(term) for term in (one.position, one.margin, one.speed, one.speed_margin)))
-        for one in (solved(own), predicted(own))
-    )
-    ahead = State(*(earlier_num(term) for term in (before.position, before.margin, before.speed, before.speed_margin)))
+    found = _rewritten(solved(own), of.num)
+    ahead = _rewritten(predicted(own), lambda term: earlier_num(of.num(term)))
     yield always(
         "a solution meets the prediction",
         of.num(own.judged).eq(ACCEPTED).implies(found.meets(ahead)),
@@ -170,6 +168,10 @@ def _prediction(model: Satellite) -> Iterator[Property]:
         trace=("SAT-1", "SAT-4", "SAT-D1"),
         assumption=MOVES,
     )
+
+
+def _rewritten(state: State, rewrite: Callable[[Num], Num]) -> State:
+    return State(*(rewrite(getattr(state, field.name)) for field in fields(state)))
 
 
 def _prediction_errors(model: Satellite) -> tuple[Num, Num]:
@@ -244,13 +246,19 @@ def _coasting(model: Satellite) -> Iterator[Property]:
     machine, own = model.machine, model.own
     of = model.composition.of(machine)
     coasting, valid = of.bool(machine.flag("coasting")), of.bool(machine.flag("valid"))
-    margin, coasted, speed = of.num(own.margin), of.num(own.coasted), of.num(own.speed_margin)
-    faster = minimum(earlier_num(speed) + own.config.speed_change_um_s, own.speed_margin.high)
+    state, coasted = _rewritten(held(own), of.num), of.num(own.coasted)
+    was = _rewritten(held(own), lambda term: earlier_num(of.num(term)))
+    fast, gained = own.config.max_speed_mm_s * 1_000, own.config.speed_change_um_s
+    wider = [state.under >= was.under, state.over >= was.over, state.high - state.low > was.high - was.low]
+    faster = [
+        state.fastest.eq(minimum(was.fastest + gained, fast)),
+        state.slowest.eq(maximum(was.slowest - gained, -fast)),
+    ]
     yield always(
         "coasting only grows",
-        (coasting & earlier_bool(valid)).implies((margin > earlier_num(margin)) & (speed >= faster)),
-        statement="without a solution that counts the margin grows in every cycle, that of the speed by the greatest "
-        "acceleration, until it holds every speed there is",
+        (coasting & earlier_bool(valid)).implies(all_of([*wider, *faster])),
+        statement="without a solution that counts the interval grows in every cycle and shrinks on neither side; that of the "
+        "speed grows by the greatest acceleration, until it holds every speed there is",
         trace=("SAT-1",),
         unconditional=True,
     )
@@ -269,10 +277,10 @@ def _coasting(model: Satellite) -> Iterator[Property]:
 def _anchor(model: Satellite) -> Iterator[Property]:
     machine, own = model.machine, model.own
     of = model.composition.of(machine)
-    both = of.num(own.margin) + of.num(own.anchor_margin)
+    state, margin = _rewritten(held(own), of.num), of.num(own.anchor_margin)
     yield always(
         "position and odometry meet",
-        of.bool(own.anchored).implies(between(-both, of.num(own.anchor_offset), both)),
+        of.bool(own.anchored).implies(between(-(state.over + margin), of.num(own.anchor_offset), state.under + margin)),
         statement="a position is reported no farther from where odometry has carried the last reference than both may be "
         "wrong by",
         trace=("SAT-1", "SAT-5"),

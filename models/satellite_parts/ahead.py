@@ -15,26 +15,37 @@ NM_PER_M, UM_PER_M = 1e9, 1e6
 
 @dataclass(frozen=True, slots=True)
 class Ahead:
-    """Place and speed with their margins at the time of the cycle: nm, um/s.
+    """Estimated place and speed at the time of the cycle, with the bounds that hold the true ones: nm, um/s.
 
     came_from_nm   where the vehicle may have been at the cycle before, for the portion of track run since
     """
 
     position_nm: int
-    margin_nm: int
+    low_nm: int
+    high_nm: int
     speed_um_s: int
-    speed_margin_um_s: int
+    slowest_um_s: int
+    fastest_um_s: int
     came_from_nm: tuple[int, int]
     max_acceleration_mm_s2: int
 
+    @property
+    def margin_nm(self) -> int:
+        """The estimate's place is no farther from the true one."""
+        return max(self.position_nm - self.low_nm, self.high_nm - self.position_nm)
+
+    @property
+    def speed_margin_um_s(self) -> int:
+        """Nor is its speed."""
+        return max(self.speed_um_s - self.slowest_um_s, self.fastest_um_s - self.speed_um_s)
+
     def stretch_m(self) -> tuple[float, float]:
         """From where it may have been to where it may be, in m along the track."""
-        low, high = self.came_from_nm
-        ends = (self.position_nm - self.margin_nm, self.position_nm + self.margin_nm)
-        return min(low, *ends) / NM_PER_M, max(high, *ends) / NM_PER_M
+        ends = (*self.came_from_nm, self.low_nm, self.high_nm)
+        return min(ends) / NM_PER_M, max(ends) / NM_PER_M
 
     def at(self, offset_s: float) -> TrackState:
-        """The state so long after the time of the cycle (before it where negative), at constant speed."""
+        """The estimate so long after the time of the cycle (before it where negative), at constant speed."""
         speed = self.speed_um_s / UM_PER_M
         return TrackState(self.position_nm / NM_PER_M + speed * offset_s, speed, 0.0)
 
@@ -47,16 +58,16 @@ class Ahead:
 
 def ahead(state: Mapping[str, Value], config: SatelliteConfig) -> Ahead:
     """E*(t) from the machine's state before the step, the same whole numbers as in `motion.predicted`."""
-    place, margin, speed, speed_margin, change = (
-        int(state[f"position.{name}"])
-        for name in ("position_nm", "margin_nm", "speed_um_s", "speed_margin_um_s", "change_um_s")
-    )
-    half = change * (config.period_ms // 2)
+    names = ("position_nm", "low_nm", "high_nm", "speed_um_s", "slowest_um_s", "fastest_um_s", "change_um_s")
+    place, low, high, speed, slowest, fastest, change = (int(state[f"position.{name}"]) for name in names)
+    fast, gained, period = config.max_speed_mm_s * 1_000, config.speed_change_um_s, config.period_ms
     return Ahead(
-        place + speed * config.period_ms + half,
-        margin + speed_margin * config.period_ms + abs(half) + config.way_nm,
-        speed + change,
-        speed_margin + abs(change) + config.speed_change_um_s,
-        (place - margin, place + margin),
+        place + speed * period + change * (period // 2),
+        low + slowest * period - config.way_nm,
+        high + fastest * period + config.way_nm,
+        max(-fast, min(speed + change, fast)),
+        max(slowest - gained, -fast),
+        min(fastest + gained, fast),
+        (low, high),
         config.max_acceleration_mm_s2,
     )

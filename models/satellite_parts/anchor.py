@@ -38,8 +38,7 @@ def carried(own: Parts, state: State) -> Anchor:
     offset = own.anchor_offset + (state.position - own.position) - run
     margin = own.anchor_margin + error
     kept = own.anchored & (margin <= config.anchor_limit_mm * NM_PER_MM)
-    both = margin + state.margin
-    within = between(-both, offset, both)
+    within = between(-(state.over + margin), offset, state.under + margin)
     return Anchor(kept, offset, margin, all_of([kept, within]) if _required(own) else any_of([~kept, within]))
 
 

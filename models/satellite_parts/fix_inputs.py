@@ -28,7 +28,7 @@ def no_fix(missing: str) -> StepValues:
 def fix_inputs(solution: Solution, ahead: Ahead, offset_s: float, config: SatelliteConfig) -> StepValues:
     """The solution as inputs. `offset_s`: how long after the cycle's time it was measured.
 
-    A place that is not solved is the predicted one with its margin, a speed that is not solved any that a vehicle has.
+    A place that is not solved is anywhere within the predicted bounds, a speed that is not solved any that a vehicle has.
     OUT_OF_RANGE where the machine's inputs cannot hold the place, or no vehicle has the speed.
     """
     place_mm, error_mm = outward(_place_nm(solution, ahead, offset_s), NM_PER_MM)
@@ -50,7 +50,7 @@ def _place_nm(solution: Solution, ahead: Ahead, offset_s: float) -> Interval:
     """Brought to the time of the cycle at the predicted speed, whose margin counts for the time between."""
     found = solution.off_mm()
     if found is None:
-        return Interval(-ahead.margin_nm, ahead.margin_nm).moved(ahead.position_nm)
+        return Interval(ahead.low_nm, ahead.high_nm)
     late_s, gained = Fraction(abs(offset_s)), Fraction(ahead.max_acceleration_mm_s2) * NM_PER_MM / 2
     drift = math.ceil(ahead.speed_margin_um_s * UM_PER_MM * late_s + gained * late_s**2)
     return Interval(found.low * NM_PER_MM, found.high * NM_PER_MM).widened(drift).moved(ahead.position_nm)

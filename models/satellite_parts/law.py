@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from safeloc.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
-from safeloc.models.satellite_parts.variables import NM_PER_MM, SPARE, Parts
+from safeloc.models.satellite_parts.variables import NM_PER_MM, SPARE, Parts, held
 from safeloc.units import COUNT, MS, NM
 
 Trusted = Literal["satellites", "odometry"]
@@ -64,22 +64,23 @@ def _run_is_true(own: Parts) -> Bool:
 def lemmas(own: Parts, current: Num, table: tuple[Lit, ...], trusted: Trusted) -> dict[str, Bool]:
     """Invariants of the machine; of its ghosts, those that follow from what is trusted."""
     lost, located, _ = table
-    fast = own.config.max_speed_mm_s * 1_000
-    both = own.margin + own.anchor_margin
+    state, most = held(own), (own.config.tolerance_mm - 2) * NM_PER_MM
+    margin = own.anchor_margin
     return {
         **(_inside(own, current, lost) if trusted == "satellites" else _near_anchor(own)),
-        "margins are tolerable": own.margin <= (own.config.tolerance_mm - 2) * NM_PER_MM,
-        "nothing while unlocated": current.eq(lost).implies(own.coasted.eq(0) & own.margin.eq(0) & ~own.anchored),
-        "speed in range": between(-fast, own.speed, fast),
+        "margins are tolerable": between(0, state.under, most) & between(0, state.over, most),
+        "nothing while unlocated": current.eq(lost).implies(own.coasted.eq(0) & ~own.anchored),
+        "speed between its bounds": (state.slowest <= state.speed) & (state.speed <= state.fastest),
         "coasting counts": current.eq(located).implies(own.coasted.eq(0)),
-        "position and anchor meet": between(-both, own.anchor_offset, both),
+        "position and anchor meet": between(-(state.over + margin), own.anchor_offset, state.under + margin),
     }
 
 
 def _inside(own: Parts, current: Num, lost: Lit) -> dict[str, Bool]:
-    inside = between(own.position - own.margin, own.truth, own.position + own.margin)
-    speed = between(own.speed - own.speed_margin, own.true_speed, own.speed + own.speed_margin)
-    return {"the truth is inside": current.ne(lost).implies(inside & speed)}
+    state = held(own)
+    place = (state.low <= own.truth) & (own.truth <= state.high)
+    speed = (state.slowest <= own.true_speed) & (own.true_speed <= state.fastest)
+    return {"the truth is inside": current.ne(lost).implies(place & speed)}
 
 
 def _near_anchor(own: Parts) -> dict[str, Bool]:

@@ -62,6 +62,7 @@ class SatelliteConfig(Config):
         default="where present", description="solutions held against odometry"
     )
     anchor_limit_mm: int = quantity(1_000_000, "mm", 1, 100_000_000, "[D] beyond 1 km odometry bounds nothing of use")
+    place_gain_percent: int = quantity(25, "%", 1, 100, "[D] place estimate moves a quarter of the way to a solution")
     state_error_mm: int = quantity(3_000, "mm", 0, 1_000_000, "[D] what good geometry leaves of 2.56 m")
     state_speed_error_mm_s: int = quantity(100, "mm/s", 0, 1_000_000, "[D] what good geometry leaves of 0.19 m/s")
 
@@ -126,7 +127,8 @@ class Parts:
     missing       input: why there is no solution
     reference     input: a trusted place (a balise) with its accuracy; reference_speed: trusted too, where it is known
     odometry      input: run since the cycle before, by what knows nothing of satellites, with the error of this run
-    speed, change the estimated speed and its change in the last cycle
+    position, low, high       the estimated place, and the bounds that hold the true one; speed, slowest, fastest alike
+    change        of the estimated speed in the last cycle
     anchored      position and odometry since the last reference are comparable; anchor_offset: the position less that
                   place, anchor_margin: what odometry may be wrong by
     truth, true_speed  ghosts: nm and um/s
@@ -148,9 +150,11 @@ class Parts:
     odometry: Optional
     odometry_error: NumVar
     position: NumVar
-    margin: NumVar
+    low: NumVar
+    high: NumVar
     speed: NumVar
-    speed_margin: NumVar
+    slowest: NumVar
+    fastest: NumVar
     change: NumVar
     coasted: NumVar
     anchored: BoolVar
@@ -188,9 +192,11 @@ def parts(config: SatelliteConfig) -> Parts:
         optional("odometry_mm", MM, -2 * cycle, 2 * cycle),
         number("odometry_error_mm", MM, 0, 2 * cycle),
         number("position_nm", NM, -limit * NM_PER_MM, limit * NM_PER_MM),
-        number("margin_nm", NM, 0, config.tolerance_mm * NM_PER_MM),
+        number("low_nm", NM, -reach, reach),
+        number("high_nm", NM, -reach, reach),
         number("speed_um_s", UM_S, -fast, fast),
-        number("speed_margin_um_s", UM_S, 0, widest),
+        number("slowest_um_s", UM_S, -fast, fast),
+        number("fastest_um_s", UM_S, -fast, fast),
         number("change_um_s", UM_S, -config.speed_change_um_s, config.speed_change_um_s),
         number("coasted_cycles", COUNT, 0, config.coast_limit_cycles),
         boolean("anchored"),
@@ -208,28 +214,36 @@ def parts(config: SatelliteConfig) -> Parts:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Place and speed with their margins: nm, um/s."""
+    """Place and speed: estimates, and the bounds that hold the true ones: nm, um/s."""
 
     position: Num
-    margin: Num
+    low: Num
+    high: Num
     speed: Num
-    speed_margin: Num
+    slowest: Num
+    fastest: Num
 
     @property
-    def bounds(self) -> tuple[Num, Num]:
-        """Where the vehicle is."""
-        return self.position - self.margin, self.position + self.margin
+    def under(self) -> Num:
+        """How far the true place may lie behind the estimate."""
+        return self.position - self.low
 
     @property
-    def speeds(self) -> tuple[Num, Num]:
-        """How fast it is."""
-        return self.speed - self.speed_margin, self.speed + self.speed_margin
+    def over(self) -> Num:
+        """How far it may lie ahead of it."""
+        return self.high - self.position
 
     def meets(self, other: State) -> Bool:
         """Whether both have a place and a speed in common."""
-        return meet(self.bounds, other.bounds) & meet(self.speeds, other.speeds)
+        place = (self.low <= other.high) & (other.low <= self.high)
+        return place & (self.slowest <= other.fastest) & (other.slowest <= self.fastest)
 
 
-def meet(first: tuple[Num, Num], second: tuple[Num, Num]) -> Bool:
-    """Whether two intervals have a value in common."""
-    return (first[0] <= second[1]) & (second[0] <= first[1])
+def around(position: Num, margin: Num, speed: Num, speed_margin: Num) -> State:
+    """Estimates with the same margin on either side."""
+    return State(position, position - margin, position + margin, speed, speed - speed_margin, speed + speed_margin)
+
+
+def held(own: Parts) -> State:
+    """The machine's state."""
+    return State(own.position, own.low, own.high, own.speed, own.slowest, own.fastest)

@@ -114,7 +114,9 @@ def test_a_duplicate_counts_once() -> None:
 
 def test_thresholds_below_noise_are_refused() -> None:
     """A threshold that healthy satellites pass while the train brakes is no threshold."""
-    with pytest.raises(ValueError, match=r"range_threshold_mm 14500 is not above noise, prediction and clock error .* 14500"):
+    with pytest.raises(
+        ValueError, match=r"range_threshold_mm 14500 is not above noise, prediction and clock error .* 14500"
+    ):
         SelectionConfig(range_threshold_mm=14_500)
     with pytest.raises(ValueError, match="speed_threshold_mm_s 100 is not above"):
         SelectionConfig(speed_threshold_mm_s=100)
