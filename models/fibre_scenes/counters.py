@@ -1,0 +1,88 @@
+"""The axle counters at an area's ends in a scene: which train enters or leaves when, and the record of its passage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from safeloc.backends.compiled import compile_system
+from safeloc.errors import InputError
+from safeloc.models.axle_counter import AxleCounterConfig, machine
+from safeloc.models.axle_counter_streams import Passage, passed
+from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
+from safeloc.nodes import Value
+from safeloc.simulation.fibre.scene import TrainTruth
+from safeloc.simulation.fibre.trains import Train
+from safeloc.system import lower, without_ghosts
+
+BEYOND_MM = 60_000
+UM_PER_MM = 1_000
+AXLES = AxleCounterConfig()
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Places of the counters at the low and at the high end of an area, mm."""
+
+    low_mm: int
+    high_mm: int
+
+
+@dataclass(frozen=True)
+class Record:
+    """What the counter tells of a train that has passed: axles, and bounds of length (mm), speed (mm/s) and run since
+    the first axle (mm), with the time from the first axle to the record."""
+
+    axles: int
+    length_mm: tuple[int, int]
+    speed_mm_s: tuple[int, int]
+    run_mm: tuple[int, int]
+    after_ms: int
+
+
+def record_of(train: Train, *, miscounted: int = 0) -> Record:
+    """The axle counter's machine over the train's axles at its first speed; `miscounted`: axles told too many.
+
+    InputError for a train of which the machine makes no record.
+    """
+    behind = [round(MM_PER_M * place) for place in train.axles_m()]
+    speed = round(MM_PER_M * train.course.speeds[0][1])
+    cycles = (behind[-1] - behind[0] + BEYOND_MM) * MM_PER_M // (speed * AXLES.period_ms)
+    steps = passed(AXLES, [Passage(tuple(place - behind[0] for place in behind), (speed,) * cycles)])
+    code = compile_system(without_ghosts(lower(machine(AXLES))))
+    state, since_first = code.first(), 0
+    for step in steps:
+        state, _ = code.step(state, code.read({name: cell for name, cell in step.items() if "true" not in name}))
+        told = code.named_outputs(state)
+        since_first += bool(since_first) or step["axle"] != "NONE"
+        if told["record_ready"] and told["record_sound"]:
+            return _record(told, miscounted, (since_first - 1) * AXLES.period_ms)
+    raise InputError(f"a train of {train.length_m:.0f} m at {speed} mm/s gives no record at an axle counter.")
+
+
+def _record(told: dict[str, Value], miscounted: int, after_ms: int) -> Record:
+    def bounds(name: str) -> tuple[int, int]:
+        return told[f"{name}_low_um"] // UM_PER_MM, -(-told[f"{name}_high_um"] // UM_PER_MM)
+
+    speeds = (told["record_speed_low_mm_s"], told["record_speed_high_mm_s"])
+    return Record(told["record_axles"] + miscounted, bounds("record_length"), speeds, bounds("record_run"), after_ms)
+
+
+def events(ends: Ends, moments: Sequence[Moment], train: int) -> list[str]:
+    """What the counters tell of a train in each moment: it enters when its front passes, it has left when its rear has."""
+    made, inside, before = list[str](), False, moments[0].truth[train]
+    for moment in moments:
+        event = _event(ends, before, moment.truth[train], inside)
+        inside = event.startswith("ENTERS") or (inside and event == "NONE")
+        made.append(event)
+        before = moment.truth[train]
+    return made
+
+
+def _event(ends: Ends, before: TrainTruth, now: TrainTruth, inside: bool) -> str:
+    low, high = ends.low_mm / MM_PER_M, ends.high_mm / MM_PER_M
+    if inside:
+        return "LEAVES_HIGH" if now.low_m > high else "LEAVES_LOW" if now.high_m < low else "NONE"
+    if before.high_m <= low < now.high_m:
+        return "ENTERS_LOW"
+    return "ENTERS_HIGH" if now.low_m < high <= before.low_m else "NONE"

@@ -1,0 +1,95 @@
+"""Whose a pattern is: the machine that orders trains, over the patterns of a scene and its axle counters' events."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from safeloc.backends.compiled import compile_system
+from safeloc.models.fibre_scenes.counters import Ends, events
+from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
+from safeloc.models.train_order import TrainOrderConfig, machine
+from safeloc.signals.fibre.features import TrainSeen
+from safeloc.streams.steps import Cell
+from safeloc.system import lower, without_ghosts
+
+Steps = list[dict[str, Cell]]
+UM_PER_MM = 1_000
+ORDER = TrainOrderConfig()
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """Inputs of each step, and whose each train's pattern is after it (None: nobody's)."""
+
+    steps: Steps
+    patterns: list[list[TrainSeen | None]]
+
+
+def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[int]) -> Ordered:
+    """The trains of the scene that its counters tell of, numbered from 1 on in the order given."""
+    code = compile_system(without_ghosts(lower(machine(ORDER))))
+    told = [events(ends, moments, train) for train in trains]
+    state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
+    inside = [False] * len(trains)
+    for number, moment in enumerate(moments):
+        now = [one[number] for one in told]
+        was = any(inside)
+        inside = [
+            (one or event.startswith("ENTERS")) and not event.startswith("LEAVES")
+            for one, event in zip(inside, now, strict=True)
+        ]
+        seen = [one for one in moment.trains if _inside(one, ends)]
+        step = _counted(now, clear=not was and not any(inside)) | _seen(seen)
+        state, _ = code.step(state, code.read(step))
+        owners = [code.named_outputs(state)[f"train_of_pattern_{rank}"] for rank in range(1, ORDER.trains + 1)]
+        steps.append(step)
+        patterns.append([_owned(seen, owners, train) for train in range(1, len(trains) + 1)])
+    return Ordered(steps, patterns)
+
+
+def _inside(one: TrainSeen, ends: Ends) -> bool:
+    """Some of the pattern is surely between the counters, as far as the middle of its bounds tells."""
+    low = one.low is not None and one.low.path_mm.low + one.low.path_mm.high >= 2 * ends.high_mm
+    high = one.high is not None and one.high.path_mm.low + one.high.path_mm.high <= 2 * ends.low_mm
+    return not low and not high
+
+
+def _counted(now: Sequence[str], *, clear: bool) -> dict[str, Cell]:
+    def train(event: str) -> int:
+        return now.index(event) + 1 if event in now else 0
+
+    return {
+        "enters_low": train("ENTERS_LOW"), "enters_high": train("ENTERS_HIGH"), "leaves_low": "LEAVES_LOW" in now,
+        "leaves_high": "LEAVES_HIGH" in now, "counters_clear": clear, "counter_fault": False,
+    }  # fmt: skip
+
+
+def _seen(patterns: Sequence[TrainSeen]) -> dict[str, Cell]:
+    made: dict[str, Cell] = {"patterns": min(len(patterns), ORDER.trains + 1)}
+    for rank in range(1, ORDER.trains + 1):
+        one = patterns[rank - 1] if rank <= len(patterns) else None
+        made[f"pattern_{rank}_low_mm"] = 0 if one is None or one.low is None else one.low.path_mm.low
+        made[f"pattern_{rank}_high_mm"] = 0 if one is None or one.high is None else one.high.path_mm.high
+    return made
+
+
+def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> TrainSeen | None:
+    return next((one for one, owner in zip(seen, owners, strict=False) if owner == train), None)
+
+
+def truth_of(moments: Sequence[Moment], trains: Sequence[int], owned: Ordered) -> Steps:
+    """Ghost inputs: each train's middle, and which train each pattern holds."""
+    made = Steps()
+    for moment in moments:
+        middles = [
+            round(MM_PER_M * UM_PER_MM * (moment.truth[one].low_m + moment.truth[one].high_m) / 2) for one in trains
+        ]
+        step: dict[str, Cell] = {f"next_train_{n}_place_um": _at(middles, n) for n in range(1, ORDER.trains + 1)}
+        made.append(step | {f"pattern_{n}_owner": min(n, len(trains)) for n in range(1, ORDER.trains + 1)})
+    assert len(made) == len(owned.steps)
+    return made
+
+
+def _at(places: Sequence[int], number: int) -> int:
+    return places[number - 1] if number <= len(places) else 0
