@@ -8,7 +8,8 @@ and nothing that was never counted can be in it. Everything that is not FREE is 
     OCCUPIED    trains that are followed and known to be whole, and nothing else
     AMBIGUOUS   a train that is followed, and perhaps something else, or a part that it lost
 
-The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
+With every state go the rule that led to it, what it rests on, the age of the oldest report among that, and how far it is
+to be trusted. The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
 """
 
 from __future__ import annotations
@@ -16,21 +17,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from pydantic import model_validator
+
 from safeloc.composition import Composition, compose
-from safeloc.config import Config, quantity
+from safeloc.config import Config, derived, quantity
 from safeloc.expr import (
-    Bool,
     BoolVar,
     Expr,
     Lit,
-    Num,
     NumVar,
     Var,
-    all_of,
-    any_of,
     as_num,
     boolean,
-    ite,
+    choice,
+    enumeration,
     minimum,
     number,
 )
@@ -38,6 +38,8 @@ from safeloc.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
+from safeloc.models.area_parts.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
+from safeloc.models.area_parts.separation import Following, headway_ms, separation_mm
 from safeloc.units import COUNT, MM
 
 TRACE = ("FVA-9", "FVA-18")
@@ -62,25 +64,53 @@ class SectionsConfig(Config):
 
     area: AreaConfig = AreaConfig()
     sections: int = quantity(1, "count", 1, 64, "[D] sections of one composition; each is independent of the others")
-    mute_limit_cycles: int = quantity(5, "cycles", 0, 100_000, "[M] mute timer: 5 s without a trusted report")
-    integrity_limit_cycles: int = quantity(30, "cycles", 0, 100_000, "[M] wait-integrity timer: 30 s")
+    mute_ms: int = quantity(5_000, "ms", 0, 3_600_000, "[M] mute timer: without a trusted report")
+    integrity_wait_ms: int = quantity(
+        30_000, "ms", 0, 3_600_000, "[M] wait-integrity timer: without confirmed integrity"
+    )
+    following: Following = Following()
 
+    @model_validator(mode="after")
+    def _timers_end(self) -> SectionsConfig:
+        longest = max(self.mute_limit_cycles, self.integrity_limit_cycles)
+        if longest >= self.area.count_limit:
+            raise ValueError(
+                f"the timers run for {longest} cycles, and area.count_limit counts waiting times up to "
+                f"{self.area.count_limit} only: they would never end. Raise count_limit or shorten the timers."
+            )
+        return self
 
-@dataclass(frozen=True, eq=False)
-class TrainHere:
-    """What a section is told of one train of the area: inputs."""
+    @property
+    def mute_limit_cycles(self) -> int:
+        """Whole cycles of the mute timer."""
+        return self.mute_ms // self.area.period_ms
 
-    present: BoolVar
-    low: NumVar
-    high: NumVar
-    silent: NumVar
-    unconfirmed: NumVar
+    @property
+    def integrity_limit_cycles(self) -> int:
+        """Whole cycles of the wait-integrity timer."""
+        return self.integrity_wait_ms // self.area.period_ms
+
+    @derived("mm", "[D] achieved: front of a train to the rear of the one ahead (area_parts/separation.py)")
+    def separation_mm(self) -> int:
+        """Achieved separation of two trains, mm."""
+        return separation_mm(self.area, self.following)
+
+    @derived("mm", "[D] the same with sections of no length: moving block with this area and these trains")
+    def moving_block_separation_mm(self) -> int:
+        """What smaller sections can come down to, mm."""
+        return separation_mm(self.area, self.following.model_copy(update={"section_mm": 0}))
+
+    @derived("ms", "[D] from one train's front to the next one's at one place")
+    def headway_ms(self) -> int:
+        """Achieved headway, ms."""
+        return headway_ms(self.area, self.following)
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
     """One section's machine and variables: bounds (any two places in the area), and what it is told of the area."""
 
+    config: SectionsConfig
     machine: Machine
     start: NumVar
     end: NumVar
@@ -138,22 +168,41 @@ def section(config: SectionsConfig, name: str) -> Section:
     trains = tuple(_train(n, limit, count) for n in range(1, config.area.trains + 1))
     rule, since, here = number("rule", COUNT, 0, 12), number("since_cycles", COUNT, 0, count), _counts(config)
     told = [var for t in trains for var in (t.present, t.low, t.high, t.silent, t.unconfirmed)]
-    judged = _Judged(config, start, end, trains, unswept & (loose_low <= end) & (loose_high >= start))
+    told_by = _told_by(config)
+    loose = unswept & (loose_low <= end) & (loose_high >= start)
+    judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
     current = current_mode(table)
     kept: dict[Var, Expr] = {here[0]: judged.count, here[1]: judged.first, here[2]: judged.followed_count}
+    kept |= dict(zip(told_by, (judged.evidence, judged.age, judged.trust), strict=True))
     machine = Machine(
         name=name,
         modes=table,
         inputs=[*told, unswept, loose_low, loose_high],
-        state={start: ANY, end: ANY, rule: 0, since: 0, here[0]: 0, here[1]: 0, here[2]: 0},
+        state={
+            start: ANY,
+            end: ANY,
+            rule: 0,
+            since: 0,
+            here[0]: 0,
+            here[1]: 0,
+            here[2]: 0,
+            told_by[0]: NOTHING_YET,
+            told_by[1]: 0,
+            told_by[2]: NO_TRUST,
+        },
         outputs={
+            "from_mm": start,
+            "to_mm": end,
             "clear": current.eq(table[1]),
             "trains": here[0],
             "first_train": here[1],
             "trains_followed": here[2],
             "rule": rule,
             "since_cycles": since,
+            "evidence": told_by[0],
+            "evidence_age_cycles": told_by[1],
+            "trust": told_by[2],
         },
         transitions=list(_table(judged, table, rule, since, kept)),
         initially=start < end,
@@ -161,7 +210,13 @@ def section(config: SectionsConfig, name: str) -> Section:
         mode_variable=current,
         doc="One virtual section: clear only where no train of the area may be, and nothing that was never counted.",
     )
-    return Section(machine, start, end, trains, unswept, loose_low, loose_high)
+    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
+
+
+def _told_by(config: SectionsConfig) -> tuple[NumVar, NumVar, NumVar]:
+    """What the state rests on, how old that is, and how far to trust it."""
+    age = number("rests_on_age_cycles", COUNT, 0, config.area.count_limit)
+    return choice("rests_on", enumeration(EVIDENCE)), age, choice("told_with", enumeration(TRUST))
 
 
 def _counts(config: SectionsConfig) -> tuple[NumVar, NumVar, NumVar]:
@@ -181,81 +236,8 @@ def _train(number_: int, limit: int, count: int) -> TrainHere:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Judged:
-    """What a cycle tells of a section."""
-
-    config: SectionsConfig
-    start: NumVar
-    end: NumVar
-    trains: tuple[TrainHere, ...]
-    loose: Bool
-
-    def reaches(self, train: TrainHere) -> Bool:
-        """The train may be in the section."""
-        return train.present & (train.low <= self.end) & (train.high >= self.start)
-
-    def followed(self, train: TrainHere) -> Bool:
-        """It may be here, and was heard of lately."""
-        return self.reaches(train) & (train.silent <= self.config.mute_limit_cycles)
-
-    @property
-    def free(self) -> Bool:
-        """Nothing can be here."""
-        return ~self.loose & all_of(~self.reaches(train) for train in self.trains)
-
-    @property
-    def any_followed(self) -> Bool:
-        """Some train that was heard of lately may be here."""
-        return any_of(self.followed(train) for train in self.trains)
-
-    @property
-    def only_whole(self) -> Bool:
-        """Whatever may be here was heard of lately and is whole."""
-        limit = self.config.integrity_limit_cycles
-        whole = [(~self.reaches(t)) | (self.followed(t) & (t.unconfirmed <= limit)) for t in self.trains]
-        return ~self.loose & all_of(whole)
-
-    @property
-    def count(self) -> Num:
-        """How many trains may be here."""
-        return _sum(self.reaches(train) for train in self.trains)
-
-    @property
-    def followed_count(self) -> Num:
-        """How many of them were heard of lately."""
-        return _sum(self.followed(train) for train in self.trains)
-
-    @property
-    def first(self) -> Num:
-        """The first slot whose train may be here; 0 for none."""
-        found = as_num(0, COUNT)
-        for index in range(len(self.trains), 0, -1):
-            found = ite(self.reaches(self.trains[index - 1]), as_num(index, COUNT), found)
-        return found
-
-    def status(self, label: str) -> Bool:
-        """Whether that is what the cycle tells; exactly one of the four holds."""
-        match label:
-            case "FREE":
-                return self.free
-            case "OCCUPIED":
-                return ~self.free & self.any_followed & self.only_whole
-            case "AMBIGUOUS":
-                return ~self.free & self.any_followed & ~self.only_whole
-            case _:
-                return ~self.free & ~self.any_followed
-
-
-def _sum(terms: Iterator[Bool]) -> Num:
-    total = as_num(0, COUNT)
-    for term in terms:
-        total = total + ite(term, as_num(1, COUNT), 0)
-    return total
-
-
 def _table(
-    judged: _Judged, table: tuple[Lit, ...], rule: NumVar, since: NumVar, kept: dict[Var, Expr]
+    judged: Judged, table: tuple[Lit, ...], rule: NumVar, since: NumVar, kept: dict[Var, Expr]
 ) -> Iterator[Transition]:
     by_label = {mode.label: mode for mode in table}
     for (source, target), number_ in sorted(RULES.items(), key=lambda item: item[1]):

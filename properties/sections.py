@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from safeloc.expr import Bool, Num, all_of, any_of
 from safeloc.models.area import um
+from safeloc.models.area_parts.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area_parts.slot import ACCEPTED, Slot
-from safeloc.models.sections import Section, Sections
+from safeloc.models.sections import RULES, Section, Sections
 from safeloc.spec import Property, always, earlier_bool, earlier_num
 from safeloc.terms import Substitution
 
@@ -22,7 +23,7 @@ def properties(model: Sections) -> list[Property]:
     """Every property of the area and its sections, over the whole composition."""
     found = [*_area(model)]
     for one in model.sections:
-        found += [*_safety(model, one), *_evidence(model, one)]
+        found += [*_safety(model, one), *_evidence(model, one), *_told(model, one)]
     return found
 
 
@@ -67,6 +68,64 @@ def _widens(of: Substitution, one: Slot) -> Bool:
     lower = (low <= earlier_num(low)) | low.eq(-limit)
     higher = (high >= earlier_num(high)) | high.eq(limit)
     return quiet.implies(lower & higher)
+
+
+def _told(model: Sections, one: Section) -> Iterator[Property]:
+    """Every report says which rule led to it, what it rests on, how old that is, and how far to trust it."""
+    machine, name, config = one.machine, one.machine.name, one.config
+    of = model.composition.of(machine)
+    mode, rule = of.num(machine.mode), of.num(machine.output("rule"))
+    evidence, trust = of.num(machine.output("evidence")), of.num(machine.output("trust"))
+    age = of.num(machine.output("evidence_age_cycles"))
+    _, free, occupied, _ = machine.modes
+    by_label = {member.label: member for member in machine.modes}
+    led = [
+        (earlier_num(mode).eq(by_label[source]) & mode.eq(by_label[target])).implies(rule.eq(number))
+        for (source, target), number in RULES.items()
+    ]
+    led.append(earlier_num(mode).eq(mode).implies(rule.eq(earlier_num(rule))))
+    yield always(
+        f"{name} names the rule",
+        all_of(led),
+        statement="the rule told is that of the change of state that happened, and stays while the state does",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        f"{name} says what it rests on",
+        mode.eq(free).iff(evidence.one_of(NO_TRAIN, TRAINS_ELSEWHERE))
+        & mode.eq(occupied).iff(evidence.eq(TRAIN_FOLLOWED)),
+        statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train that is followed and whole, "
+        "and neither on anything else",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        f"{name} is trusted as far as its reports are fresh",
+        trust.eq(VERIFIED).implies((age <= config.mute_limit_cycles) & evidence.ne(UNCOUNTED))
+        & mode.eq(occupied).implies(trust.eq(VERIFIED)),
+        statement="a state told as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        f"{name} keeps to its timers",
+        mode.eq(occupied).implies(all_of(_in_time(model, one))),
+        statement="OCCUPIED by a train that was not heard of beyond the mute timer, or whose integrity was not confirmed beyond its "
+        "timer, is told no longer, from the cycle on in which the timer ends",
+        trace=TRACE,
+        unconditional=True,
+    )
+
+
+def _in_time(model: Sections, one: Section) -> Iterator[Bool]:
+    """Of every train that may be in the section: within both timers."""
+    of, there = model.composition.of(one.machine), model.composition.of(model.area.machine)
+    for train in model.area.own.slots:
+        low, high = there.num(train.low), there.num(train.high)
+        here = there.bool(train.present) & _overlaps(low, high, of.num(one.start), of.num(one.end))
+        heard = there.num(train.silent) <= one.config.mute_limit_cycles
+        yield here.implies(heard & (there.num(train.unconfirmed) <= one.config.integrity_limit_cycles))
 
 
 def _safety(model: Sections, one: Section) -> Iterator[Property]:

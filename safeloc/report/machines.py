@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from safeloc.backends.diagram import to_svg
 from safeloc.catalogue import Target
 from safeloc.checks import input_variables
+from safeloc.config import derived_figures
 from safeloc.machine import Any_, Machine, Transition
 from safeloc.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.ranges import bounds
@@ -51,7 +52,7 @@ def _signal(term: Expr) -> dict[str, Any]:
 
 
 def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
-    """Every figure of a configuration with its unit and the source of its default."""
+    """Every figure of a configuration with its unit and the source of its default; then what follows from them."""
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
         if isinstance(value, BaseModel):
@@ -62,6 +63,9 @@ def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
         if not field.is_required() and value != field.default:
             source = f"set here; the default is {field.default} {source}"
         yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
+    for name, figure in derived_figures(config):
+        value, source = getattr(config, name), f"follows from the figures above: {figure.source}"
+        yield {"name": prefix + name, "value": str(value), "unit": figure.unit, "source": source}
 
 
 def _part(machine: Machine) -> dict[str, Any]:
