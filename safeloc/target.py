@@ -24,6 +24,7 @@ class Target:
     reported  which outputs are the reported interval; None for a machine that reports none
     simulate  seed -> steps of simulated sensors, where there is a simulation
     pictures  how a report draws its recorded runs
+    silent    machines that may be told nothing in a step: without any of their inputs the assumption holds as well
     """
 
     name: str
@@ -36,6 +37,7 @@ class Target:
     reported: Reported | None = None
     simulate: Callable[[int], Sequence[Mapping[str, Cell]]] | None = None
     pictures: tuple[Picture, ...] = ()
+    silent: tuple[str, ...] = ()
 
 
 Maker = Callable[[BaseModel], Target]

@@ -143,8 +143,8 @@ class Controller:
     def halted(self) -> str:
         """Why this controller takes no further step; "" if it does.
 
-        It ends so where an input that the machine cannot do without was missing, and its first state is a claim about
-        the world: neither going on nor beginning anew would be sound.
+        It ends so where an input was missing that has no way of being absent, nor may the machine be told nothing, and
+        its first state is a claim about the world: neither going on nor beginning anew would be sound.
         """
         return self._halted
 
@@ -223,6 +223,8 @@ class Controller:
         return {var: self.program.held(var, value) for name, value in inputs.items() for var in routes[name]}
 
     def _moved(self, cycle: Cycle, values: Mapping[Var, Value], faults: tuple[Fault, ...]) -> Report:
+        values, unheard = self.program.heard(values)
+        faults = (*faults, *unheard)
         needed = self.program.missing(values)
         if needed:
             return self._without(cycle, faults, f"input {needed[0]} is missing")

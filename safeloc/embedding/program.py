@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 from safeloc.backends.compiled import Compiled, Row, compile_system
-from safeloc.border import Channel, Fault
+from safeloc.border import Channel, Fault, Reason
 from safeloc.embedding.report import Interval, Move, Report
 from safeloc.errors import InputError
 from safeloc.expr import BoolVar, Num, NumVar, Var
@@ -88,6 +88,31 @@ class Program:
         """The configuration as plain data; empty for a machine without one."""
         return {} if self.target.config is None else self.target.config.model_dump(mode="json")
 
+    @cached_property
+    def silent(self) -> Mapping[str, tuple[frozenset[Var], frozenset[Var]]]:
+        """Machine that may be told nothing -> its inputs, and those of them that cannot be absent one by one."""
+        needed = {self.by_name[name] for name in self.needed}
+        several = len(self.system.machines) > 1
+        own = {
+            name: frozenset(var for var in self._at if not several or var.name.startswith(f"{name}."))
+            for name in self.target.silent
+        }
+        return {name: (inputs, inputs & needed) for name, inputs in own.items() if inputs & needed}
+
+    def heard(self, values: Mapping[Var, Value]) -> tuple[Mapping[Var, Value], tuple[Fault, ...]]:
+        """Without the machines of which something needed is missing, where they may be told nothing.
+
+        A fault tells of each that was told something, and not enough; of one that was told nothing there is nothing to tell.
+        """
+        faults: list[Fault] = []
+        for name, (inputs, needed) in self.silent.items():
+            missing = [var.name for var in needed if var not in values]
+            told = [var for var in inputs if var in values]
+            if missing and told:
+                faults.append(Fault(name, Reason.MISSING, f"{min(missing)}; nothing else of {name} is used"))
+                values = {var: value for var, value in values.items() if var not in inputs}
+        return values, tuple(faults)
+
     def require_known(self, inputs: Iterable[str]) -> None:
         """InputError for a name that is no input."""
         unknown = [name for name in inputs if name not in self.by_name]
@@ -97,8 +122,13 @@ class Program:
             raise InputError(f"{self.name} has no input {unknown[0]!r}; it has {', '.join(self.by_name)}.{hint}")
 
     def missing(self, values: Mapping[Var, Value]) -> list[str]:
-        """Needed inputs that are not given."""
-        return [name for name in self.needed if self.by_name[name] not in values]
+        """Needed inputs that are not given, of machines that cannot be told nothing."""
+        return [name for name in self._always_needed if self.by_name[name] not in values]
+
+    @cached_property
+    def _always_needed(self) -> list[str]:
+        spared = {var.name for _, needed in self.silent.values() for var in needed}
+        return [name for name in self.needed if name not in spared]
 
     def held(self, var: Var, value: int | str) -> Value:
         """An admitted value as the variable holds it: a member's number instead of its label."""
@@ -108,7 +138,7 @@ class Program:
         return value
 
     def row(self, values: Mapping[Var, Value]) -> Row:
-        """The inputs of one step; what is not given is absent."""
+        """The inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
         row = list(self._absent)
         for var, value in values.items():
             row[self._at[var]] = value

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+
+from pydantic import BaseModel
 
 from safeloc.shipped import fibre, localizer, markers, odometry, receiver, satellite
-from safeloc.target import Entry
+from safeloc.shipped.silence import with_silence
+from safeloc.target import Entry, Target
+
+
+def _made(entry: Entry, config: BaseModel) -> Target:
+    return with_silence(entry.make(config))
+
 
 ENTRIES: Mapping[str, Entry] = {
-    entry.name: entry
+    entry.name: replace(entry, make=partial(_made, entry))
     for entry in (
         *odometry.ENTRIES,
         *markers.ENTRIES,
