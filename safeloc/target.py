@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from pydantic import BaseModel
@@ -25,6 +25,7 @@ class Target:
     simulate  seed -> steps of simulated sensors, where there is a simulation
     pictures  how a report draws its recorded runs
     silent    machines that may be told nothing in a step: without any of their inputs the assumption holds as well
+    said      name that records have for an input -> the input, where they are not the same
     """
 
     name: str
@@ -38,6 +39,7 @@ class Target:
     simulate: Callable[[int], Sequence[Mapping[str, Cell]]] | None = None
     pictures: tuple[Picture, ...] = ()
     silent: tuple[str, ...] = ()
+    said: Mapping[str, str] = field(default_factory=dict)
 
 
 Maker = Callable[[BaseModel], Target]

@@ -46,7 +46,7 @@ class Program:
         self.target = target
         self.system: TransitionSystem = without_ghosts(target.system)
         self.code: Compiled = compile_system(self.system)
-        self.routes: Mapping[str, tuple[Var, ...]] = _routes(self.system)
+        self.routes: Mapping[str, tuple[Var, ...]] = _routes(self.system, target.said)
         self.channels: Sequence[Channel] = [
             limit for name, variables in self.routes.items() if (limit := _limits(name, variables)) is not None
         ]
@@ -179,14 +179,19 @@ class Program:
         )  # fmt: skip
 
 
-def _routes(system: TransitionSystem) -> dict[str, tuple[Var, ...]]:
-    """Name in a record -> inputs: its own, or in a composition those of every machine that has one of that name."""
+def _routes(system: TransitionSystem, said: Mapping[str, str]) -> dict[str, tuple[Var, ...]]:
+    """Name in a record -> inputs: its own, or in a composition those of every machine that has one of that name.
+
+    said   further names for inputs
+    """
     flags = {option.present for option in system.optionals}
     routes: dict[str, tuple[Var, ...]] = {}
     for var in system.inputs:
         if var not in flags:
             for name in dict.fromkeys((var.name, var.name.rpartition(".")[2])):
                 routes[name] = (*routes.get(name, ()), var)
+    for name, other in said.items():
+        routes[name] = (*routes.get(name, ()), *routes[other])
     return routes
 
 

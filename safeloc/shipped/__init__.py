@@ -9,12 +9,12 @@ from functools import partial
 from pydantic import BaseModel
 
 from safeloc.shipped import fibre, localizer, markers, odometry, receiver, satellite
-from safeloc.shipped.silence import with_silence
+from safeloc.shipped.hosting import for_hosts
 from safeloc.target import Entry, Target
 
 
 def _made(entry: Entry, config: BaseModel) -> Target:
-    return with_silence(entry.make(config))
+    return for_hosts(entry.make(config))
 
 
 ENTRIES: Mapping[str, Entry] = {

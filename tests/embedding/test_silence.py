@@ -13,7 +13,7 @@ from safeloc.errors import InputError
 from safeloc.expr import Expr, Lit, NumVar, Var
 from safeloc.nodes import Truth
 from safeloc.provers.implication import conjuncts, unproved
-from safeloc.shipped.silence import SILENT
+from safeloc.shipped.hosting import SILENT
 from safeloc.system import TransitionSystem, canonical, environment
 from safeloc.target import Target
 from safeloc.terms import Substitution

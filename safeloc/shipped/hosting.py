@@ -1,6 +1,6 @@
-"""Machines that may be told nothing: a step in which none of their inputs came is within what is assumed.
+"""What a host has to know of shipped targets: which machines may be told nothing, and which device an input is of.
 
-Some inputs have no way of being absent: a truth value, a member, a number that always comes with them. Where a device is
+Silence: a step in which none of a machine's inputs came may be within what is assumed. Some inputs have no way of being absent: a truth value, a member, a number that always comes with them. Where a device is
 silent they still need a value, the neutral one: false, the number nearest zero, the first member. For the machines
 listed here it is proved (tests/embedding/test_silence.py) that from every step which obeys the assumption, all inputs
 of the machine can be taken away, and what is left obeys it too. So every proof covers the silent step as well. For
@@ -30,10 +30,19 @@ SILENT: Mapping[str, tuple[str, ...]] = {
     "satellite": ("selection", "position"),
     "localizer": ("reflector", "selection", "position", "verification", "downlink", "uplink"),
 }
-"""Target -> machines of it."""
+"""Target -> machines of it that may be told nothing."""
+
+ODOMETERS: Mapping[str, str] = {
+    "balise": "odometer_mm",
+    "route": "odometer_mm",
+    "localizer": "motion.odometer_mm",
+}
+"""Target -> its one odometer. In records it is the wheel at the front (docs/records.md)."""
 
 
-def with_silence(target: Target) -> Target:
-    """A shipped target that knows which of its machines may be silent."""
+def for_hosts(target: Target) -> Target:
+    """A shipped target with what a host has to know of it."""
     names = {machine.name for machine in target.machines}
-    return replace(target, silent=tuple(name for name in SILENT.get(target.name, ()) if name in names))
+    silent = tuple(name for name in SILENT.get(target.name, ()) if name in names)
+    said = {"front_wheel_mm": ODOMETERS[target.name]} if target.name in ODOMETERS else {}
+    return replace(target, silent=silent, said=said)

@@ -1,0 +1,68 @@
+"""The localizer in a host: one object that takes what all devices say (RFL-13, RFL-14, MRK-2)."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.embedding import Localizer, Program, localizer_program
+from safeloc.errors import SnapshotError
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.streams.records import ValueRecord
+from tests.embedding.driving import PERIOD_MS, drive
+
+CONFIG = LocalizerConfig(sources=("odometry", "reflector"), odometry=OdometryConfig(trust_first_marker=True))
+
+
+@pytest.fixture(scope="module")
+def program() -> Program:
+    """Odometry and reflectors, made ready once."""
+    return localizer_program(CONFIG)
+
+
+def test_records_of_all_devices_locate_it(program: Program) -> None:
+    """Odometers and a marker: the leading source and the proven interval; every record is used; radar may be silent."""
+    vehicle = Localizer(program)
+    for records in drive(40):
+        report = vehicle.step(records)
+        assert report.rejections == ()
+    assert report.modes["odometry"] == "FRONT"
+    assert report.modes["delocalized"] == "LOCALIZED"
+    assert report.outputs["arbitration.lead"] == "ODOMETRY"
+    assert report.interval is not None
+    assert report.interval.holds(250_310 + 38 * 1_200)
+
+
+def test_half_a_radar_picture_is_no_picture(program: Program) -> None:
+    """What came of it is not used, and said to be so; the other sources go on."""
+    vehicle, other = Localizer(program), Localizer(program)
+    for records in drive(3):
+        half = ValueRecord(time_ms=records[0].time_ms, name="frame_present", value=True)
+        report, whole = vehicle.step([*records, half]), other.step(records)
+        assert report.values == whole.values
+        assert [fault.channel for fault in report.rejections] == ["reflector"]
+    assert report.interval is not None
+
+
+def test_a_source_that_is_left_out_is_not_heard(program: Program) -> None:
+    """Its records are told to be of no channel of this vehicle."""
+    vehicle = Localizer(program)
+    (fault,) = vehicle.step([ValueRecord(time_ms=PERIOD_MS, name="telegram_group", value=1)]).rejections
+    assert fault.detail == "no input telegram_group"
+
+
+def test_it_goes_on_from_its_snapshot(program: Program) -> None:
+    """As every controller; a vehicle with other sources does not take it."""
+    vehicle, rest = Localizer(program), Localizer(program)
+    for records in drive(10):
+        vehicle.step(records)
+    rest.restore(vehicle.snapshot())
+    for records in drive(5, 11):
+        assert rest.step(records) == vehicle.step(records)
+    with pytest.raises(SnapshotError, match=r"of another configuration \(sources \['odometry', 'reflector'\], here"):
+        Localizer(CONFIG.model_copy(update={"sources": ("odometry",)})).restore(vehicle.snapshot())
+
+
+def test_the_cycle_is_that_of_its_machines(program: Program) -> None:
+    """Said once in the configuration, and known to the controller."""
+    assert Localizer(program).next_end_ms == CONFIG.odometry.period_ms
