@@ -76,14 +76,14 @@ class Journey:
 
 STREET = Journey(620, 760, 14_000)
 SHIPPED: Mapping[str, tuple[Journey, int]] = {
-    "satellite-station-hall": (Journey(0, 180, 14_000, lawful=False), 1),
-    "satellite-street": (STREET, 7),
-    "satellite-tunnel": (Journey(4_240, 4_640, scenes=(tunnel(4_300, 4_420),), lawful=False), 1),
+    "satellite-station-hall": (Journey(0, 180, 14_000, lawful=False), 7),
+    "satellite-street": (STREET, 5),
+    "satellite-tunnel": (Journey(4_240, 4_640, scenes=(tunnel(4_300, 4_420),), lawful=False), 2),
     "satellite_drift-spoofed": (
         Journey(
             4_150, 4_550, scenes=(), spoofers=(Spoofer(3.0, 3.0, 0.5),), balises=False, odometry=True, lawful=False
         ),
-        7,
+        5,
     ),
 }
 """The recordings that ship, each with its seed; `selection-street` is the selection's part of the second one."""

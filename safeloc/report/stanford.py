@@ -169,8 +169,8 @@ def _words(one: Stanford, counts: Counter[Region], across: Axis, up: Axis) -> It
     """Name and number in each region."""
     limit, high = one.limit_mm, across.high
     places: dict[Region, tuple[float, float, str]] = {
-        "nominal": (across.begin + 8, up.at(limit) + 18, "start"),
-        "unavailable": (across.begin + 8, up.at(high) + 16, "start"),
+        "nominal": (across.at(limit / 2), up.at(limit) + 18, "middle"),
+        "unavailable": (across.at(limit / 2), up.at(high) + 16, "middle"),
         "misleading": (across.at(limit) - 8, up.begin - 10, "end"),
         "hazardous": (across.end - 4, up.begin - 10, "end"),
     }

@@ -43,16 +43,20 @@ GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
 
 
 def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = START_S) -> Navigation:
-    """Ephemerides around `start_s` with clocks, eccentricities and harmonics of the usual size, and the ionosphere."""
+    """Ephemerides around `start_s`, and the ionosphere.
+
+    How a constellation stands about the Earth is drawn; clocks, eccentricities and harmonics are of the usual size.
+    """
     return Navigation(tuple(one for walker in walkers for one in _satellites(walker, rng, start_s)), IONOSPHERE)
 
 
 def _satellites(walker: Walker, rng: np.random.Generator, start_s: float) -> Iterator[Ephemeris]:
     total = walker.planes * walker.in_plane
+    first_node, first_anomaly = rng.uniform(0, 2 * math.pi, 2)
     for number in range(total):
         plane, slot = divmod(number, walker.in_plane)
-        node = 2 * math.pi * plane / walker.planes
-        anomaly = 2 * math.pi * (slot / walker.in_plane + walker.phasing * plane / total)
+        node = first_node + 2 * math.pi * plane / walker.planes
+        anomaly = first_anomaly + 2 * math.pi * (slot / walker.in_plane + walker.phasing * plane / total)
         yield _ephemeris(f"{walker.letter}{number + 1:02d}", walker, node, anomaly, rng, start_s)
 
 

@@ -1,0 +1,137 @@
+"""How well satellites are selected, and what the position along the track is worth: the tables of docs/satellites.md.
+
+python -m benchmarks.satellite_accuracy [runs of each condition, 5 unless told] [folder of the recordings]
+
+Simulated journeys along the worked line; and, with the folder, recorded signals with disturbances put on them. A signal is
+healthy while nothing disturbs it and its error is what the receiver has; of the others it is told whether their whole error
+is within the bound that a solution counts for them (then they do no harm), beyond it, or beyond twice of it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from benchmarks.satellite_recorded import Recording, as_told, geodetic, phone, told, truth
+from benchmarks.satellite_tally import Cycle, Tally, quantiles
+from safeloc.models.satellite_chain import ChainConfig
+from safeloc.models.satellite_streams import FINE, FINE_RECEIVER, Journey, passed
+from safeloc.simulation.satellite.constellation import GALILEO, GPS
+from safeloc.simulation.satellite.disturbing import Disturbance
+from safeloc.simulation.satellite.run import Outages, Spoofer
+
+CONFIG = ChainConfig(satellite=FINE)
+SKY = Journey(walkers=(GPS, GALILEO), receiver=FINE_RECEIVER)
+OPEN = replace(SKY, from_m=4_150, to_m=5_900, scenes=())
+QUARTER = frozenset(f"{letter}{number:02d}" for letter in "GE" for number in range(1, 31, 4))
+CONDITIONS: dict[str, Journey] = {
+    "open line": OPEN,
+    "station hall": replace(SKY, to_m=300, speed_mm_s=14_000),
+    "street": replace(SKY, from_m=600, to_m=1_800, speed_mm_s=14_000),
+    "cutting": replace(SKY, from_m=2_400, to_m=3_300),
+    "tunnel": replace(SKY, from_m=3_550, to_m=4_650),
+    "outages, 1 s in 10 s": replace(OPEN, outages=(Outages(10.0, 1.0),)),
+    "a quarter dragged, 3 m/s": replace(OPEN, spoofers=(Spoofer(5.0, 3.0, 0.3, QUARTER),)),
+    "all dragged, 3 m/s, odometry": replace(OPEN, spoofers=(Spoofer(5.0, 3.0, 0.3),), odometry=True, balises=False),
+    "all dragged, 3 m/s, nothing else": replace(OPEN, spoofers=(Spoofer(5.0, 3.0, 0.3),), balises=False),
+}
+PAIR, FIVE = frozenset({"G13", "G15"}), frozenset({"G11", "G13", "G15", "E10", "E12"})
+PHONE_PAIR = frozenset({"G02", "G06"})
+DISTURBED: dict[str, tuple[Disturbance, ...]] = {
+    "as recorded": (),
+    "steps of 20 m, two satellites": (Disturbance("step", 60, 240, 20.0, PAIR),),
+    "steps of 60 m, five satellites": (Disturbance("step", 60, 240, 60.0, FIVE),),
+    "ramp to 60 m, two satellites": (Disturbance("ramp", 60, 240, 60.0, PAIR),),
+    "the same, code alone": (Disturbance("ramp", 60, 240, 60.0, PAIR, code_only=True),),
+    "wave of 30 m, 20 s, two satellites": (Disturbance("wave", 60, 240, 30.0, PAIR, period_s=20.0),),
+    "silence, 1 s in 20 s": (Disturbance("silence", 0, 300, period_s=20.0, silent_s=1.0),),
+    "all dragged, 60 m in 240 s": (Disturbance("false place", 60, 300, 60.0),),
+}
+HEADS = (
+    "condition", "cycles", "signals judged", "healthy excluded", "within the bound, excluded", "beyond, excluded",
+    "far beyond, excluded", "solutions taken", "error, m: 50 %, 95 %, worst", "level, m: 50 %", "reported",
+    "truth missed", "after a bound broke",
+)  # fmt: skip
+
+
+def simulated(name: str, journey: Journey, runs: int) -> Tally:
+    """One condition."""
+    tally = Tally(name, FINE_RECEIVER.code_bound_mm / 1_000, bound_m(CONFIG))
+    for seed in range(1, runs + 1):
+        tally.add(_cycles(journey, seed))
+    return tally
+
+
+def _cycles(journey: Journey, seed: int) -> Iterator[Cycle]:
+    for one in passed(CONFIG, journey, seed=seed):
+        true = one.truth
+        errors = {name: true.healthy_m[name] + true.error_m[name] for name in true.error_m}
+        yield as_told(one.outcome, round(true.place_m * 1_000), errors, true.error_m)
+
+
+def recorded(recording: Recording, name: str, disturbances: tuple[Disturbance, ...]) -> Tally:
+    """One disturbance of a recording."""
+    healthy_m = recording.config.satellite.selection.range_noise_mm / 1_000
+    tally = Tally(f"{recording.name}: {name}", healthy_m, bound_m(recording.config))
+    tally.add(told(recording, truth(recording), disturbances))
+    return tally
+
+
+def bound_m(config: ChainConfig) -> float:
+    """What a solution counts for each used satellite."""
+    bound_mm = config.bounds.range_mm
+    assert bound_mm is not None
+    return bound_mm / 1_000
+
+
+@dataclass(frozen=True)
+class Row:
+    """A tally as a line of the table."""
+
+    tally: Tally
+
+    def cells(self) -> list[str]:
+        """In the order of HEADS."""
+        one = self.tally
+        worth, levels = quantiles(one.errors_mm), quantiles(one.levels_mm)
+        return [
+            one.name, str(one.cycles), str(sum(one.signals.values())),
+            *(self._share(kind) for kind in ("healthy", "within", "beyond", "far beyond")),
+            _percent(len(one.errors_mm), one.cycles),
+            "" if worth is None else ", ".join(f"{value:.1f}" for value in worth),
+            "" if levels is None else f"{levels[0]:.1f}",
+            _percent(one.reported, one.cycles), str(one.wrong["kept"]), str(one.wrong["broken"]),
+        ]  # fmt: skip
+
+    def _share(self, kind: str) -> str:
+        share = self.tally.excluded(kind)
+        return "" if share is None else f"{100 * share:.1f} % of {self.tally.signals[kind]}"
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100 * part / whole:.0f} %" if whole else ""
+
+
+def _line(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def main() -> None:
+    """Print the tables."""
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+    print(_line(list(HEADS)) + "\n|" + "---|" * len(HEADS))
+    for name, journey in CONDITIONS.items():
+        print(_line(Row(simulated(name, journey, runs)).cells()), flush=True)
+    if len(sys.argv) > 2:
+        folder = Path(sys.argv[2])
+        for name, disturbances in DISTURBED.items():
+            print(_line(Row(recorded(geodetic(folder), name, disturbances)).cells()), flush=True)
+        step = (Disturbance("step", 60, 200, 150.0, PHONE_PAIR),)
+        for name, chosen in (("as recorded", ()), ("steps of 150 m, two satellites", step)):
+            print(_line(Row(recorded(phone(folder), name, chosen)).cells()), flush=True)
+
+
+if __name__ == "__main__":
+    main()
