@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -85,17 +86,22 @@ def _generated_c(compiler: str, folder: Path) -> Callable[[int], Ready]:
 
     def prepare(steps: int) -> Ready:
         machine = load_c(on_board(), folder=folder, cc=compiler)
-        columns, first = machine.packed(stream(steps)), machine.save()
+        columns, first = machine.columns(_arrays(stream(steps))), machine.save()
 
         def run() -> Last:
             machine.restore(first)
-            machine.run(columns)
+            machine.run_columns(columns)
             mode, position, margin = machine.state.values()
             return mode, position, margin
 
         return _again_and_again(run)
 
     return prepare
+
+
+def _arrays(rows: list[Row]) -> list[ctypes.Array[Any]]:
+    kinds = (ctypes.c_int64, ctypes.c_uint8, ctypes.c_int64)
+    return [(kind * len(rows))(*column) for kind, column in zip(kinds, zip(*rows, strict=True), strict=True)]
 
 
 def _interpreted(rows: list[Row]) -> Last:

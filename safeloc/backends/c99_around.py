@@ -5,6 +5,8 @@ These texts are the same for every machine but for its name, its fields and its 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from safeloc.backends.c99_header import statuses
 from safeloc.backends.c99_layout import Field, Layout, literal
 from safeloc.backends.c99_terms import constant
@@ -40,9 +42,8 @@ int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 
 
 def running(layout: Layout) -> str:
-    """Many steps over columns, each row checked before it is taken."""
-    p, upper = layout.names.prefix, layout.names.upper
-    missing = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
+    """Many steps over rows or over columns, each row checked before it is taken."""
+    p = layout.names.prefix
     gathered = (
         "".join(_gathered(field) for field in layout.inputs)
         or "    (void)inputs;\n    (void)columns;\n    (void)number;\n"
@@ -60,37 +61,57 @@ static void scatter(const {p}_outputs *outputs, const {p}_output_columns *told, 
 {{
 {scattered}}}
 
-int32_t {p}_run({p}_state *state, const {p}_input_columns *columns, const {p}_output_columns *told, size_t count,
-        size_t *done)
+{_loop(layout, "run", f"const {p}_inputs *rows", f"{p}_outputs *told", _ROWS)}
+{_loop(layout, "run_columns", f"const {p}_input_columns *columns", f"const {p}_output_columns *told", _COLUMNS)}"""
+
+
+@dataclass(frozen=True)
+class _Source:
+    """Where a loop takes its inputs from and leaves its outputs."""
+
+    missing: str
+    begin: str
+    taken: str
+    inputs: str
+    kept: str
+
+
+_ROWS = _Source("rows == NULL", "", "", "&rows[number]", "told[number] = outputs;")
+_COLUMNS = _Source(
+    "columns == NULL{columns}",
+    "    const {p}_input_columns read = *columns;\n    {p}_inputs inputs = {{0}};\n",
+    "            gather(&inputs, &read, number);\n",
+    "&inputs",
+    "scatter(&outputs, told, number);",
+)
+
+
+def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> str:
+    """One loop without outputs, so that it need not work them out, and one with them."""
+    p, upper = layout.names.prefix, layout.names.upper
+    columns = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
+    judging = f"""{source.taken}            status = judged({source.inputs});
+            if (status != {upper}_OK) {{
+                break;
+            }}
+            advance(&now, {source.inputs}, &outputs);
+"""
+    return f"""int32_t {p}_{name}({p}_state *state, {given}, {told}, size_t count, size_t *done)
 {{
-    if (state == NULL || columns == NULL || done == NULL{missing}) {{
+    if (state == NULL || done == NULL || {source.missing.format(columns=columns)}) {{
         return {upper}_NO_POINTER;
     }}
-    const {p}_input_columns read = *columns;
-    {p}_state now = *state;
-    {p}_inputs inputs = {{0}};
+{source.begin.format(p=p)}    {p}_state now = *state;
     {p}_outputs outputs = {{0}};
     int32_t status = {upper}_OK;
     size_t number = 0;
     if (told == NULL) {{
         for (; number < count; number++) {{
-            gather(&inputs, &read, number);
-            status = judged(&inputs);
-            if (status != {upper}_OK) {{
-                break;
-            }}
-            advance(&now, &inputs, &outputs);
-        }}
+{judging}        }}
     }} else {{
         for (; number < count; number++) {{
-            gather(&inputs, &read, number);
-            status = judged(&inputs);
-            if (status != {upper}_OK) {{
-                break;
-            }}
-            advance(&now, &inputs, &outputs);
-            show(&now, &outputs);
-            scatter(&outputs, told, number);
+{judging}            show(&now, &outputs);
+            {source.kept}
         }}
     }}
     *state = now;

@@ -181,11 +181,13 @@ int32_t {p}_check_state(const {p}_state *state);
  */
 int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs);
 
-/* `count` steps in one call. `told` may be NULL, and so may each of its columns. Stops before the first refused row and
- * returns its status; `done` tells how many steps were taken.
+/* `count` steps in one call, of rows or of columns. `told` may be NULL, and so may each of its columns. Both stop before
+ * the first refused row and return its status; `done` tells how many steps were taken. Columns are faster where there
+ * are few inputs, rows where there are many.
  */
-int32_t {p}_run({p}_state *state, const {p}_input_columns *columns, const {p}_output_columns *told, size_t count,
-        size_t *done);
+int32_t {p}_run({p}_state *state, const {p}_inputs *rows, {p}_outputs *told, size_t count, size_t *done);
+int32_t {p}_run_columns({p}_state *state, const {p}_input_columns *columns, const {p}_output_columns *told,
+        size_t count, size_t *done);
 
 /* The outputs of a state as it is; which transition fired is told as none. */
 int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs);

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -11,7 +13,7 @@ from hypothesis import strategies as st
 
 from safeloc.backends.c99 import Run, library_texts, to_c
 from safeloc.backends.c99_layout import layout_of
-from safeloc.backends.c_loader import load_c
+from safeloc.backends.c_loader import CMachine, load_c
 from safeloc.errors import InputError
 from safeloc.expr import BoolVar, Expr, Var, boolean, floor_div, number, product
 from safeloc.interpret import run
@@ -44,11 +46,20 @@ def assert_same_run(system: TransitionSystem, trace: Trace, stream: list[Record]
         assert dict(expected.fired) == machine.fired
         assert dict(expected.state) == machine.state
     machine.reset(first)
-    columns = machine.columns(stream)
-    assert [dict(step.outputs) for step in trace.steps] == machine.history(columns)
+    rows = machine.rows(stream)
+    assert [dict(step.outputs) for step in trace.steps] == machine.history(rows)
     machine.reset(first)
-    machine.run(columns)
+    machine.run(rows)
     assert dict(trace.steps[-1].state if trace.steps else trace.initial) == machine.state
+    machine.reset(first)
+    machine.run_columns(machine.columns(by_column(machine, rows)))
+    assert dict(trace.steps[-1].state if trace.steps else trace.initial) == machine.state
+
+
+def by_column(machine: CMachine, rows: ctypes.Array[Any]) -> list[ctypes.Array[Any]]:
+    """The same inputs, an array each."""
+    fields = type(machine.rows([]))._type_._fields_[: len(machine.layout.inputs)]
+    return [(kind * len(rows))(*(getattr(row, name) for row in rows)) for name, kind in fields]
 
 
 @settings(max_examples=25)
@@ -210,7 +221,48 @@ def test_the_text_reads_like_the_table() -> None:
     assert text[text.index("static inline void advance") : text.index("static inline void show")] == STEP_OF_DOORS
 
 
-STEP_OF_DOORS = ""
+STEP_OF_DOORS = """static inline void advance(doors_state *state, const doors_inputs *inputs, doors_outputs *outputs)
+{
+    const int64_t mode = state->mode;
+    const int64_t command = inputs->command;
+    const bool obstructed = inputs->obstructed != 0;
+    const int64_t speed = inputs->speed;
+    const bool t1 = mode == DOORS_MODE_MOVING;
+    if (t1 && obstructed) {
+        state->mode = DOORS_MODE_OPEN;
+        state->warned = true;
+        outputs->fired = DOORS_FIRED_OBSTRUCTED;
+        return;
+    }
+    const bool t2 = command == DOORS_COMMAND_TO_OPEN && speed == 0;
+    if (mode == DOORS_MODE_CLOSED && t2) {
+        state->mode = DOORS_MODE_MOVING;
+        state->warned = true;
+        outputs->fired = DOORS_FIRED_OPEN;
+        return;
+    }
+    if (t1 && t2) {
+        state->mode = DOORS_MODE_OPEN;
+        outputs->fired = DOORS_FIRED_OPENED;
+        return;
+    }
+    const bool t3 = command == DOORS_COMMAND_TO_CLOSE;
+    if (mode == DOORS_MODE_OPEN && t3) {
+        state->mode = DOORS_MODE_MOVING;
+        outputs->fired = DOORS_FIRED_CLOSE;
+        return;
+    }
+    if (t1 && (t3 || command == DOORS_COMMAND_NOTHING)) {
+        state->mode = DOORS_MODE_CLOSED;
+        state->warned = obstructed;
+        outputs->fired = DOORS_FIRED_CLOSED;
+        return;
+    }
+    outputs->fired = DOORS_FIRED__STAY;
+    return;
+}
+
+"""
 
 
 def test_nothing_is_allocated_and_nothing_recurs() -> None:

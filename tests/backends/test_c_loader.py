@@ -11,7 +11,7 @@ from safeloc.backends import c99_build
 from safeloc.backends.c99 import library_texts
 from safeloc.backends.c99_build import build, compiler
 from safeloc.backends.c99_layout import layout_of
-from safeloc.backends.c_loader import Columns, load_c
+from safeloc.backends.c_loader import load_c
 from safeloc.errors import EngineError, InputError
 from safeloc.system import TransitionSystem, lower, without_ghosts
 from tests.backends.c_folder import needs_compiler
@@ -45,35 +45,45 @@ def test_inputs_are_refused_as_by_the_interpreter(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"^movement: expected a whole number of mm, got nan\.$"):
         machine.step({"movement": float("nan")})
     with pytest.raises(InputError, match=r"^odometer: input 'movement' is missing"):
-        machine.columns([{"movement": 1}, {}])
+        machine.rows([{"movement": 1}, {}])
     assert machine.state["position"] == 100
 
 
 def test_columns_are_checked_by_c(tmp_path: Path) -> None:
     """Columns from elsewhere stop before the first refused row, which is named; rows before it were taken."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
-    movements, present = (ctypes.c_int64 * 3)(1, 2, 6000), (ctypes.c_uint8 * 3)(0, 0, 0)
-    columns = Columns(3, (present, (ctypes.c_int64 * 3)(), movements))
-    assert [field.name for field in machine.layout.inputs] == ["movement", "reference_present", "reference"]
-    columns = Columns(3, (movements, present, (ctypes.c_int64 * 3)()))
+    movements, present, places = (ctypes.c_int64 * 3)(1, 2, 6000), (ctypes.c_uint8 * 3)(), (ctypes.c_int64 * 3)()
     with pytest.raises(InputError, match=r"^odometer: row 2: input movement is not in -5000 \.\. 5000 mm\.$"):
-        machine.run(columns)
+        machine.run_columns(machine.columns([movements, present, places]))
     assert machine.state["position"] == 3
+
+
+def test_columns_of_other_kinds_are_refused(tmp_path: Path) -> None:
+    """Arrays of another kind, number or length would be read beyond their end."""
+    machine = load_c(on_board("odometer"), folder=tmp_path)
+    movements, present, places = (ctypes.c_int64 * 3)(), (ctypes.c_uint8 * 3)(), (ctypes.c_int64 * 2)()
+    told = r"^odometer: columns are arrays of equal length, movement: int64_t, reference_present: uint8_t, reference: int64_t\.$"
+    for wrong in ([movements, present, places], [movements, present], [movements, places, present]):
+        with pytest.raises(InputError, match=told):
+            machine.columns(wrong)
 
 
 def test_an_absent_value_is_not_looked_at(tmp_path: Path) -> None:
     """Whatever stands in an input that is declared absent, it is neither refused nor used."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
-    rubbish = (ctypes.c_int64 * 1)(-(2**63))
-    machine.run(Columns(1, ((ctypes.c_int64 * 1)(5), (ctypes.c_uint8 * 1)(0), rubbish)))
+    rows = machine.rows([{"movement": 5}])
+    rows[0].reference = -(2**63)
+    machine.run(rows)
     assert machine.state["position"] == 5
 
 
 def test_a_flag_is_0_or_1(tmp_path: Path) -> None:
     """A presence flag that is neither is refused, not taken for true."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
+    rows = machine.rows([{"movement": 5}])
+    rows[0].reference_present = 2
     with pytest.raises(InputError, match=r"input reference\.present is not 0 or 1\.$"):
-        machine.run(Columns(1, ((ctypes.c_int64 * 1)(5), (ctypes.c_uint8 * 1)(2), (ctypes.c_int64 * 1)())))
+        machine.run(rows)
 
 
 def test_first_values_are_chosen_and_judged(tmp_path: Path) -> None:
