@@ -135,8 +135,8 @@ def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list
     for at in range(size):
         pivot = next((n for n in range(at, size) if rows[n][at]), None)
         if pivot is None:
-            raise InputError(
-                "all satellites stand alike to the track: position and clock cannot be told apart, no fix."
+            raise NoSolution(
+                "ALIKE", "all satellites stand alike to the track: place and clock cannot be told apart, no fix."
             )
         rows[at], rows[pivot] = rows[pivot], rows[at]
         head = rows[at]
