@@ -1,6 +1,7 @@
 """Step streams: the inputs of a machine, one mapping a step. What `replay` reads and what traces are saved as.
 
-JSONL     optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}}, then one object a step
+JSONL     optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}, "kept": [...]}, then one object
+          a step; an input named in `kept` stands in a step only where it is not what it was in the step before
 CSV       one column an input; an empty cell is an absent input; `true` and `false` are truth values, also TRUE and FALSE
 Parquet   one column an input, whole numbers, truth values or text; an empty cell is an absent input; the object of
           JSONL's first line may stand in the file's metadata under `safeloc`
@@ -14,7 +15,7 @@ import csv
 import json
 import re
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -66,16 +67,29 @@ def read_steps(path: Path) -> StepStream:
 
 
 def write_steps(
-    path: Path, steps: Sequence[Mapping[str, Cell]], *, machine: str = "", first: Mapping[str, Value] | None = None
+    path: Path,
+    steps: Sequence[Mapping[str, Cell]],
+    *,
+    machine: str = "",
+    first: Mapping[str, Value] | None = None,
+    short: bool = False,
 ) -> None:
-    """Write a .jsonl or .parquet stream with its header, or a .csv one, which has no room for `machine` and `first`."""
+    """Write a .jsonl or .parquet stream with its header, or a .csv one, which has no room for `machine` and `first`.
+
+    short  in .jsonl, what is in every step is written only where it changes
+    """
     for number, step in enumerate(steps, 1):
         for key, value in step.items():
             _cell(path, number, key, value)
     header = {"schema": SCHEMA, "machine": machine, "first": dict(first or {})}
     match path.suffix:
         case ".jsonl" | ".ndjson":
-            text = "".join(json.dumps(line, separators=(", ", ": ")) + "\n" for line in (header, *map(dict, steps)))
+            kept = _in_every(steps) if short else []
+            lines = (
+                {**header, **({"kept": kept} if kept else {})},
+                *(_changed(steps, kept) if kept else map(dict, steps)),
+            )
+            text = "".join(json.dumps(line, separators=(", ", ": ")) + "\n" for line in lines)
             path.write_text(text, encoding="utf-8")
         case ".csv":
             _write_csv(path, steps, first or {})
@@ -83,6 +97,22 @@ def write_steps(
             _write_parquet(path, steps, header)
         case _:
             raise unknown_kind(path)
+
+
+def _in_every(steps: Sequence[Mapping[str, Cell]]) -> list[str]:
+    return [name for name in steps[0] if all(name in step for step in steps)] if steps else []
+
+
+def _changed(steps: Sequence[Mapping[str, Cell]], kept: Sequence[str]) -> Iterator[dict[str, Cell]]:
+    """Each step without what is as it was before; 1 and true are not the same."""
+    always, before = set(kept), dict[str, Cell]()
+    for step in steps:
+        yield {name: cell for name, cell in step.items() if name not in always or not _same(before.get(name), cell)}
+        before.update(step)
+
+
+def _same(one: Cell | None, other: Cell) -> bool:
+    return type(one) is type(other) and one == other
 
 
 def _write_csv(path: Path, steps: Sequence[Mapping[str, Cell]], first: Mapping[str, Value]) -> None:
@@ -106,14 +136,18 @@ def _read_jsonl(path: Path) -> StepStream:
     lines: list[int] = []
     first: Mapping[str, Value] = {}
     machine = ""
+    kept: list[str] = []
     for number, text in enumerate(text_of(path).split("\n"), 1):
         if not text.strip():
             continue
         record = json_object(path, number, text)
         if not lines and "schema" in record:
             first, machine = _header(path, record)
+            kept = _kept(path, record)
             continue
-        steps.append({key: _cell(path, number, key, value) for key, value in record.items() if value is not None})
+        step = {key: _cell(path, number, key, value) for key, value in record.items() if value is not None}
+        left_out = [name for name in kept if name not in record]
+        steps.append(_filled(path, number, step, steps[-1] if steps else {}, left_out))
         lines.append(number)
     return StepStream(tuple(steps), tuple(lines), first, machine)
 
@@ -128,6 +162,25 @@ def _header(path: Path, record: Mapping[str, object]) -> tuple[Mapping[str, Valu
     if not isinstance(machine, str):
         raise StreamError(f"{path}:1: `machine` must be the name of a machine, or left out.")
     return first, machine
+
+
+def _kept(path: Path, record: Mapping[str, object]) -> list[str]:
+    names = record.get("kept", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise StreamError(f"{path}:1: `kept` must be a list of inputs that are in every step.")
+    return names
+
+
+def _filled(
+    path: Path, number: int, step: Mapping[str, Cell], before: Mapping[str, Cell], left_out: Sequence[str]
+) -> Mapping[str, Cell]:
+    """The step with what it leaves out because it is as it was in the step before."""
+    unknown = [name for name in left_out if name not in before]
+    if unknown:
+        raise StreamError(
+            f"{path}:{number}: {unknown[0]} is left out as kept, and the step before does not say what it is."
+        )
+    return {**{name: before[name] for name in left_out}, **step}
 
 
 def _cell(path: Path, number: int, key: str, value: object) -> Cell:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import sys
@@ -186,3 +187,48 @@ def test_a_folder_is_no_stream(tmp_path: Path) -> None:
     """The message says so."""
     with pytest.raises(StreamError, match=r": a folder, not a file\.$"):
         read_steps(tmp_path)
+
+
+SHORT: list[dict[str, Cell]] = [
+    {"a": 1, "b": True, "word": "UP"}, {"a": 1, "b": True, "word": "UP", "now and then": 7}, {"a": 0, "b": True, "word": "UP"},
+    {"a": False, "b": True, "word": "DOWN"}, {"a": 0, "b": True, "word": "DOWN"},
+]  # fmt: skip
+
+
+def test_a_short_stream_says_only_what_changes(tmp_path: Path) -> None:
+    """What is in every step stands where it changes, 0 is not false, and all of it comes back."""
+    path = tmp_path / "short.jsonl"
+    write_steps(path, SHORT, machine="m", first={"x": 3}, short=True)
+    lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    assert ["a", "b", "word"] == lines[0]["kept"]
+    assert [SHORT[0], {"now and then": 7}, {"a": 0}, {"a": False, "word": "DOWN"}, {"a": 0}] == lines[1:]
+    stream = read_steps(path)
+    assert SHORT == list(stream.steps)
+    assert [repr(step["a"]) for step in SHORT] == [repr(step["a"]) for step in stream.steps]
+    assert ({"x": 3}, "m") == (stream.first, stream.machine)
+
+
+@given(steps=st.lists(st.dictionaries(st.sampled_from("abc"), st.integers() | st.booleans()), max_size=6))
+def test_any_short_stream_survives(tmp_path_factory: pytest.TempPathFactory, steps: list[dict[str, Cell]]) -> None:
+    """Also with inputs that are absent now and then."""
+    path = tmp_path_factory.mktemp("short") / "stream.jsonl"
+    write_steps(path, steps, short=True)
+    assert repr([sorted(step.items()) for step in steps]) == repr(
+        [sorted(one.items()) for one in read_steps(path).steps]
+    )
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (['{"schema": "safeloc-stream/1", "kept": ["a"]}', '{"b": 1}'], ":2: a is left out as kept, and the step before does not say"),
+        (['{"schema": "safeloc-stream/1", "kept": ["a"]}', '{"a": 1}', '{"a": null}', "{}"], ":4: a is left out as kept"),
+        (['{"schema": "safeloc-stream/1", "kept": "a"}', '{"a": 1}'], ":1: `kept` must be a list of inputs"),
+    ],
+)  # fmt: skip
+def test_nothing_is_kept_that_was_not_said(tmp_path: Path, lines: list[str], message: str) -> None:
+    """Left out at first, left out after it was absent, no list."""
+    path = tmp_path / "kept.jsonl"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(StreamError, match=re.escape(message)):
+        read_steps(path)
