@@ -18,6 +18,7 @@ from safeloc.runs.allowed import Condition, Segment, common, conjuncts
 from safeloc.system import TransitionSystem, canonical
 
 REPAIRS = 20
+ATTEMPTS = 5
 GHOSTS_FIRST = 0.8
 Pick = Callable[[NumVar, int, int], int]
 
@@ -103,15 +104,26 @@ def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: f
     adventurous: the share of variables that begin at an end of their range instead of near zero
     """
     free = [var for var in system.state if isinstance(system.initial[var], Any_)]
-    values = {var: _first_value(system, var, draw, adventurous) for var in system.state}
     conditions = [Condition(part) for part in conjuncts(system.init)]
+    for attempt in range(ATTEMPTS):
+        share = adventurous * (1 - attempt / (ATTEMPTS - 1))
+        values = {var: _first_value(system, var, draw, share) for var in system.state}
+        if _mended(conditions, free, values, draw):
+            return {var.name: values[var] for var in free}
+    raise InputError(f"{system.name}: no first state found that satisfies `initially`; give one explicitly.")
+
+
+def _mended(
+    conditions: Sequence[Condition], free: Sequence[Var], values: dict[Var, Value], draw: random.Random
+) -> bool:
+    """Whether the values keep every condition, after some repairs."""
     for _ in range(REPAIRS):
         broken = [one for one in conditions if not one.holds(values)]
         if not broken:
-            return {var.name: values[var] for var in free}
+            return True
         for one in broken:
             _mend_first(one, free, values, draw)
-    raise InputError(f"{system.name}: no first state found that satisfies `initially`; give one explicitly.")
+    return False
 
 
 def _first_value(system: TransitionSystem, var: Var, draw: random.Random, adventurous: float) -> Value:

@@ -118,6 +118,25 @@ def test_first_states_satisfy_initially(seed: int) -> None:
     assert -3 <= chosen["truth_nm"] <= 3
 
 
+def test_a_first_state_is_drawn_anew() -> None:
+    """Repairs may run in circles between the ends of ranges; then another draw begins, and one is found each time."""
+    low, high = number("low_mm", MM, -100, 100), number("high_mm", MM, -100, 100)
+    machine = Machine(
+        "ends",
+        (ON,),
+        [STEP],
+        {},
+        {},
+        [Transition("idle", ON, ON)],
+        ghosts={low: ANY, high: ANY},
+        ghost_moves={low: low, high: high},
+        initially=(low < high) & (low >= -90) & (high <= 90),
+    )
+    for seed in range(100):
+        first = first_state(lower(machine), random.Random(seed), adventurous=1.0)
+        assert -90 <= first["low_mm"] < first["high_mm"] <= 90
+
+
 def test_no_first_state_is_wrong_input() -> None:
     """A machine that cannot start says so."""
     open_, other = number("open_mm", MM, 0, 5), number("other_mm", MM, 0, 5)
