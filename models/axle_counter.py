@@ -15,7 +15,6 @@ The run is reckoned from the first axle in whole um, positive in the direction i
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.expr import (
     TRUE,
@@ -35,7 +34,7 @@ from safeloc.expr import (
     maximum,
     minimum,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
 from safeloc.models.axle_head import NO_AXLE
 from safeloc.models.axle_parts.passage import (
     HEAD_FAULT,
@@ -61,12 +60,7 @@ TRACE = ("FVA-3", "FVA-5")
 __all__ = ["AxleCounter", "AxleCounterConfig", "build", "machine", "parts"]
 
 
-@dataclass(frozen=True, eq=False)
-class AxleCounter:
-    """The machine together with its variables, for properties to speak about."""
-
-    machine: Machine
-    own: Parts
+AxleCounter = Model[Parts]
 
 
 def machine(config: AxleCounterConfig | None = None) -> Machine:
@@ -105,7 +99,7 @@ def build(own: Parts) -> AxleCounter:
             "axles farther apart, than configured."
         ),
     )  # fmt: skip
-    return AxleCounter(made, own)
+    return Model(made, own)
 
 
 def _bounds(own: Parts) -> tuple[NumVar, ...]:

@@ -17,7 +17,7 @@ from pydantic import model_validator
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
 from safeloc.expr import Bool, BoolVar, Lit, NumVar, Var, all_of, boolean, choice, enumeration, ite, members
-from safeloc.machine import Machine, Transition, current_mode, modes
+from safeloc.machine import Machine, Model, Transition, current_mode, modes
 
 AXLE = members("axle", "NONE", "UP", "DOWN")
 NO_AXLE, UP, DOWN = AXLE
@@ -77,12 +77,7 @@ def parts(config: AxleHeadConfig) -> Parts:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class AxleHead:
-    """The machine together with its variables, for properties to speak about."""
-
-    machine: Machine
-    own: Parts
+AxleHead = Model[Parts]
 
 
 def machine(config: AxleHeadConfig | None = None) -> Machine:
@@ -114,7 +109,7 @@ def build(own: Parts) -> AxleHead:
             "over, and are sampled often enough."
         ),
     )
-    return AxleHead(made, own)
+    return Model(made, own)
 
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:

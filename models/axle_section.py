@@ -36,7 +36,7 @@ from safeloc.expr import (
     members,
     number,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
 from safeloc.units import COUNT
 
 RESET = members("reset_answer", "NOT_ASKED", "ACCEPTED", "HEAD_DAMPED", "HEAD_FAULT", "AXLES_COUNTED", "AXLE_PASSED")
@@ -130,12 +130,7 @@ def parts(config: AxleSectionConfig) -> Parts:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class AxleSection:
-    """The machine together with its variables, for properties to speak about."""
-
-    machine: Machine
-    own: Parts
+AxleSection = Model[Parts]
 
 
 def machine(config: AxleSectionConfig | None = None) -> Machine:
@@ -180,7 +175,7 @@ def build(own: Parts) -> AxleSection:
             "left nothing behind. A miscount that no head tells and that never makes the count negative is outside of this."
         ),
     )  # fmt: skip
-    return AxleSection(made, own)
+    return Model(made, own)
 
 
 def _answer(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Num:

@@ -39,7 +39,7 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.machine import Initial, Machine, Model, Transition, current_mode, modes
 from safeloc.units import COUNT, MM
 
 HEARD = members("pattern_verdict", "NOTHING", "PASSED", "FOREIGN", "NOT_DUE", "ELSEWHERE", "NO_PLACE")
@@ -129,12 +129,7 @@ def parts(config: EmitterConfig) -> Parts:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Emitter:
-    """The machine together with its variables, for properties to speak about."""
-
-    machine: Machine
-    own: Parts
+Emitter = Model[Parts]
 
 
 def machine(config: EmitterConfig | None = None) -> Machine:
@@ -173,7 +168,7 @@ def build(own: Parts) -> Emitter:
             "this pattern at this place when it is due, so that hearing it shows that the chain works."
         ),
     )
-    return Emitter(made, own)
+    return Model(made, own)
 
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:

@@ -32,7 +32,7 @@ from safeloc.expr import (
     ite,
     number,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.machine import ANY, Machine, Model, Transition, current_mode, modes
 from safeloc.units import COUNT, MM, UM
 
 TRACE = ("FVA-2", "FVA-11")
@@ -146,12 +146,7 @@ def parts(config: TrainOrderConfig) -> Parts:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class TrainOrder:
-    """The machine together with its variables, for properties to speak about."""
-
-    machine: Machine
-    own: Parts
+TrainOrder = Model[Parts]
 
 
 def machine(config: TrainOrderConfig | None = None) -> Machine:
@@ -187,7 +182,7 @@ def build(own: Parts) -> TrainOrder:
             "each pattern holds a train of its own."
         ),
     )
-    return TrainOrder(made, own)
+    return Model(made, own)
 
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:

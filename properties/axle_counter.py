@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from safeloc.expr import Lit, before, between, exact_to
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_head import NO_AXLE
-from safeloc.models.axle_parts.passage import SOUND, UM_PER_MM, UM_S
+from safeloc.models.axle_parts.passage import SOUND, UM_PER_MM
 from safeloc.spec import Property, always, reachable
-from safeloc.units import NM, UM
+from safeloc.units import NM, UM, Unit
 
 TRACE = ("FVA-3", "FVA-5")
 LAW = "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes"
@@ -28,27 +30,7 @@ def properties(model: AxleCounter) -> list[Property]:
             trace=TRACE,
             assumption=LAW,
         ),
-        always(
-            "length is true",
-            sound.implies(between(exact_to(own.length_low, NM), own.length, exact_to(own.length_high, NM))),
-            statement="a sound record's bounds hold the length from first to last axle, whatever the train's speed did",
-            trace=TRACE,
-            assumption=LAW,
-        ),
-        always(
-            "speed is true",
-            sound.implies(between(exact_to(own.low_speed, UM_S), own.speed, exact_to(own.high_speed, UM_S))),
-            statement="a sound record's bounds hold the speed of its cycle",
-            trace=TRACE,
-            assumption=LAW,
-        ),
-        always(
-            "place is true",
-            sound.implies(between(exact_to(own.run_low, NM), own.run, exact_to(own.run_high, NM))),
-            statement="a sound record's bounds hold how far the first axle is beyond the counter",
-            trace=TRACE,
-            assumption=LAW,
-        ),
+        *_within_bounds(model),
         always(
             "the whole train has passed",
             sound.implies(own.run - own.length > exact_to(gap, NM)),
@@ -107,3 +89,28 @@ def properties(model: AxleCounter) -> list[Property]:
         ),
         reachable("record", sound & (own.count > 1), statement="a train gives a sound record", trace=TRACE),
     ]
+
+
+def _within_bounds(model: AxleCounter) -> Iterator[Property]:
+    """What a sound record bounds, the train's truth between."""
+    own = model.own
+    bounds = {
+        "length": (own.length_low, own.length, own.length_high),
+        "speed": (own.low_speed, own.speed, own.high_speed),
+        "place": (own.run_low, own.run, own.run_high),
+    }
+    meant = {
+        "length": "the length from first to last axle, whatever the train's speed did",
+        "speed": "the speed of its cycle",
+        "place": "how far the first axle is beyond the counter",
+    }
+    for name, (low, truth, high) in bounds.items():
+        unit = truth.unit
+        assert isinstance(unit, Unit)
+        yield always(
+            f"{name} is true",
+            model.machine.flag("record_sound").implies(between(exact_to(low, unit), truth, exact_to(high, unit))),
+            statement=f"a sound record's bounds hold {meant[name]}",
+            trace=TRACE,
+            assumption=LAW,
+        )

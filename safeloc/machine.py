@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from safeloc.errors import declared_at
 from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, members
@@ -139,6 +139,17 @@ class Machine:
         if not isinstance(term, Bool):
             raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a number; use output().")
         return term
+
+
+Parts_ = TypeVar("Parts_", covariant=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Model(Generic[Parts_]):
+    """A machine together with the variables it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts_
 
 
 def modes(*labels: str) -> tuple[Lit, ...]:
