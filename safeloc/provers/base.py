@@ -74,7 +74,10 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDicti
 
 
 def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
-    """The system's proved base; computed once per system, and again only if more time could give more."""
+    """The system's proved base; computed once per system, and again only if more time could give more.
+
+    seconds  for the system, and of a composition for each of its machines as well
+    """
     known = known_base(system, seconds)
     if known is None:
         known = _KNOWN[system] = _prove(system, seconds)
@@ -98,8 +101,9 @@ def range_name(var: NumVar) -> str:
 
 
 def _prove(system: TransitionSystem, seconds: float) -> Base:
-    ends, own, hidden = deadline(seconds), _ranges(system, ghosts=False), _ranges(system, ghosts=True)
-    had = inherit(system, [_alone(part, ends) for part in system.parts], ends)
+    own, hidden = _ranges(system, ghosts=False), _ranges(system, ghosts=True)
+    had = inherit(system, [_alone(part, seconds) for part in system.parts], deadline(seconds))
+    ends = deadline(seconds)
     free = {name: term for name, term in system.lemmas.items() if not set(variables([term])) & system.ghosts}
     wanted = _without({**own, **free}, had.always)
     always, texts, failed = _inductive(_board(system, had.always), wanted, ends)
@@ -112,8 +116,8 @@ def _prove(system: TransitionSystem, seconds: float) -> Base:
     return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept)
 
 
-def _alone(part: Part, ends: Deadline) -> Alone:
-    known = base(part.alone, seconds=ends.left)
+def _alone(part: Part, seconds: float) -> Alone:
+    known = base(part.alone, seconds=seconds)
     return Alone(known.always, known.facts, known.certificates)
 
 

@@ -123,7 +123,7 @@ def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
     if known is not None:
         return known, 0.0
     work = partial(base, system, seconds=limits.seconds)
-    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits))
+    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits) * (1 + len(system.parts)))
     [(_, packed, seconds)] = in_processes([task], 1)
     terms = ranges_and_lemmas(system)
     if isinstance(packed, Lost):

@@ -120,13 +120,28 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
     kept = replace(kept, found={**seen, **kept.found})
     missing = [without_assumption(target.goal) for target in targets if target.name not in kept.found]
     free = first_runs(missing, limits)
+    open_ = {target.name for target in targets} - {*kept.found, *free.found}
+    alone = _by_itself(system, open_, limits)
     for target in targets:
         witness = kept.found.get(target.name) or free.found.get(target.name)
-        if witness is None:
+        if target.name in alone:
+            verdict = Proved(None, "bmc", alone[target.name], ("interpreter",))
+            method = f"witness of the machine by itself; none of the whole in {free.depth} steps"
+            yield Obligation(target.name, f"{target.statement}, by itself", verdict, method)
+        elif witness is None:
             yield Obligation(target.name, target.statement, _dead(target.goal, free.depth, limits), "bounded search")
         else:
             verdict = Proved(None, "bmc", len(witness.steps), ("interpreter",), witness=witness)
             yield Obligation(target.name, target.statement, verdict, _how(target.name, kept, defences))
+
+
+def _by_itself(system: TransitionSystem, open_: Container[str], limits: Limits) -> dict[str, int]:
+    """Of a composition, what no run of the whole was found for, but one of the machine alone; with its steps."""
+    found: dict[str, int] = {}
+    for part in system.parts:
+        goals = [target.goal for target in _targets(part.alone) if target.name in open_]
+        found |= {name: len(run.steps) for name, run in first_runs(goals, limits).found.items()}
+    return found
 
 
 def _place(src: str) -> str:

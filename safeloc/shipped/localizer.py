@@ -6,11 +6,13 @@ from dataclasses import replace
 
 from pydantic import BaseModel
 
-from safeloc.models import arbitration, transmission
+from safeloc.models import arbitration, localizer, transmission
+from safeloc.models.localizer import LocalizerConfig
 from safeloc.properties import arbitration as arbitration_properties
+from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import transmission as transmission_properties
 from safeloc.reported import Reported
-from safeloc.shipped.making import single
+from safeloc.shipped.making import recorded, single
 from safeloc.target import Entry, Target
 
 
@@ -28,7 +30,27 @@ def _transmission(config: BaseModel) -> Target:
     return replace(made, reported=Reported())
 
 
+def _localizer(config: BaseModel) -> Target:
+    assert isinstance(config, LocalizerConfig)
+    whole = localizer.compose_machines(config)
+    doc = (
+        "All ways of locating of one vehicle in one step: what those that state a position have in common, led by the one with "
+        "the smallest margin; nothing where they exclude each other; and what the trackside sees of it."
+    )
+    reported = Reported(
+        position="delocalized.position_mm",
+        under="delocalized.under_mm",
+        over="delocalized.over_mm",
+        valid="delocalized.restrictive",
+        valid_is=False,
+    )
+    properties = tuple(localizer_properties.properties(whole))
+    system, streams = whole.composition.system, recorded("localizer")
+    return Target("localizer", whole.machines, system, properties, config, doc, streams, reported)
+
+
 ENTRIES = (
     Entry("arbitration", "what several positions have in common", arbitration.ArbitrationConfig, _arbitration),
     Entry("transmission", "a position on its way; its age is charged", transmission.TransmissionConfig, _transmission),
+    Entry("localizer", "all ways of locating together, and which of them counts", LocalizerConfig, _localizer),
 )
