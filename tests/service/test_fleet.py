@@ -1,0 +1,374 @@
+"""What lines do to vehicles, without any process around it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from safeloc.embedding import Controller, Program
+from safeloc.embedding.controller import MOST_RECORDS
+from safeloc.service.fleet import Fleet, Ways
+from safeloc.service.lines import Line
+from safeloc.system import lower
+from safeloc.target import Target
+from tests.data.door_controller import machine as door
+from tests.embedding.driving import distances, drive, trusting
+from tests.service.processes import Data, line, lines, numbered, reports
+
+ODOMETRY = trusting()
+HERE = "here"
+
+
+class Told:
+    """A fleet that is told lines, with its answers."""
+
+    def __init__(self, fleet: Fleet | None = None, *, whole: bool = True) -> None:
+        self.fleet = fleet or Fleet(ODOMETRY, Ways(100))
+        self.whole, self.number = whole, 0
+
+    def say(self, *texts: str, origin: str = HERE) -> list[Data]:
+        """Answers to these lines."""
+        answers: list[Data] = []
+        for text in texts:
+            self.number += 1
+            answers += self.fleet.heed(origin, Line(self.number, text.strip().encode()), whole=self.whole)
+        return answers
+
+
+def end(time_ms: int, **envelope: object) -> str:
+    """A cycle is over."""
+    return json.dumps({**envelope, "kind": "cycle", "time_ms": time_ms})
+
+
+def by_hand(cycles: int) -> list[Data]:
+    """Reports of a controller that was given the drive."""
+    controller = Controller(ODOMETRY)
+    return [{"vehicle": "1", **controller.step(records).as_data()} for records in drive(cycles)]
+
+
+def test_records_become_cycles() -> None:
+    """A cycle is over when a record of a later one comes; the last one when there are no more."""
+    told = Told()
+    answers = told.say(*lines(30))
+    assert answers == by_hand(29)
+    assert [*answers, *told.fleet.finish()] == by_hand(30)
+
+
+def test_a_cycle_is_over_when_it_is_said_to_be() -> None:
+    """At once, without waiting for the next one."""
+    told = Told()
+    for cycle, records in enumerate(drive(5), 1):
+        *none, report = told.say(*map(line, records), end(cycle * 100))
+        assert (none, report["cycle"]) == ([], cycle)
+    assert told.fleet.finish() == []
+
+
+def test_vehicles_are_told_apart() -> None:
+    """Each has a machine, a clock and a count of its own."""
+    told = Told()
+    one, other = lines(20, vehicle="a"), numbered(20, "b")
+    answers = [answer for pair in zip(one, other, strict=False) for answer in told.say(*pair)]
+    apart = [[answer for answer in answers if answer["vehicle"] == name] for name in "ab"]
+    assert [report["interval_mm"] for report in apart[0]] == [
+        report["interval_mm"] for report in by_hand(len(apart[0]))
+    ]
+    assert [report["interval_mm"] for report in apart[1]] == [
+        report["interval_mm"] for report in by_hand(len(apart[1]))
+    ]
+    assert len(apart[0]) > 10 < len(apart[1])
+
+
+def test_silence_is_charged_cycle_by_cycle() -> None:
+    """A gap in time is so many steps without inputs."""
+    told, controller = Told(), Controller(ODOMETRY)
+    told.say(*lines(3))
+    answers = told.say(line(distances(700)[0]))
+    for records in drive(3):
+        expected = controller.step(records)
+    assert [answer["cycle"] for answer in answers] == [3, 4, 5, 6]
+    assert answers[0]["outputs"] == expected.outputs
+    assert [answer["outputs"] for answer in answers[1:]] == [controller.step([]).outputs for _ in range(3)]
+
+
+@pytest.mark.parametrize("text", ["{", '{"kind": "distance", "time_ms": 400}', '{"vehicle": "1"}'])
+def test_a_line_that_cannot_be_read_is_doubt(text: str) -> None:
+    """It may have been a distance of the open cycle or of the next one: neither is used, and the one after them is."""
+    told = Told()
+    told.say(*lines(4))
+    refused, *none = told.say(text)
+    assert (refused["event"], refused["line"], none) == ("refused", told.number, [])
+    answers = reports(told.say(*lines(3, 5)))
+    assert [doubted(answer) for answer in answers] == [True, True, False]
+
+
+def doubted(report: Data) -> bool:
+    """Whether nothing of the cycle was used."""
+    return any(fault["channel"] == "*" for fault in report.get("rejections", ()))
+
+
+def test_within_a_cycle_doubt_stays_there() -> None:
+    """With a good line of the same cycle behind it, a bad line is of that cycle."""
+    told = Told()
+    told.say(*lines(4))
+    first, *others = [line(record) for record in distances(500)]
+    answers = reports(told.say(first, "{", *others, *lines(3, 6)))
+    assert [(answer["cycle"], doubted(answer)) for answer in answers] == [(4, False), (5, True), (6, False), (7, False)]
+
+
+def test_a_doubtful_cycle_is_an_empty_one() -> None:
+    """Its step is that of a cycle in which nothing came."""
+    told, empty = Told(), Controller(ODOMETRY)
+    told.say(*lines(4), end(400))
+    for records in drive(4):
+        empty.step(records)
+    (report,) = reports(told.say("{", *map(line, distances(500)), end(500)))
+    assert report["outputs"] == empty.step([]).outputs
+
+
+def test_a_measurement_that_is_none_costs_its_channel() -> None:
+    """The others are used, and the report says which line it was."""
+    told = Told()
+    told.say(*lines(3), end(300))
+    wheel, *others = [line(record) for record in distances(400)]
+    (report,) = told.say(wheel.replace("1200", "NaN"), *others, end(400))
+    (rejection,) = report["rejections"]
+    assert (rejection["channel"], rejection["reason"], rejection["line"]) == ("front_wheel", "NOT_FINITE", 15)
+
+
+@pytest.mark.parametrize("lost", range(1, 6))
+def test_a_lost_line_shows_by_its_number(lost: int) -> None:
+    """Whichever line of a cycle is lost, its distances are not taken for the whole of it."""
+    told = Told()
+    made = numbered(6)
+    told.say(*made[:16])
+    cycle = made[16:21]
+    answers = told.say(*[text for place, text in enumerate(cycle, 1) if place != lost], *made[21:26])
+    by_cycle = {answer["cycle"]: doubted(answer) for answer in reports(answers)}
+    assert by_cycle == {4: True, 5: lost == 5}
+
+
+def test_doubled_and_swapped_lines_are_refused() -> None:
+    """A distance is never counted twice."""
+    told = Told()
+    made = numbered(5)
+    answers = told.say(*made[:12], made[11], made[13], made[12], *made[14:20])
+    refused = [answer for answer in answers if answer.get("event") == "refused"]
+    assert [answer["reason"] for answer in refused] == ["number 12 again", "number 13 after 14"]
+    assert [answer["cycle"] for answer in reports(answers) if doubted(answer)] == [3]
+
+
+def test_one_wrong_time_is_one_line() -> None:
+    """A clock value far ahead is refused, and the vehicle goes on; its cycle is not used."""
+    told = Told()
+    told.say(*lines(3), end(300))
+    answers = told.say(line(distances(10**7)[0]), *map(line, distances(400)), end(400))
+    assert answers[0]["reason"].endswith("ms ahead, and 60000 ms of silence can be charged")
+    assert (answers[1]["cycle"], doubted(answers[1])) == (4, True)
+    assert told.say(*map(line, distances(500)), end(500))[0]["interval_mm"] is not None
+
+
+@pytest.mark.parametrize("begin_ms", [10**7, 0], ids=["ahead", "back"])
+def test_a_clock_that_was_set_is_followed(begin_ms: int) -> None:
+    """After ten cycles that agree the vehicle begins anew, in the new time and without a place; no time leads to nothing."""
+    told = Told()
+    told.say(*lines(900))
+    answers = []
+    for cycle in range(1, 16):
+        answers += told.say(*map(line, distances(begin_ms + cycle * 100)), end(begin_ms + cycle * 100))
+    anew = [answer for answer in answers if "anew" in answer]
+    assert len(anew) == 1
+    assert anew[0]["anew"].startswith("its clock was set by ")
+    last = reports(answers)[-1]
+    assert (last["time_ms"], last["interval_mm"], last["mode"]) == (begin_ms + 1_500, None, {"odometry": "DELOCALIZED"})
+
+
+def test_a_time_that_no_clock_shows() -> None:
+    """Refused, and doubt."""
+    told = Told()
+    told.say(*lines(3), end(300))
+    (refused,) = told.say(line(distances(10**30)[0]))
+    assert refused["reason"] == f"its time is {10**30} ms, more than any clock shows"
+    assert doubted(told.say(end(400))[0])
+
+
+def test_a_flood_is_refused() -> None:
+    """A thousand records in a cycle; with more nothing of it is used, each further one is told, and then it goes on."""
+    told = Told()
+    told.say(*lines(3), end(300))
+    flood = [line(distances(400, step_mm=0)[0])] * (MOST_RECORDS + 5)
+    answers = told.say(*flood, end(400))
+    assert [answer["event"] for answer in answers[:-1]] == ["refused"] * 5
+    assert doubted(answers[-1])
+    assert not doubted(told.say(*map(line, distances(500)), end(500))[0])
+
+
+def test_a_vehicle_met_under_way() -> None:
+    """Where its first line need not be the first there was, its first cycle is not used, unless it is numbered 1."""
+    assert doubted(Told(whole=False).say(*lines(2))[0])
+    assert not doubted(Told(whole=False).say(*numbered(2))[0])
+    assert not doubted(Told(whole=False).say(end(0), *lines(2))[0])
+
+
+def test_a_bad_line_before_the_first_good_one() -> None:
+    """It may have been of the first cycle."""
+    assert doubted(Told().say("{", *lines(2))[1])
+
+
+def test_another_peer_speaks_for_a_vehicle() -> None:
+    """What the first one said last may be lost, unless the numbers go on."""
+    told = Told()
+    made = numbered(4)
+    told.say(*made[:7])
+    assert not any(doubted(answer) for answer in reports(told.say(*made[7:11], origin="there")))
+    told = Told()
+    told.say(*lines(3))
+    assert [doubted(answer) for answer in told.say(*lines(3, 4), origin="there")] == [True, True, False]
+
+
+def test_a_peer_that_left() -> None:
+    """Its vehicles' next cycles are doubtful, those of others are not."""
+    told = Told()
+    told.say(*lines(3, vehicle="a"), origin="x")
+    told.say(*lines(3, vehicle="b"), origin="y")
+    told.fleet.gone("x", "it hung up")
+    answers = [*told.say(*lines(2, 4, vehicle="a"), origin="z"), *told.say(*lines(2, 4, vehicle="b"), origin="y")]
+    assert [(answer["vehicle"], doubted(answer)) for answer in answers] == [
+        ("a", True),
+        ("a", True),
+        ("b", False),
+        ("b", False),
+    ]
+
+
+def test_vehicles_are_bounded() -> None:
+    """A sender that invents vehicles is refused."""
+    told = Told(Fleet(ODOMETRY, Ways(100, most_vehicles=2)))
+    answers = [answer for name in "abc" for answer in told.say(*lines(1, vehicle=name))]
+    assert {answer["reason"] for answer in answers} == {"2 vehicles already"}
+    assert {answer["vehicle"] for answer in answers} == {"c"}
+
+
+def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
+    """It is told once, and later lines are refused; other vehicles go on."""
+    target = Target("door", (door,), lower(door), ())
+    told = Told(Fleet(Program(target), Ways(500, inputs=True)))
+    whole = {"speed": 0, "released": False, "blocked": False}
+    said = [
+        {"vehicle": "a", "cycle": 1, **whole},
+        {"vehicle": "a", "cycle": 3, **whole},
+        {"vehicle": "a", "cycle": 4, **whole},
+    ]
+    answers = told.say(*map(json.dumps, said), json.dumps({"vehicle": "b", "cycle": 1, **whole}))
+    assert [answer.get("event", "report") for answer in answers] == ["report", "stopped", "refused", "report"]
+    assert "cannot begin anew by itself (input speed is missing)" in answers[1]["reason"]
+
+
+# ------------------------------------------------------------------ steps instead of records
+
+
+def steps() -> Told:
+    """Lines are inputs."""
+    return Told(Fleet(ODOMETRY, Ways(100, inputs=True)))
+
+
+def inputs(records: list[Any]) -> Data:
+    """A cycle's records as inputs."""
+    return {name: value for record in records for name, value in record.inputs().items()}
+
+
+def test_a_step_is_a_cycle() -> None:
+    """Numbered or not."""
+    plain, counted = steps(), steps()
+    said = [inputs(records) for records in drive(20)]
+    expected = by_hand(20)
+    assert plain.say(*map(json.dumps, said)) == expected
+    assert counted.say(*(json.dumps({"cycle": n, **one}) for n, one in enumerate(said, 1))) == expected
+
+
+def test_a_missing_step_is_charged() -> None:
+    """By cycle numbers a gap is so many steps without inputs; without them a line that cannot be read is one."""
+    said = [inputs(records) for records in drive(6)]
+    counted, plain = steps(), steps()
+    gap = counted.say(*(json.dumps({"cycle": n, **one}) for n, one in enumerate(said, 1) if n != 4))
+    bad = plain.say(*map(json.dumps, said[:3]), "{", *map(json.dumps, said[4:]))
+    assert [answer["outputs"] for answer in gap] == [answer["outputs"] for answer in reports(bad)]
+    assert len(gap) == 6
+    assert doubted(reports(bad)[3])
+
+
+def test_a_step_that_came_before_is_refused() -> None:
+    """A cycle is stepped once."""
+    told = steps()
+    answers = told.say(*(json.dumps({"cycle": n}) for n in (1, 2, 2, 1, 3)), json.dumps({}))
+    assert [answer.get("reason", answer.get("cycle")) for answer in answers] == [
+        1, 2, "cycle 2 is over", "cycle 1 is over", 3, "no cycle number, though steps before had one",
+    ]  # fmt: skip
+
+
+def test_a_loss_of_unknown_length_ends_in_beginning_anew() -> None:
+    """Steps without numbers cannot say how many were lost."""
+    told = steps()
+    told.say(*(json.dumps(inputs(records)) for records in drive(5)))
+    told.fleet.gone(HERE, "it hung up")
+    answers = told.say(json.dumps({"front_wheel_mm": 1200}))
+    assert [answer.get("anew") for answer in answers] == ["it hung up", None]
+    assert answers[1]["interval_mm"] is None
+
+
+def test_the_truth_beside_a_step_is_compared() -> None:
+    """And misses are counted."""
+    told = steps()
+    told.say(*(json.dumps(inputs(records)) for records in drive(3)))
+    (report,) = told.say(json.dumps({"truth_mm": 0}))
+    assert report["truth"] == "WRONG"
+    assert told.fleet.wrong == 1
+
+
+# ------------------------------------------------------------------ remembered
+
+
+@given(st.integers(0, 140), st.booleans())
+@settings(max_examples=25)
+def test_a_fleet_goes_on_where_it_was(cut: int, counted: bool) -> None:
+    """Frozen after any line and restored, open cycles and doubts included, the answers are those of one that went on."""
+    said = numbered(25) if counted else lines(30)
+    said[20] = "{"
+    whole, first, second = Told(), Told(), Told()
+    expected = whole.say(*said)
+    answers = first.say(*said[:cut])
+    kept = json.loads(json.dumps(first.fleet.freeze()()))
+    second.fleet.restore(kept)
+    second.fleet.origins.update(first.fleet.origins)
+    second.number = first.number
+    assert [*answers, *second.say(*said[cut:])] == expected
+
+
+def test_lost_lines_after_a_restart_are_doubt() -> None:
+    """What may have come while nobody listened is not taken for nothing."""
+    said = lines(6)
+    first, second = Told(), Told()
+    first.say(*said[:10])
+    second.fleet.restore(first.fleet.freeze()(), "the process was not running")
+    assert [doubted(answer) for answer in second.say(*said[14:])] == [True, True, False]
+
+
+@given(st.lists(st.sampled_from(["{", "[]", '{"vehicle": "1"}', "good", "end", "late", "far", "double"]), max_size=40))
+@settings(max_examples=40)
+def test_whatever_is_said_cycles_go_on(kinds: list[str]) -> None:
+    """Each line is used, refused or rejected, cycles are numbered through, and no interval is narrower than the machine's
+    own would be with all lines."""
+    told, cycle = Told(), 3
+    told.say(*lines(3))
+    seen: list[Data] = []
+    for kind in kinds:
+        cycle += kind in ("good", "end")
+        records = [line(record) for record in distances(cycle * 100)]
+        said = {"good": records, "end": [end(cycle * 100)], "double": records[:1] * 2}
+        said |= {"late": [line(distances(100)[0])], "far": [line(distances(10**8)[0])]}
+        seen += told.say(*said.get(kind, [kind]))
+    numbers = [answer["cycle"] for answer in reports(seen)]
+    assert numbers == list(range(3, 3 + len(numbers)))
