@@ -41,6 +41,9 @@ class GuardConfig(Config):
     fix_error_mm: int = quantity(10_000, "mm", 1, 500_000, "[M] along the track, of a fix on the track's axis")
     offset_charge_permille: int = quantity(1_500, "per mille", 0, 100_000, "[M] further error, of the distance off")
     offset_limit_mm: int = quantity(10_000, "mm", 0, 1_000_000, "[M] most distance off the track")
+    track_clearance_mm: int = quantity(
+        30_000, "mm", 0, 1_000_000, "[M] a fix nearer than this to two tracks tells neither"
+    )
     speed_error_mm_s: int = quantity(1_000, "mm/s", 1, 20_000, "[M] of the receiver's own speed")
     confirmations: int = quantity(5, "fixes", 2, 100, "[M] fixes in a row that must agree with map and motion")
     speed_window_ms: int = quantity(4_000, "ms", 4, 60_000, "[D] over which speed is told from distance")
@@ -56,6 +59,8 @@ class GuardConfig(Config):
                 f"a fix at offset_limit_mm is charged {self.worst_error_mm} mm, which is not within tolerance_mm "
                 f"{self.tolerance_mm} less 2: lower fix_error_mm, offset_charge_permille or offset_limit_mm."
             )
+        if self.track_clearance_mm < self.offset_limit_mm:
+            raise ValueError("track_clearance_mm must not be less than offset_limit_mm: a true fix may be off by that.")
         if self.window_limit_mm < self.tolerance_mm:
             raise ValueError("window_limit_mm must not be less than tolerance_mm.")
         if not 2 <= self.window_steps <= 100:

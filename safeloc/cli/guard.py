@@ -63,7 +63,7 @@ def guard(
     figures, network = config_of(vehicle, config), line_of(line)
     tracks = Tracks(
         network,
-        limit_mm=figures.offset_limit_mm,
+        clear_mm=figures.track_clearance_mm,
         reach_mm=figures.tolerance_mm,
         route=route_of(network, Way(path, edges, direction(first))),
         crs=crs,

@@ -2,8 +2,8 @@
 
 Positions along a way are mm in its own direction. A way is known for certain only as far as fixes that were passed on
 lie on it; where it goes on from there, or came from, is open: every legal movement is followed as far as the vehicle can
-be by now, and a fix that lies near two tracks it can have come to is ambiguous. A fix is taken to lie, if it is true, no
-farther off the vehicle's track than the limit, and on one legal way with the vehicle. Needs the extra `geo`.
+be by now, and a fix that lies near two tracks it can have come to is ambiguous. A fix is taken to lie, if it is true, on
+one legal way with the vehicle, which it misses by less than the clearance. Needs the extra `geo`.
 """
 
 from __future__ import annotations
@@ -19,6 +19,10 @@ from safeloc.line.projection import WGS84, Projected, Projector
 from safeloc.line.routes import Route
 from safeloc.line.topology import Run, Topology
 
+ONE_WAY_MM = 1_000
+"""Ways to one run that differ in length by no more are one: a vehicle that goes there and back on both would otherwise
+be at ever more positions. It is part of what a fix is charged."""
+
 
 @dataclass(frozen=True, order=True)
 class Laid:
@@ -26,6 +30,10 @@ class Laid:
 
     start_mm: int
     run: Run
+
+    def is_like(self, other: Laid) -> bool:
+        """The same run at the same position, but for ways that differ in length by less than a metre."""
+        return self.run == other.run and abs(self.start_mm - other.start_mm) <= ONE_WAY_MM
 
 
 @dataclass(frozen=True)
@@ -49,7 +57,7 @@ class Match:
     place, offset_mm  nearest place of the track, and the distance off it, rounded up
     laid              the run it lies on, as a piece of the way
     position_mm       along the way
-    ambiguous         another track that the vehicle can have come to is within the limit
+    ambiguous         another track that the vehicle can have come to is not clear of it
     elsewhere         no way leads there from where the vehicle can be
     possible          every piece of track that the vehicle can have come to
     """
@@ -61,6 +69,21 @@ class Match:
     ambiguous: bool = False
     elsewhere: bool = False
     possible: tuple[Laid, ...] = ()
+
+
+class _Known:
+    """Pieces that were seen already."""
+
+    def __init__(self) -> None:
+        self._pieces: dict[Run, list[Laid]] = {}
+
+    def is_new(self, laid: Laid) -> bool:
+        """Whether none like it was seen; from now on it is."""
+        seen = self._pieces.setdefault(laid.run, [])
+        if any(laid.is_like(other) for other in seen):
+            return False
+        seen.append(laid)
+        return True
 
 
 @dataclass(frozen=True)
@@ -75,7 +98,7 @@ class _Found:
 class Tracks:
     """A line, or one route on it, as tracks that a vehicle can be on.
 
-    limit_mm   how far off its track a true fix may lie
+    clear_mm   a fix tells the track only where no other one is nearer to it than this
     reach_mm   how far from the vehicle along the track it may lie at most
     route      the pieces of the route, where one is told
     projector  what lays positions on the tracks
@@ -83,10 +106,10 @@ class Tracks:
     """
 
     def __init__(
-        self, line: Line, *, limit_mm: int, reach_mm: int, route: Route | None = None, crs: str = WGS84
+        self, line: Line, *, clear_mm: int, reach_mm: int, route: Route | None = None, crs: str = WGS84
     ) -> None:
         self.topology = Topology(line)
-        self.crs, self.limit_mm, self.reach_mm = crs, limit_mm, reach_mm
+        self.crs, self.clear_mm, self.reach_mm = crs, clear_mm, reach_mm
         self.route = None if route is None else tuple(laid_along(route))
         edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
         _with_course(line, edges)
@@ -99,7 +122,7 @@ class Tracks:
         window  where the vehicle can be; None while nothing is held
         alone   what is known of the way comes from fixes that may be false: any other track near makes it ambiguous
         """
-        near = self.projector.near(x, y, self.limit_mm, crs=self.crs)
+        near = self.projector.near(x, y, self.clear_mm, crs=self.crs)
         if not near:
             beside = self._beginning([self.projector.project(x, y, crs=self.crs)])
             return replace(beside, elsewhere=self.route is None)
@@ -147,13 +170,12 @@ class Tracks:
 
     def _reached(self, roots: Iterable[Laid], window: Window | None) -> Iterator[Laid]:
         """Every piece that a vehicle can have come to: legal movements over joints within the window."""
-        waiting, done = list(roots), set(roots)
+        known = _Known()
+        waiting = [laid for laid in roots if known.is_new(laid)]
         while waiting:
             laid = waiting.pop()
             yield laid
-            new = [other for other in self._next(laid, window) if other not in done]
-            done.update(new)
-            waiting += new
+            waiting += [other for other in self._next(laid, window) if known.is_new(other)]
 
     def _next(self, laid: Laid, window: Window | None) -> Iterator[Laid]:
         if window is None or (window.forwards and window.from_mm <= self._end(laid) <= window.to_mm):
@@ -173,7 +195,7 @@ class Tracks:
 
     @property
     def _one_place_mm(self) -> int:
-        return 4 * self.limit_mm + 1_000
+        return 4 * self.clear_mm + 1_000
 
     def _one_way(self, found: Iterable[_Found]) -> bool:
         """No two of them lie on tracks that exclude each other."""
@@ -182,16 +204,8 @@ class Tracks:
     def _joined(self, one: Laid, other: Laid) -> bool:
         """Whether one legal way leads over both."""
         first, last = sorted((one, other))
-        waiting, done = [first], {first}
-        while waiting:
-            here = waiting.pop()
-            if here == last:
-                return True
-            if self._end(here) <= last.start_mm:
-                new = {Laid(self._end(here), run) for run in self.topology.after(here.run)} - done
-                done |= new
-                waiting += new
-        return False
+        ahead = Window(first.start_mm, last.start_mm + ONE_WAY_MM, backwards=False)
+        return any(here.is_like(last) for here in self._reached((first,), ahead))
 
     # -------------------------------------------------------------- where no way is known
 
@@ -200,7 +214,8 @@ class Tracks:
         first = self._first(near[0])
         position = first.start_mm + self._within(first.run, near[0].place)
         here = Window(position, position).wider(self._one_place_mm)
-        around = tuple(self._reached((first,), here))
+        ahead, behind = replace(here, backwards=False), replace(here, forwards=False)
+        around = {*self._reached((first,), ahead), *self._reached((first,), behind)}
         beside = [list(self._laid(one, around, here)) for one in near[1:]]
         found = [_Found(near[0], first, position), *chain(*beside)]
         clear = all(beside) and self._one_place(found) and self._one_way(found)

@@ -15,7 +15,7 @@ from safeloc.models.guard_parts.variables import GuardConfig
 
 CRS = "+proj=tmerc +lat_0=48 +lon_0=9 +datum=WGS84 +units=m +no_defs"
 EAST_M, NORTH_M = 0, 0
-CONFIG = GuardConfig(confirmations=3, max_speed_mm_s=30_000)
+CONFIG = GuardConfig(confirmations=3, max_speed_mm_s=30_000, track_clearance_mm=10_000)
 
 
 def edge(name: str, begin: str, end: str, *points: tuple[float, float]) -> TrackEdge:
@@ -46,7 +46,7 @@ def fork(*more: TrackEdge) -> Line:
 def tracks(line: Line | None = None, route: Route | None = None, config: GuardConfig = CONFIG) -> Tracks:
     """The tracks of a line, for positions in its own plane."""
     return Tracks(
-        line or fork(), limit_mm=config.offset_limit_mm, reach_mm=config.tolerance_mm, route=route, crs=CRS
+        line or fork(), clear_mm=config.track_clearance_mm, reach_mm=config.tolerance_mm, route=route, crs=CRS
     )  # fmt: skip
 
 

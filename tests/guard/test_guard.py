@@ -12,7 +12,6 @@ from safeloc.guard.guard import Guard, Judgement
 from safeloc.line.places import Place
 from safeloc.line.routes import Route
 from safeloc.line.topology import Run, Topology
-from safeloc.models.guard_parts.variables import GuardConfig
 from tests.guard.made import CONFIG, edge, fix, fork, guard, place
 
 pytest.importorskip("shapely")
@@ -135,7 +134,7 @@ def test_over_a_switch() -> None:
 def test_passed_fixes_hold_a_vehicle_that_obeys_the_law(seed: int) -> None:
     """On a fork with a parallel track: whatever the faults, a passed interval holds the vehicle, on its own track."""
     rng = random.Random(seed)
-    config = GuardConfig(confirmations=3, max_speed_mm_s=30_000, offset_limit_mm=5_000)
+    config = CONFIG.model_copy(update={"offset_limit_mm": 5_000, "track_clearance_mm": rng.choice((5_000, 6_000))})
     made = guard(line=fork(edge("beside", "A", "B", (0, 4.5), (480, 4.5))), config=config)
     branch = rng.choice(("main", "side"))
     passed = 0

@@ -231,6 +231,7 @@ def test_wrong_configurations_are_refused() -> None:
         ({"fix_error_mm": 20_000}, "is charged 35000 mm"),
         ({"period_ms": 101}, "period_ms must be even"),
         ({"window_limit_mm": 20_000}, "window_limit_mm must not be less"),
+        ({"track_clearance_mm": 9_999}, "track_clearance_mm must not be less"),
         ({"speed_window_ms": 100}, "it must be 2 to 100"),
     ):
         with pytest.raises(ValueError, match=told):
