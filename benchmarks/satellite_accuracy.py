@@ -1,6 +1,6 @@
 """How well satellites are selected, and what the position along the track is worth: the tables of docs/satellites.md.
 
-python -m benchmarks.satellite_accuracy [runs of each condition, 5 unless told] [folder of the recordings]
+python -m benchmarks.satellite_accuracy [runs of each condition, 5 unless told] [folder of the recordings] [folder for diagrams]
 
 Simulated journeys along the worked line; and, with the folder, recorded signals with disturbances put on them. A signal is
 healthy while nothing disturbs it and its error is what the receiver has; of the others it is told whether their whole error
@@ -18,6 +18,7 @@ from benchmarks.satellite_recorded import Recording, as_told, geodetic, phone, t
 from benchmarks.satellite_tally import Cycle, Tally, quantiles
 from safeloc.models.satellite_chain import ChainConfig
 from safeloc.models.satellite_streams import FINE, FINE_RECEIVER, Journey, passed
+from safeloc.report.stanford import stanford_diagram
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
 from safeloc.simulation.satellite.disturbing import Disturbance
 from safeloc.simulation.satellite.run import Outages, Spoofer
@@ -118,19 +119,42 @@ def _line(cells: list[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
+STYLE = (
+    "<style>text{font:13px sans-serif;fill:#1c2733}.frame{fill:none;stroke:#cdd5dc}.grid{stroke:#cdd5dc;"
+    "stroke-dasharray:3 4}.ink{stroke:#1c2733}</style>"
+)
+
+
+def diagram(tally: Tally, tolerance_mm: int, folder: Path) -> None:
+    """The condition's Stanford diagram as a file of its own."""
+    name = "-".join("".join(letter if letter.isalnum() else " " for letter in tally.name).split())
+    drawn = stanford_diagram(tally.all_reports(), tolerance_mm, f"{tally.name}: error against margin", style=STYLE)
+    (folder / f"stanford-{name}.svg").write_text(drawn + "\n", encoding="utf-8")
+
+
+def trials(runs: int, recordings: Path | None) -> Iterator[tuple[Tally, int]]:
+    """Every condition, one after the other, with its tolerable error in mm."""
+    for name, journey in CONDITIONS.items():
+        yield simulated(name, journey, runs), FINE.tolerance_mm
+    if recordings is None:
+        return
+    still, hand = geodetic(recordings), phone(recordings)
+    step = (Disturbance("step", 60, 200, 150.0, PHONE_PAIR),)
+    rows = [(still, name, chosen) for name, chosen in DISTURBED.items()]
+    rows += [(hand, "as recorded", ()), (hand, "steps of 150 m, two satellites", step)]
+    for recording, name, chosen in rows:
+        yield recorded(recording, name, chosen), recording.config.satellite.tolerance_mm
+
+
 def main() -> None:
     """Print the tables."""
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+    given = sys.argv[1:]
+    runs, folders = int(given[0]) if given else 5, [Path(name) for name in given[1:]]
     print(_line(list(HEADS)) + "\n|" + "---|" * len(HEADS))
-    for name, journey in CONDITIONS.items():
-        print(_line(Row(simulated(name, journey, runs)).cells()), flush=True)
-    if len(sys.argv) > 2:
-        folder = Path(sys.argv[2])
-        for name, disturbances in DISTURBED.items():
-            print(_line(Row(recorded(geodetic(folder), name, disturbances)).cells()), flush=True)
-        step = (Disturbance("step", 60, 200, 150.0, PHONE_PAIR),)
-        for name, chosen in (("as recorded", ()), ("steps of 150 m, two satellites", step)):
-            print(_line(Row(recorded(phone(folder), name, chosen)).cells()), flush=True)
+    for tally, tolerance_mm in trials(runs, folders[0] if folders else None):
+        print(_line(Row(tally).cells()), flush=True)
+        if len(folders) > 1:
+            diagram(tally, tolerance_mm, folders[1])
 
 
 if __name__ == "__main__":

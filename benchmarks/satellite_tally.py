@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from safeloc.report.stanford import Report, Reports
+
 HARMLESS_M = 0.1
 """What is added below this is no disturbance."""
 
@@ -51,8 +53,7 @@ class Tally:
     judged: Counter[str] = field(default_factory=Counter)
     errors_mm: list[int] = field(default_factory=list)
     levels_mm: list[int] = field(default_factory=list)
-    margins_mm: list[int] = field(default_factory=list)
-    reported: int = 0
+    reports: list[Report] = field(default_factory=list)
     beyond_level: Counter[str] = field(default_factory=Counter)
     wrong: Counter[str] = field(default_factory=Counter)
     broken: bool = False
@@ -97,9 +98,18 @@ class Tally:
         if cycle.reported is None:
             return
         low, position, high = cycle.reported
-        self.reported += 1
-        self.margins_mm.append(max(position - low, high - position))
+        margin = high - position if cycle.truth_mm >= position else position - low
+        self.reports.append(Report(abs(cycle.truth_mm - position), margin))
         self.wrong["broken" if self.broken else "kept"] += not low <= cycle.truth_mm <= high
+
+    @property
+    def reported(self) -> int:
+        """Cycles with a reported interval."""
+        return len(self.reports)
+
+    def all_reports(self) -> Reports:
+        """For a Stanford diagram."""
+        return Reports(tuple(self.reports), self.cycles - self.reported, 0)
 
     def excluded(self, kind: str) -> float | None:
         """Share of the signals of a kind that were not usable; None where there were none."""

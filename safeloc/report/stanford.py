@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -98,24 +98,31 @@ def reports(one: Stanford, told: Told) -> Reports:
 
 def stanford_picture(one: Stanford, told: Told) -> str:
     """The drawing; empty for a run in which no position is reported whose truth is known."""
-    found = reports(one, told)
+    top, title = head(told) + 10, f"{one.title}, recording {told.name}"
+    return stanford_diagram(reports(one, told), one.limit_mm, title, top=top, above=_violated(told))
+
+
+def stanford_diagram(
+    found: Reports, limit_mm: int, title: str, *, top: float = 28, above: Iterable[str] = (), style: str = ""
+) -> str:
+    """The diagram of any reports, empty without one; `above` stands over it, `style` makes it complete by itself."""
     if not found.made:
         return ""
-    greatest = max(one.limit_mm, *(max(report.error, report.margin) for report in found.made)) * 1.15
-    top = head(told) + 10
+    greatest = max(limit_mm, *(max(report.error, report.margin) for report in found.made)) * 1.15
     across, up = Axis(0, greatest, LEFT, RIGHT), Axis(0, greatest, top + TALL, top)
-    counts = found.counts(one.limit_mm)
+    counts = found.counts(limit_mm)
     made = [
-        *_violated(told),
+        style,
+        *above,
         upright_axis(up, "margin in m"),
-        *_areas(one, across, up),
-        *_lines(one, across, up),
-        *_cells(one, found, across, up),
-        *_words(one, counts, across, up),
+        *_areas(limit_mm, across, up),
+        *_lines(limit_mm, across, up),
+        *_cells(limit_mm, found, across, up),
+        *_words(limit_mm, counts, across, up),
         across_axis(across, up.begin, "error in m"),
     ]
-    drawn, y = legend(_keys(one, found, counts), up.begin + 62)
-    return picture([*made, drawn], y, f"{one.title}, recording {told.name}")
+    drawn, y = legend(_keys(limit_mm, found, counts), up.begin + 62)
+    return picture([*made, drawn], y, title)
 
 
 def _violated(told: Told) -> Iterator[str]:
@@ -125,9 +132,9 @@ def _violated(told: Told) -> Iterator[str]:
         yield word(LEFT, FIRST + ROW * row, text, style="font-weight:700")
 
 
-def _areas(one: Stanford, across: Axis, up: Axis) -> Iterator[str]:
+def _areas(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
     """The four regions, faintly."""
-    low, limit, high = 0.0, float(one.limit_mm), across.high
+    low, limit, high = 0.0, float(limit_mm), across.high
     corners: dict[Region, tuple[tuple[float, float], ...]] = {
         "nominal": ((low, low), (limit, limit), (low, limit)),
         "unavailable": ((low, limit), (limit, limit), (high, high), (low, high)),
@@ -139,17 +146,17 @@ def _areas(one: Stanford, across: Axis, up: Axis) -> Iterator[str]:
         yield f'<polygon points="{text}" fill="{COLOURS[name]}" fill-opacity=".10" class="region-{name}"/>'
 
 
-def _lines(one: Stanford, across: Axis, up: Axis) -> Iterator[str]:
+def _lines(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
     ends = f"M{across.begin:.1f} {up.begin:.1f}L{across.end:.1f} {up.end:.1f}"
     yield f'<path d="{ends}" class="ink" stroke-width="1"/>'
-    x, y = across.at(one.limit_mm), up.at(one.limit_mm)
+    x, y = across.at(limit_mm), up.at(limit_mm)
     for path in (f"M{LEFT} {y:.1f}H{RIGHT}", f"M{x:.1f} {up.end:.1f}V{up.begin:.1f}"):
         yield f'<path d="{path}" stroke="{RED}" stroke-width="1.6" stroke-dasharray="9 4" class="limit"/>'
 
 
-def _cells(one: Stanford, found: Reports, across: Axis, up: Axis) -> Iterator[str]:
+def _cells(limit_mm: int, found: Reports, across: Axis, up: Axis) -> Iterator[str]:
     """Steps gathered in cells of the page, the darker the more; failures are crosses."""
-    cells = Counter(_cell(one, report, across, up) for report in found.made)
+    cells = Counter(_cell(limit_mm, report, across, up) for report in found.made)
     most = math.log1p(max(cells.values()))
     for (x, y, name), count in sorted(cells.items()):
         if name in ("misleading", "hazardous"):
@@ -160,14 +167,14 @@ def _cells(one: Stanford, found: Reports, across: Axis, up: Axis) -> Iterator[st
             yield f'<g fill-opacity="{opacity:.2f}">{drawn}</g>'
 
 
-def _cell(one: Stanford, report: Report, across: Axis, up: Axis) -> tuple[float, float, Region]:
+def _cell(limit_mm: int, report: Report, across: Axis, up: Axis) -> tuple[float, float, Region]:
     x, y = across.at(report.error), up.at(report.margin)
-    return x // CELL * CELL, y // CELL * CELL, region(report.error, report.margin, one.limit_mm)
+    return x // CELL * CELL, y // CELL * CELL, region(report.error, report.margin, limit_mm)
 
 
-def _words(one: Stanford, counts: Counter[Region], across: Axis, up: Axis) -> Iterator[str]:
+def _words(limit_mm: int, counts: Counter[Region], across: Axis, up: Axis) -> Iterator[str]:
     """Name and number in each region."""
-    limit, high = one.limit_mm, across.high
+    limit, high = float(limit_mm), across.high
     places: dict[Region, tuple[float, float, str]] = {
         "nominal": (across.at(limit / 2), up.at(limit) + 18, "middle"),
         "unavailable": (across.at(limit / 2), up.at(high) + 16, "middle"),
@@ -178,10 +185,10 @@ def _words(one: Stanford, counts: Counter[Region], across: Axis, up: Axis) -> It
         yield word(x, y, f"{name}: {counts[name]}", anchor=anchor)
 
 
-def _keys(one: Stanford, found: Reports, counts: Counter[Region]) -> list[Swatch]:
+def _keys(limit_mm: int, found: Reports, counts: Counter[Region]) -> list[Swatch]:
     total = sum(counts.values())
     keys = [box_swatch(COLOURS[name], f"{name}: {MEANT[name]}, {_share(counts[name], total)}") for name in REGIONS]
-    keys.append(stroke_swatch(RED, f"alarm limit, {metres(one.limit_mm)}", "9 4"))
+    keys.append(stroke_swatch(RED, f"alarm limit, {metres(limit_mm)}", "9 4"))
     if found.silent:
         keys.append(Swatch("", f"nothing reported in {found.silent} of {total} steps"))
     if found.unknown:
