@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, NumVar
 from safeloc.provers.implication import Failure, Undecided, unproved
-from safeloc.provers.inherited import Alone, contracts, inherit
+from safeloc.provers.inherited import Alone, inherit
 from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.recheck import certify
 from safeloc.system import Part, TransitionSystem, environment, in_range
@@ -128,7 +128,7 @@ def _without(terms: Mapping[str, Bool], known: Mapping[str, Bool]) -> dict[str, 
 def ranges_and_lemmas(system: TransitionSystem) -> dict[str, Bool]:
     """All that is to be proved, by name."""
     ranges = {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True)}
-    return {**ranges, **system.lemmas, **contracts(system)}
+    return {**ranges, **system.lemmas}
 
 
 def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[str, Bool]:

@@ -18,7 +18,7 @@ from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
-from safeloc.provers.inherited import contract_properties
+from safeloc.provers.inherited import contract_properties, contracts
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.reachability import can_go_on
@@ -125,7 +125,7 @@ def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
     work = partial(base, system, seconds=limits.seconds)
     task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits) * (1 + len(system.parts)))
     [(_, packed, seconds)] = in_processes([task], 1)
-    terms = ranges_and_lemmas(system)
+    terms = {**ranges_and_lemmas(system), **contracts(system)}
     if isinstance(packed, Lost):
         known = Base({}, {}, {name: Undecided(packed.reason) for name in terms}, {}, limits.seconds)
     else:
