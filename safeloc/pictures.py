@@ -218,6 +218,34 @@ class Stanford:
 
 
 @dataclass(frozen=True)
+class Standing:
+    """One of several like parts: the enumeration that says what it is, and the number that says whose."""
+
+    signal: str
+    called: str
+
+
+@dataclass(frozen=True)
+class Standings:
+    """What each of several like parts is along the run: satellites by channel, say.
+
+    names  a number of `called` -> what people call it; 0 is nobody
+    """
+
+    title: str
+    reported: Reported
+    rows: tuple[Standing, ...]
+    names: Callable[[int], str] = str
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        return Read(
+            reported=(*self.reported.outputs, *(name for row in self.rows for name in (row.signal, row.called)))
+        )
+
+
+@dataclass(frozen=True)
 class Stretch:
     """A piece of line with a name, from `low_mm` to `high_mm`."""
 
@@ -235,6 +263,15 @@ class TrueEnds:
 
 
 @dataclass(frozen=True)
+class VirtualSection:
+    """A virtual section of a recording, and from which of its steps on it was in which state."""
+
+    low_mm: int
+    high_mm: int
+    states: tuple[tuple[int, str], ...]
+
+
+@dataclass(frozen=True)
 class LoudFibre:
     """How loud each piece of a fibre was in each stretch of time.
 
@@ -243,6 +280,7 @@ class LoudFibre:
     rows        of pieces of `row_mm`, from the fibre's beginning on: a hexadecimal digit for each column, in steps of
                 `level_cdb` over quiet, f and louder; a dot where nothing was told
     sections    localization sections as they are; `marks`: places with names
+    virtual     virtual sections beside the one that the machine as it ships has: each is independent of the others
     """
 
     title: str
@@ -256,6 +294,7 @@ class LoudFibre:
     trains: tuple[TrueEnds, ...]
     sections: tuple[Stretch, ...]
     marks: Mapping[str, int]
+    virtual: tuple[VirtualSection, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -281,6 +320,7 @@ class Waterfall:
     """Amplitude of a fibre over distance and time, with trains, intervals and sections over it (issue 4).
 
     loud      recording (file name without ending) -> what was heard there; it is called only where a picture is drawn
+    sections  virtual sections of the machine itself
     signals   outputs that tell of position signals
     modes     states whose members stand in strips below, by their labels
     """
@@ -300,7 +340,7 @@ class Waterfall:
         return Read(reported=(*intervals, *sections, *self.signals, *self.modes.values()))
 
 
-Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Waterfall
+Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
-from safeloc.pictures import Approach, Deviation, Picture, Recognition, Stanford, Waterfall
+from safeloc.pictures import Approach, Deviation, Picture, Recognition, Standings, Stanford, Waterfall
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture
+from safeloc.report.standings import standings_picture
 from safeloc.report.stanford import stanford_picture
 from safeloc.report.told import Broken, Told
 from safeloc.report.waterfall import waterfall_picture, waterfall_table
@@ -46,6 +47,8 @@ def drawn(declared: Picture, told: Told) -> str:
             return recognition_picture(declared, told)
         case Stanford():
             return stanford_picture(declared, told)
+        case Standings():
+            return standings_picture(declared, told)
         case Waterfall():
             return waterfall_picture(declared, told)
         case _:

@@ -12,11 +12,12 @@ from safeloc.models import (
     satellite_selection,
 )
 from safeloc.models.satellite_parts.variables import SatelliteConfig
-from safeloc.pictures import Deviation, Stanford
+from safeloc.pictures import Deviation, Picture, Standing, Standings, Stanford
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import recorded, single
+from safeloc.signals.satellite.channels import satellite_name
 from safeloc.spec import Property
 from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
@@ -68,18 +69,21 @@ def _target(
     whole: satellite.Satellite, properties: Sequence[Property], config: SatelliteConfig, doc: str, reported: Reported
 ) -> Target:
     system, machines = whole.composition.system, (whole.selection.machine, whole.machine)
-    streams, pictures = recorded(system.name), _pictures(reported, config.tolerance_mm)
+    streams, pictures = recorded(system.name), _pictures(reported, config)
     return Target(
         system.name, machines, system, tuple(properties), config, doc, streams, reported,
         lambda seed: _simulated(config, seed), pictures,
     )  # fmt: skip
 
 
-def _pictures(reported: Reported, tolerance_mm: int) -> tuple[Deviation, Stanford]:
+def _pictures(reported: Reported, config: SatelliteConfig) -> tuple[Picture, ...]:
     """How every recorded run is drawn."""
+    channels = [f"selection.channel_{number}" for number in range(1, config.selection.channels + 1)]
+    rows = tuple(Standing(f"{channel}_standing", f"{channel}_held") for channel in channels)
     return (
-        Deviation("Deviation along the track", reported, tolerance_mm, mode="position.mode"),
-        Stanford("Error against the margin stated for it", reported, tolerance_mm),
+        Deviation("Deviation along the track", reported, config.tolerance_mm, mode="position.mode"),
+        Standings("Satellites by channel", reported, rows, satellite_name),
+        Stanford("Error against the margin stated for it", reported, config.tolerance_mm),
     )
 
 

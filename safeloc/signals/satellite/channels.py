@@ -29,6 +29,14 @@ def identity(satellite: str) -> int:
     return CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
 
 
+def satellite_name(number: int) -> str:
+    """The name of an identity: 205 is E05. InputError for a number that is no identity."""
+    constellation, own = divmod(number, 100)
+    if number < 1 or own == 0 or constellation >= len(CONSTELLATIONS):
+        raise InputError(f"{number} is no identity of a satellite.")
+    return f"{CONSTELLATIONS[constellation]}{own:02d}"
+
+
 @dataclass(frozen=True)
 class Heard:
     """A cycle's inputs of the selection, by the names of its variables; the channel of every satellite; faults.

@@ -6,7 +6,7 @@ import pytest
 
 from safeloc.border import Reason
 from safeloc.errors import InputError
-from safeloc.signals.satellite.channels import Channels, Heard, identity
+from safeloc.signals.satellite.channels import Channels, Heard, identity, satellite_name
 from safeloc.signals.satellite.residuals import Residuals
 
 NONE: frozenset[str] = frozenset()
@@ -70,5 +70,9 @@ def test_identities_are_distinct() -> None:
     for wrong in ("X05", "G", "G00", "G1x", ""):
         with pytest.raises(InputError, match="is no satellite"):
             identity(wrong)
+    assert [f"{system}05" for system in "GRECJIS"] == [satellite_name(number) for number in range(5, 700, 100)]
+    for none in (0, -95, 100, 705):
+        with pytest.raises(InputError, match="no identity"):
+            satellite_name(none)
     with pytest.raises(InputError, match="0 channels hear nothing"):
         Channels(0, 2)
