@@ -68,6 +68,7 @@ class Guard:
         self._now_ms: int | None = None
         self._ways = [True, True]
         self._backwards: list[int] = []
+        self._place: tuple[float | None, float | None] = (None, None)
 
     def judge_all(self, deliveries: Iterable[Delivery]) -> Iterator[Judgement]:
         """A judgement for each delivery, as soon as it is there."""
@@ -85,7 +86,7 @@ class Guard:
         if late is not None and self._now_ms is None:
             return self._step(delivery, *late)
         ahead = self._run_until(now)
-        fault = late or _no_position(delivery)
+        fault = late or _no_position(delivery) or self._frozen(delivery)
         if fault is not None:
             return self._step(delivery, *fault)
         try:
@@ -128,6 +129,13 @@ class Guard:
         return self._start_ms + wanted * period - now_ms
 
     # -------------------------------------------------------------- place
+
+    def _frozen(self, delivery: Delivery) -> tuple[str, str] | None:
+        """A place that is repeated to the last digit while the vehicle runs; None where it is another or may rest."""
+        place, self._place = self._place, (delivery.x, delivery.y)
+        told = delivery.speed_mm_s is not None and delivery.speed_mm_s > self.config.speed_error_mm_s
+        runs = self._value("slow_um_s") > 0 or self._value("fast_um_s") < 0
+        return ("DUPLICATE", "the same place again at speed") if place == self._place and (told or runs) else None
 
     def _matched(self, delivery: Delivery) -> Match:
         assert delivery.x is not None and delivery.y is not None

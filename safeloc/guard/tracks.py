@@ -114,6 +114,7 @@ class Tracks:
         edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
         _with_course(line, edges)
         self.projector = Projector(line, edges=edges)
+        self.projector.prepare(crs)
         self.roots: tuple[Laid, ...] = self.route or ()
 
     def match(self, x: float, y: float, window: Window | None, *, alone: bool = False) -> Match:

@@ -113,6 +113,10 @@ class Projector:
         nearest = (self._shapely.ops.nearest_points(piece, point)[0] for piece in pieces)
         return [float(course.line.project(one)) for one in nearest if one.distance(point) <= limit]
 
+    def prepare(self, crs: str) -> None:
+        """Get ready for positions of a coordinate system; InputError where there is none of that name."""
+        self._transformers.setdefault(crs, self._transformer(crs, self._plane))
+
     def plane(self, x: float, y: float, *, crs: str = WGS84) -> tuple[float, float]:
         """A position in the plane of the projection: metres east and north of the line's middle. InputError as above."""
         return self._to_plane(x, y, crs)
@@ -128,7 +132,7 @@ class Projector:
 
     def _to_plane(self, x: float, y: float, crs: str) -> tuple[float, float]:
         if crs not in self._transformers:
-            self._transformers[crs] = self._transformer(crs, self._plane)
+            self.prepare(crs)
         east, north = self._transformers[crs].transform(x, y)
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(east) and math.isfinite(north)):
             raise InputError(f"({x}, {y}) is no position in {crs}.")

@@ -20,7 +20,7 @@ WORDS: Mapping[str, str] = {
     "NOT_FINITE": "not a finite number",
     "STALE": "older than allowed",
     "FUTURE": "from after it came",
-    "DUPLICATE": "the same time again",
+    "DUPLICATE": "the same time again, or the same place at speed",
     "OUT_OF_ORDER": "older than one before",
     "NOTHING": "nothing was delivered",
 }

@@ -73,7 +73,7 @@ def test_a_jump_narrows_nothing() -> None:
         (Delivery(9), "NO_FIX"),
         (Delivery(9, wrong="cut off"), "MALFORMED"),
         (fix(1.2, 100_000_000 / 10, 0), "OFF_TRACK"),
-        (fix(1.2, 100, speed_mm_s=50_000), "SPEED_DISAGREES"),
+        (fix(1.2, 101, speed_mm_s=50_000), "SPEED_DISAGREES"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -97,6 +97,13 @@ def test_a_long_silence_withdraws() -> None:
     made = believed()
     found = made.judge(fix(3_600, 100))
     assert ("UNCONFIRMED", "RECOVERING") == (found.reason, found.mode)
+
+
+def test_a_frozen_receiver() -> None:
+    """The same place again is withheld while the receiver tells a speed; at rest it is a fix like any other."""
+    made = believed()
+    assert "DUPLICATE" == made.judge(fix(1.2, 100, speed_mm_s=5_000)).reason
+    assert "PASSED" == made.judge(fix(1.6, 100, speed_mm_s=0)).reason
 
 
 def test_a_clock_that_was_set_back_begins_anew() -> None:

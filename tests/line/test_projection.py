@@ -147,3 +147,16 @@ def test_without_the_extra_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch, p
         EngineError, match=rf"^projecting positions to the track needs {package}; install safeloc\[geo\]"
     ):
         Projector(EAST)
+
+
+def test_every_place_that_is_near() -> None:
+    """All edges within the limit, nearest first; an edge that comes by twice has two places."""
+    crs = "+proj=tmerc +lat_0=48 +lon_0=9 +datum=WGS84 +units=m +no_defs"
+    hairpin = ((0.0, 0.0), (300.0, 0.0), (310.0, 6.0), (300.0, 12.0), (0.0, 12.0))
+    far = edge("far", (0.0, 90.0), (300.0, 90.0), length_mm=300_000, crs=crs)
+    projector = Projector(line_of(edge("loop", *hairpin, length_mm=623_324, crs=crs), far))
+    found = projector.near(100.0, 4.0, 10_000, crs=crs)
+    assert [("loop", 100_000), ("loop", 523_324)] == [(one.place.edge, one.place.position_mm) for one in found]
+    assert [-4_000, -8_000] == [one.offset_mm for one in found]
+    assert [] == projector.near(100.0, 50.0, 10_000, crs=crs)
+    assert ["loop", "far"] == [one.place.edge for one in projector.near(305.0, 50.0, 60_000, crs=crs)]
