@@ -136,8 +136,7 @@ class Controller:
     @property
     def next_end_ms(self) -> int:
         """When the open cycle ends, in the records' clock."""
-        with self._lock:
-            return self._builder.end_ms
+        return self._builder.end_ms
 
     @property
     def halted(self) -> str:

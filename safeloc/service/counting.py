@@ -13,6 +13,9 @@ class Counted:
     lost: str = ""
 
 
+FINE = Counted()
+
+
 class LineCount:
     """Of one vehicle.
 
@@ -35,7 +38,7 @@ class LineCount:
             )
         self.last = number
         if last is None:
-            return Counted() if number == 1 else Counted(lost=unsure)
+            return FINE if number == 1 else Counted(lost=unsure)
         if number == last + 1:
-            return Counted()
+            return FINE
         return Counted(lost="the sender counts anew" if number == 1 else f"{number - last - 1} lines before {number}")

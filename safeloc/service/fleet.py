@@ -51,6 +51,8 @@ class Fleet:
     """Vehicles by name. Origins are the peers that lines come from; a vehicle is of the one that spoke of it last.
 
     own   vehicle -> program, where it is not the common one
+
+    InputError where no controller can be made of these figures.
     """
 
     def __init__(self, program: Program, ways: Ways, own: Mapping[str, Program] | None = None) -> None:
@@ -61,6 +63,8 @@ class Fleet:
         self._program, self._own = program, own or {}
         self._reader = Reader(program, inputs=ways.inputs, numbered=ways.numbered, first=ways.first)
         self._pace = Pace(ways.period_ms, ways.longest_gap_ms)
+        for one in (program, *self._own.values()):
+            _controller(one, ways, 0)  # what is wrong with the figures shows now, not with the first line
 
     def heed(self, origin: str, line: Line, *, whole: bool) -> list[Told]:
         """One line. `whole`: the first line of this origin is the first one there was."""

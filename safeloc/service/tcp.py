@@ -108,6 +108,7 @@ class TcpPort(Feed, Outlet):
         self._where, self._journal = where, journal
         self._peers: dict[str, Peer] = {}
         self._left: list[Left] = []
+        self._written: set[Peer] = set()
         self._count = 0
         self.held = False
 
@@ -144,10 +145,12 @@ class TcpPort(Feed, Outlet):
             self._journal.warning("unsent", origin=origin, bytes=len(data))
         else:
             peer.put(data)
+            self._written.add(peer)
 
     def flush(self) -> None:
-        """To every peer what it takes now."""
-        for peer in [one for one in self._peers.values() if one.waiting]:
+        """To every peer that was written to, what it takes now; the selector says when it takes the rest."""
+        written, self._written = self._written, set()
+        for peer in written:
             peer.flush()
 
     @property

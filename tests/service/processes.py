@@ -110,11 +110,12 @@ class Running:
         """Its exit code, after a signal if one is given."""
         if number is not None:
             self.process.send_signal(number)
-        _, rest = self.process.communicate(timeout=PATIENCE_S)
-        told = self._rest + (rest or b"")
+        code = self.process.wait(PATIENCE_S)
+        assert self.process.stderr is not None
+        told = self._rest + self.process.stderr.read()
         assert b"Traceback" not in told, told.decode()
         self.log += read(told)
-        return self.process.returncode
+        return code
 
 
 @contextmanager
