@@ -10,7 +10,7 @@ sent while that area trusts the train. A record that does not arrive is a refere
 
 Inputs of a cycle: all of models.verification for `giving` and for `taking`, without the latter's record (count and
 length, wired) and without when it is due and from whom (wired); `border.record_arrives`, `border.train_gone`.
-Outputs: `speaker.given`, `.low_mm`, `.high_mm`, and those of the other machines by their names.
+Outputs: `speaker.given`, `.position_mm`, `.over_mm`, `.under_mm`, and those of the other machines by their names.
 """
 
 from __future__ import annotations

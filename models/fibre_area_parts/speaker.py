@@ -14,7 +14,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, as_num, boolean, maximum, minimum, number
+from safeloc.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    NumVar,
+    Var,
+    as_num,
+    boolean,
+    floor_div,
+    maximum,
+    minimum,
+    number,
+)
 from safeloc.machine import Machine, Transition, current_mode, modes
 from safeloc.units import MM
 
@@ -59,12 +73,18 @@ def speaker(far_mm: int) -> Speaker:
         modes=table,
         inputs=[*inputs, begins, ends],
         state={low: 0, high: 0},
-        outputs={"given": current.ne(table[0]), "low_mm": low, "high_mm": high},
+        outputs={"given": current.ne(table[0]), **_interval(low, high)},
         transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
         mode_variable=current,
         doc="Which of two neighbouring areas gives a train's position out.",
     )
     return Speaker(machine, giving, taking, begins, ends, low, high)
+
+
+def _interval(low: NumVar, high: NumVar) -> dict[str, Expr]:
+    """The bounds as a position with what it may be off by."""
+    middle = floor_div(low + high, 2)
+    return {"position_mm": middle, "under_mm": middle - low, "over_mm": high - middle}
 
 
 def _table(

@@ -148,7 +148,14 @@ def _fibre_handover(config: BaseModel) -> Target:
     whole = fibre_handover.compose_machines(config)
     system, found = whole.composition.system, tuple(handover_properties.properties(whole))
     doc = "A train between two neighbouring areas: two verifications, the record that goes over, and whose position counts."
-    return Target("fibre_handover", system.machines, system, found, config, doc, recorded("fibre_handover"))
+    reported = Reported(
+        position="speaker.position_mm",
+        under="speaker.under_mm",
+        over="speaker.over_mm",
+        valid="speaker.given",
+        truth="giving.truth_nm",
+    )
+    return Target("fibre_handover", system.machines, system, found, config, doc, recorded("fibre_handover"), reported)
 
 
 ENTRIES = (
