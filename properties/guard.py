@@ -20,7 +20,7 @@ BACK = ("receiver believed", "receiver believed again")
 
 def properties(model: Guard) -> list[Property]:
     """Every property of the guard."""
-    return [*_safety(model), *_withheld(model), *_coming_back(model), *_use(model)]
+    return [*_safety(model), *_withheld(model), *_gates(model), *_coming_back(model), *_use(model)]
 
 
 def _safety(model: Guard) -> Iterator[Property]:
@@ -89,6 +89,12 @@ def _withheld(model: Guard) -> Iterator[Property]:
         trace=TRACE,
         unconditional=True,
     )
+
+
+def _gates(model: Guard) -> Iterator[Property]:
+    machine, own, judged = model.machine, model.own, model.judged
+    passed, was_holding = machine.flag("passed"), in_step(machine, model.holding)
+    low, high = num_in_step(machine, judged.coasted.box.low), num_in_step(machine, judged.coasted.box.high)
     yield always(
         "faults are never passed",
         (own.fault.ne(NO_FAULT) | ~own.fix.present).implies(~passed),

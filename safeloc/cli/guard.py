@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Annotated
@@ -61,28 +61,31 @@ def guard(
     if report is not None:
         usable(report)
     figures, network = config_of(vehicle, config), line_of(line)
-    tracks = Tracks(
-        network,
-        clear_mm=figures.track_clearance_mm,
-        reach_mm=figures.tolerance_mm,
-        route=route_of(network, Way(path, edges, direction(first))),
-        crs=crs,
+    route = route_of(network, Way(path, edges, direction(first)))
+    made = Guard(
+        figures,
+        Tracks(network, clear_mm=figures.track_clearance_mm, reach_mm=figures.tolerance_mm, route=route, crs=crs),
     )
     kept: list[Judgement] = []
-    counts: Counter[str] = Counter()
     with opened(stream) as lines, _target(where) as target:
-        for judgement in Guard(figures, tracks).judge_all(deliveries(lines, kind, columns, sentence, stream)):
-            target.write(json.dumps(as_data(judgement)) + "\n")
-            if where is None:
-                target.flush()
-            counts[judgement.reason] += 1
-            if report is not None:
-                kept.append(judgement)
+        judgements = made.judge_all(deliveries(lines, kind, columns, sentence, stream))
+        counts = _written(judgements, target, kept if report is not None else None)
     if report is not None:
-        page = write_guard_folder(report, kept, tracks, figures, stream)
-        err.print(f"report: {page}", markup=False)
+        err.print(f"report: {write_guard_folder(report, kept, made.tracks, figures, stream)}", markup=False)
     _summary(counts, as_json=as_json, to_stderr=where is None)
     raise typer.Exit(0 if counts["PASSED"] else NOTHING_PASSED)
+
+
+def _written(judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None) -> Counter[str]:
+    """Write each as soon as it is there, and count the reasons; `kept` takes them all."""
+    counts: Counter[str] = Counter()
+    for judgement in judgements:
+        target.write(json.dumps(as_data(judgement)) + "\n")
+        target.flush()
+        counts[judgement.reason] += 1
+        if kept is not None:
+            kept.append(judgement)
+    return counts
 
 
 @contextmanager

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from fractions import Fraction
+from decimal import Decimal
 
 from safeloc.errors import InputError
 from safeloc.guard.deliveries import SPEED_UNITS, Delivery
@@ -119,7 +119,7 @@ def milliseconds(name: str, value: object, unit: str) -> int:
     told = decimal(name, value)
     if not math.isfinite(told) or abs(told) * TIME_UNITS[unit] > LONGEST_TIME_MS:
         raise InputError(f"{name!r}: {value!r} is no time.")
-    exact = Fraction(value.strip() if isinstance(value, str) else told)
+    exact = Decimal(value.strip() if isinstance(value, str) else told)
     return math.floor(exact * TIME_UNITS[unit])
 
 

@@ -61,7 +61,7 @@ class Guard:
 
     def __init__(self, config: GuardConfig, tracks: Tracks) -> None:
         self.config, self.tracks = config, tracks
-        self._code = _code(config)
+        self._code = _code(config.model_dump_json())
         self._state = self._code.first()
         self._idle = self._code.read(_inputs(advance=True))
         self._deliveries = Deliveries()
@@ -207,8 +207,9 @@ class Guard:
 
 
 @cache
-def _code(config: GuardConfig) -> Compiled:
-    """The machine, compiled once for all receivers of one configuration."""
+def _code(figures: str) -> Compiled:
+    """The machine of a configuration (as JSON), compiled once for all receivers that have it."""
+    config = GuardConfig.model_validate_json(figures)
     return compile_system(without_ghosts(lower(build(parts(config)).machine)))
 
 

@@ -7,7 +7,7 @@ the time of day only, and midnight is where it falls back by more than half a da
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from datetime import UTC, datetime, time, timedelta
+from datetime import UTC, date, datetime, time, timedelta
 from typing import Any
 
 from safeloc.errors import EngineError, InputError
@@ -66,16 +66,14 @@ class _Clock:
     def __init__(self) -> None:
         self._last: datetime | None = None
 
-    def at(self, when: object, date: object) -> datetime:
+    def at(self, when: object, told: object) -> datetime:
         """The time of a sentence; InputError where it tells none."""
         if not isinstance(when, time):
             raise InputError("no time")
-        if date in ("", None):
-            day = (self._last or datetime(1970, 1, 1)).date()
-        else:
-            day = date  # type: ignore[assignment]
+        dated = isinstance(told, date)
+        day = told if isinstance(told, date) else (self._last or datetime(1970, 1, 1)).date()
         found = datetime.combine(day, when.replace(tzinfo=None), UTC)
-        if date in ("", None) and self._last is not None and self._last - found > HALF_A_DAY:
+        if not dated and self._last is not None and self._last - found > HALF_A_DAY:
             found += timedelta(days=1)
         self._last = found
         return found
@@ -88,9 +86,11 @@ def _parser() -> Callable[[str], Any]:
     except ImportError as error:
         raise EngineError("reading NMEA sentences needs pynmeagps; install safeloc[nmea].") from error
 
+    reader: Any = NMEAReader  # its hints say bytes, it takes both
+
     def parse(text: str) -> Any:
         try:
-            return NMEAReader.parse(text)
+            return reader.parse(text)
         except (NMEAParseError, NMEAMessageError, NMEATypeError) as error:
             raise InputError(str(error)) from error
 

@@ -101,6 +101,7 @@ def test_json_lines() -> None:
         ("-0.0001", "s", -1),
         (1_647_335_426.2, "s", 1_647_335_426_200),
         (7, "ms", 7),
+        ("1e-999999999", "s", 0),
     ],
 )
 def test_times(value: object, unit: str, ms: int) -> None:
