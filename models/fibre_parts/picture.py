@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from safeloc.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall
+from safeloc.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, VirtualSection, Waterfall
 from safeloc.reported import Reported
 
 STREAMS = Path(__file__).parents[1] / "streams"
@@ -14,6 +16,28 @@ STREAMS = Path(__file__).parents[1] / "streams"
 def picture() -> Waterfall:
     """Position signals, the reported interval and the mode."""
     return Waterfall("Fibre", loud, (Interval("interval", Reported()),), signals=("position_signal",))
+
+
+def area_picture(sections: int) -> Waterfall:
+    """What is given out of a train in a line area, both ends, the modes of what verifies it, and the virtual sections."""
+    ends = [Interval(f"{end} located", _reported(end, "valid")) for end in ("front", "rear")]
+    numbers = range(1, sections + 1)
+    names = ("front", "rear", "emitter", "verification")
+    return Waterfall(
+        "Fibre area",
+        loud,
+        (Interval("front, given out", _reported("verification", "trusted")), *ends),
+        tuple(
+            SectionState(f"section {n}", f"section_{n}.from_mm", f"section_{n}.to_mm", f"section_{n}.mode")
+            for n in numbers
+        ),
+        ("front.position_signal",),
+        {name: f"{name}.mode" for name in names},
+    )
+
+
+def _reported(machine: str, valid: str) -> Reported:
+    return Reported(f"{machine}.position_mm", f"{machine}.under_mm", f"{machine}.over_mm", f"{machine}.{valid}")
 
 
 def loud(recording: str) -> LoudFibre | None:
@@ -34,4 +58,9 @@ def loud(recording: str) -> LoudFibre | None:
         trains=tuple(TrueEnds(tuple(one["low_mm"]), tuple(one["high_mm"])) for one in data["trains"]),
         sections=tuple(Stretch(one["low_mm"], one["high_mm"], one["name"]) for one in data["sections"]),
         marks=data["marks"],
+        virtual=tuple(_virtual(one) for one in data.get("virtual", ())),
     )
+
+
+def _virtual(data: Mapping[str, Any]) -> VirtualSection:
+    return VirtualSection(data["low_mm"], data["high_mm"], tuple((step, state) for step, state in data["states"]))

@@ -9,9 +9,8 @@ from safeloc.backends.compiled import compile_system
 from safeloc.errors import InputError
 from safeloc.models.axle_counter import AxleCounterConfig, machine
 from safeloc.models.axle_counter_streams import Passage, passed
-from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
+from safeloc.models.fibre_scenes.scene import MM_PER_M
 from safeloc.nodes import Value
-from safeloc.simulation.fibre.scene import TrainTruth
 from safeloc.simulation.fibre.trains import Train
 from safeloc.system import lower, without_ghosts
 
@@ -41,7 +40,7 @@ class Record:
 
 
 def record_of(train: Train, *, miscounted: int = 0) -> Record:
-    """The axle counter's machine over the train's axles at its first speed; `miscounted`: axles told too many.
+    """The axle counter's machine over the train's axles at its first speed; `miscounted`: axles told beyond what passed.
 
     InputError for a train of which the machine makes no record.
     """
@@ -68,21 +67,24 @@ def _record(told: dict[str, Value], miscounted: int, after_ms: int) -> Record:
     return Record(told["record_axles"] + miscounted, bounds("record_length"), speeds, bounds("record_run"), after_ms)
 
 
-def events(ends: Ends, moments: Sequence[Moment], train: int) -> list[str]:
-    """What the counters tell of a train in each moment: it enters when its front passes, it has left when its rear has."""
-    made, inside, before = list[str](), False, moments[0].truth[train]
-    for moment in moments:
-        event = _event(ends, before, moment.truth[train], inside)
+Stretch = tuple[float, float]
+
+
+def events(ends: Ends, places: Sequence[Stretch]) -> list[str]:
+    """What the counters tell of a train by its ends in each moment, m: it enters with its front, it has left with its rear."""
+    made, inside, before = list[str](), False, places[0]
+    for now in places:
+        event = _event(ends, before, now, inside)
         inside = event.startswith("ENTERS") or (inside and event == "NONE")
         made.append(event)
-        before = moment.truth[train]
+        before = now
     return made
 
 
-def _event(ends: Ends, before: TrainTruth, now: TrainTruth, inside: bool) -> str:
+def _event(ends: Ends, before: Stretch, now: Stretch, inside: bool) -> str:
     low, high = ends.low_mm / MM_PER_M, ends.high_mm / MM_PER_M
     if inside:
-        return "LEAVES_HIGH" if now.low_m > high else "LEAVES_LOW" if now.high_m < low else "NONE"
-    if before.high_m <= low < now.high_m:
+        return "LEAVES_HIGH" if now[0] > high else "LEAVES_LOW" if now[1] < low else "NONE"
+    if before[1] <= low < now[1]:
         return "ENTERS_LOW"
-    return "ENTERS_HIGH" if now.low_m < high <= before.low_m else "NONE"
+    return "ENTERS_HIGH" if now[0] < high <= before[0] else "NONE"

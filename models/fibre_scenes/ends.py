@@ -34,13 +34,13 @@ class Followed:
     """Which end of which train a machine follows, and what it is told besides.
 
     train        number of the train in the scene; side: its end towards smaller or greater places
-    referred_mm  an axle counter there tells place and count, once, when the end has passed it; None: the code has to tell
+    referred_mm  axle counters that tell place and count when the end has passed them; none: the code has to tell
     flight       whether the time of flight is handed over
     """
 
     train: int = 0
     side: Side = "high"
-    referred_mm: int | None = None
+    referred_mm: tuple[int, ...] = ()
     flight: bool = True
 
 
@@ -52,8 +52,15 @@ class EndHost:
         inside = rules.inset_mm + rules.window_mm // 2
         self._config, self._followed, self._points = config or FibreConfig(), followed, dict(scene.points or {})
         self.map = MapHost(self._config, scene.sections, inside if followed.side == "high" else -inside)
-        self._meter, self._before, self._referred = RunMeter(scene.config), _Before(), False
+        self._meter = RunMeter(scene.config)
+        self._truth_mm: int | None = None
         self._ghosts = _Ghosts(self.map)
+
+    def before(self, train: TrainSeen | None, moment: Moment) -> None:
+        """A moment before the first step: the run settles."""
+        self._meter.follow(train, moment.time_ms)
+        self._truth_mm = self.truth_mm(moment.truth[self._followed.train])
+        self._ghosts.begin(self._truth_mm)
 
     def heard(self, train: TrainSeen | None, moment: Moment, outputs: Mapping[str, Value]) -> dict[str, Cell]:
         """Inputs of one step, the truth's remark among them; `outputs` are the machine's after the step before."""
@@ -77,24 +84,21 @@ class EndHost:
         return round(MM_PER_M * (truth.high_m if self._followed.side == "high" else truth.low_m))
 
     def _reference(self, run: int | None, truth_mm: int) -> dict[str, Cell]:
-        """From the axle counter, in the first cycle with a run in which the end is beyond it: its place, and half a run."""
-        counter, before = self._followed.referred_mm, self._before.truth_mm
-        self._before = _Before(truth_mm)
-        passed = counter is not None and before is not None and min(before, truth_mm) < counter <= max(before, truth_mm)
-        if not passed or run is None or self._referred or counter is None:
+        """From an axle counter that the end passed in this cycle, with a run: its place, and half a run beyond."""
+        before, self._truth_mm = self._truth_mm, truth_mm
+        passed = [
+            place
+            for place in self._followed.referred_mm
+            if before is not None and min(before, truth_mm) < place <= max(before, truth_mm)
+        ]
+        if not passed or run is None:
             return {"reference_accepted": False, "reference_count": 0, "reference_position_mm": 0}
-        self._referred = True
-        place = counter + run // 2
+        place = passed[0] + run // 2
         return {"reference_accepted": True, "reference_count": self.map.below(place), "reference_position_mm": place}
 
     def ghosts(self, step: Mapping[str, Cell], was: Mapping[str, Value], told: Mapping[str, Value]) -> dict[str, Cell]:
         """Ghost inputs of the step, from the machine's outputs before and after it."""
         return self._ghosts.follow(step, was, told)
-
-
-@dataclass(frozen=True)
-class _Before:
-    truth_mm: int | None = None
 
 
 class _Ghosts:
@@ -104,6 +108,10 @@ class _Ghosts:
         self._sections = map_host.sections
         self._truth_mm: int | None = None
         self._edge_nm, self._count, self._real = 0, 0, False
+
+    def begin(self, truth_mm: int) -> None:
+        """Where the end is before the first step."""
+        self._truth_mm = truth_mm
 
     def follow(self, step: Mapping[str, Cell], was: Mapping[str, Value], told: Mapping[str, Value]) -> dict[str, Cell]:
         """Ghost inputs of one step."""

@@ -34,7 +34,7 @@ class EndScene:
     title: str
     says: str
     scene: Scene
-    followed: Followed = Followed(referred_mm=COUNTER_MM)
+    followed: Followed = Followed(referred_mm=(COUNTER_MM,))
     mapped: Sequence[Section] | None = None
     ghosts: bool = True
     marks: dict[str, int] = field(default_factory=lambda: {"axle counter": COUNTER_MM})
@@ -94,7 +94,7 @@ FIGURES = (
         "Six sections of a position code and nothing else to tell the place. Signals are counted from the first one on; "
         "after the fifth section the word is found, and the place is known.",
         _scene(_coded(6), 6_400, 170, seed=3),
-        Followed(referred_mm=None),
+        Followed(),
         marks={},
     ),
     EndScene(
@@ -108,7 +108,7 @@ FIGURES = (
             drift=lambda _: Drift(index_ppm=5_000),
             seed=4,
         ),
-        Followed(referred_mm=COUNTER_MM, flight=False),
+        Followed(referred_mm=(COUNTER_MM,), flight=False),
     ),
 )
 TROUBLES = (
@@ -143,7 +143,7 @@ TROUBLES = (
         "800 m of ore wagons over sections of 150 and 400 m: several are active at once. The front counts each as it "
         "enters it, whatever the rest of the train does.",
         Scene(4_600, 132, (ore_train(),), THREE, seed=8),
-        Followed(referred_mm=1_350_000),
+        Followed(referred_mm=(1_350_000,)),
         marks={"axle counter": 1_350_000},
     ),
     EndScene(
@@ -152,7 +152,7 @@ TROUBLES = (
         "The same train. Its rear is followed by a machine of its own and counts each section as it enters it; the two "
         "intervals together hold the train.",
         Scene(4_600, 132, (ore_train(),), THREE, seed=8),
-        Followed(side="low", referred_mm=1_350_000),
+        Followed(side="low", referred_mm=(1_350_000,)),
         marks={"axle counter": 1_350_000},
     ),
 )

@@ -26,10 +26,18 @@ class Ordered:
     patterns: list[list[TrainSeen | None]]
 
 
-def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[int]) -> Ordered:
-    """The trains of the scene that its counters tell of, numbered from 1 on in the order given."""
+Places = Sequence[tuple[float, float]]
+
+
+def places_of(moments: Sequence[Moment], train: int) -> Places:
+    """Where a train of the scene is in each moment, m."""
+    return [(moment.truth[train].low_m, moment.truth[train].high_m) for moment in moments]
+
+
+def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) -> Ordered:
+    """The trains that the counters tell of, by where they are, numbered from 1 on in the order given."""
     code = compile_system(without_ghosts(lower(machine(ORDER))))
-    told = [events(ends, moments, train) for train in trains]
+    told = [events(ends, places) for places in trains]
     state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
     inside = [False] * len(trains)
     for number, moment in enumerate(moments):
@@ -78,16 +86,13 @@ def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> Trai
     return next((one for one, owner in zip(seen, owners, strict=False) if owner == train), None)
 
 
-def truth_of(moments: Sequence[Moment], trains: Sequence[int], owned: Ordered) -> Steps:
+def truth_of(trains: Sequence[Places]) -> Steps:
     """Ghost inputs: each train's middle, and which train each pattern holds."""
     made = Steps()
-    for moment in moments:
-        middles = [
-            round(MM_PER_M * UM_PER_MM * (moment.truth[one].low_m + moment.truth[one].high_m) / 2) for one in trains
-        ]
+    for now in zip(*trains, strict=True):
+        middles = [round(MM_PER_M * UM_PER_MM * (low + high) / 2) for low, high in now]
         step: dict[str, Cell] = {f"next_train_{n}_place_um": _at(middles, n) for n in range(1, ORDER.trains + 1)}
         made.append(step | {f"pattern_{n}_owner": min(n, len(trains)) for n in range(1, ORDER.trains + 1)})
-    assert len(made) == len(owned.steps)
     return made
 
 

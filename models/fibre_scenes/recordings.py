@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,9 @@ from typing import Any
 from safeloc.models.fibre_parts.variables import NM_PER_MM
 from safeloc.models.fibre_scenes.ends import Steps, steps_of
 from safeloc.models.fibre_scenes.figures import END_SCENES, QUIET_S, EndScene
+from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, AreaScene
 from safeloc.models.fibre_scenes.scene import listen
+from safeloc.models.fibre_scenes.stay import first_state, stayed
 from safeloc.models.fibre_scenes.waterfall import waterfall
 from safeloc.nodes import Value
 from safeloc.streams.steps import write_steps
@@ -31,7 +33,7 @@ class Recording:
 
     def write(self, folder: Path) -> None:
         """Both files."""
-        write_steps(folder / f"{self.name}.jsonl", self.steps, machine=self.machine, first=self.first)
+        write_steps(folder / f"{self.name}.jsonl", self.steps, machine=self.machine, first=self.first, short=True)
         rows = json.dumps(dict(self.picture), indent=1)
         (folder / f"{self.name}.waterfall.json").write_text(rows + "\n", encoding="utf-8")
 
@@ -46,6 +48,23 @@ def recorded_end(made: EndScene) -> Recording:
     return Recording(f"fibre-{made.name}", "fibre", steps, first, picture)
 
 
+def recorded_stay(made: AreaScene) -> Recording:
+    """A stay in a line area, from shortly before the train enters."""
+    moments, begin = listen(made.stay.scene), round(made.from_s * BLOCKS_PER_S)
+    kept = stayed(made.stay, moments, begin)
+    first = first_state(made.stay, moments[begin - 1], (made.stay.cuts[made.stay.shown - 1],))
+    virtual = [_virtual(cut, states) for cut, states in zip(made.stay.cuts, kept.states, strict=True)]
+    picture = {"title": made.title, "says": made.says, **waterfall(made.stay.scene, moments, begin, made.marks)}
+    return Recording(f"fibre_area-{made.name}", "fibre_area", kept.steps, first, {**picture, "virtual": virtual})
+
+
+def _virtual(cut: tuple[int, int], states: Sequence[str]) -> dict[str, Any]:
+    """A virtual section: from which step on it was in which state."""
+    begins = [number for number, state in enumerate(states) if number == 0 or states[number - 1] != state]
+    return {"low_mm": cut[0], "high_mm": cut[1], "states": [[number, states[number]] for number in begins]}
+
+
 def recordings() -> Iterator[Recording]:
     """All of them, one after the other; minutes."""
     yield from map(recorded_end, END_SCENES)
+    yield from map(recorded_stay, AREA_SCENES)

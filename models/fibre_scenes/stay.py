@@ -12,10 +12,13 @@ from safeloc.models.fibre_scenes.counters import Ends, Record, events, record_of
 from safeloc.models.fibre_scenes.ends import EndHost, Followed, Side
 from safeloc.models.fibre_scenes.order import order_of
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
+from safeloc.models.sections import SectionsConfig
 from safeloc.nodes import Value
 from safeloc.signals.fibre.features import TrainSeen
+from safeloc.simulation.fibre.trains import Train
 from safeloc.streams.steps import Cell
 from safeloc.system import without_ghosts
+from safeloc.trace import shown
 
 Steps = list[dict[str, Cell]]
 UM_PER_MM = 1_000
@@ -27,33 +30,53 @@ OVERHANG_MM = 4_500
 class Stay:
     """A stay of the scene's first train between two axle counters. Places in mm.
 
-    cuts        virtual sections
-    counted     numbers of the scene's trains that the counters tell of
-    miscounted  axles that the entry record has too many
-    recorded    whether the record comes at all
+    between     counters inside the area, each of which gives a record, too
+    cuts        virtual sections; `shown`: number of the one that is section_1 of the machine as it ships
+    miscounted  axles that the entry record has beyond those that passed
     chain_from  second from which the emitter is silent
-    split       the first train's lost part is this train of the scene; axles that remain; second from which it is lost
+    split       the second train of the scene is the rear part of the first, lost from this second on
     ghosts      whether the truth is given with the steps
     """
 
     scene: Scene
     ends: Ends
     cuts: tuple[tuple[int, int], ...]
-    counted: tuple[int, ...] = (0,)
+    shown: int = 1
+    between: tuple[int, ...] = ()
     miscounted: int = 0
-    recorded: bool = True
     chain_from: float | None = None
-    split: tuple[int, float] | None = None
+    split: float | None = None
     ghosts: bool = True
 
+    @property
+    def train(self) -> Train:
+        """The whole of it, as it enters."""
+        first, *others = self.scene.trains
+        lost = others[0].vehicles if self.split is not None else ()
+        return Train((*first.vehicles, *lost), first.course, first.ahead)
 
-def first_state(stay: Stay, start: Moment) -> dict[str, Value]:
+    @property
+    def config(self) -> FibreAreaConfig:
+        """With all the cuts."""
+        plain = FibreAreaConfig()
+        return FibreAreaConfig(sections=SectionsConfig(area=plain.sections.area, sections=len(self.cuts)))
+
+
+@dataclass(frozen=True)
+class Stayed:
+    """The steps, and the state of each virtual section after each of them."""
+
+    steps: Steps
+    states: list[list[str]]
+
+
+def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> dict[str, Value]:
     """What is open at the start: counters, cuts, and where the train is."""
     low, high = (round(MM_PER_M * place) for place in _whole(stay, start))
     first: dict[str, Value] = {
         "area.low_end_mm": stay.ends.low_mm, "area.high_end_mm": stay.ends.high_mm,
     }  # fmt: skip
-    for number, (begin, beyond) in enumerate(stay.cuts, 1):
+    for number, (begin, beyond) in enumerate(cuts, 1):
         first |= {f"section_{number}.from_mm": begin, f"section_{number}.to_mm": beyond}
     if not stay.ghosts:
         return first
@@ -68,28 +91,40 @@ def first_state(stay: Stay, start: Moment) -> dict[str, Value]:
     return first | ghosts
 
 
-def stay_steps(stay: Stay, moments: Sequence[Moment], config: FibreAreaConfig | None = None) -> Steps:
-    """The steps; the remark `truth_mm` is where the front is."""
-    host = _Host(stay, config or FibreAreaConfig(), moments[0])
-    patterns = order_of(stay.ends, moments, stay.counted).patterns
-    told = events(stay.ends, moments, 0)
-    return [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, told, strict=True)]
+def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
+    """The stay from moment number `begin` on; the remark `truth_mm` is where the front is."""
+    moments = heard[begin:]
+    host = _Host(stay, heard[begin - 1])
+    for moment in heard[:begin]:
+        host.before(moment)
+    whole = [_whole(stay, moment) for moment in moments]
+    patterns = order_of(stay.ends, moments, [whole]).patterns
+    told = events(stay.ends, whole)
+    made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, told, strict=True)]
+    return Stayed(made, host.states)
 
 
 class _Host:
     """What stands between detector, counters and the machines."""
 
-    def __init__(self, stay: Stay, config: FibreAreaConfig, start: Moment) -> None:
-        self._stay = stay
+    def __init__(self, stay: Stay, start: Moment) -> None:
+        self._stay, config = stay, stay.config
         system = without_ghosts(compose_machines(config).composition.system)
         self._code, known = compile_system(system), {var.name for var in system.state}
-        first = {name: value for name, value in first_state(stay, start).items() if name in known}
+        first = {name: value for name, value in first_state(stay, start, stay.cuts).items() if name in known}
         self._state = self._code.first(first)
         self._ends = {
-            name: EndHost(stay.scene, Followed(0, side, stay.ends.low_mm), config.fibre) for name, side in ENDS.items()
+            name: EndHost(stay.scene, Followed(0, side, (stay.ends.low_mm, *stay.between)), config.fibre)
+            for name, side in ENDS.items()
         }
-        record = record_of(stay.scene.trains[0], miscounted=stay.miscounted) if stay.recorded else None
-        self._entry = _Entry(stay.ends, record)
+        self._entry = _Entry(stay)
+        self._modes = [f"section_{number}.mode" for number in range(1, len(stay.cuts) + 1)]
+        self.states: list[list[str]] = [[] for _ in stay.cuts]
+
+    def before(self, moment: Moment) -> None:
+        """A moment before the first step."""
+        for host in self._ends.values():
+            host.before(self._nearest(moment), moment)
 
     def step(self, moment: Moment, own: TrainSeen | None, event: str) -> dict[str, Cell]:
         """One cycle: what is heard, what the machines make of it, and the truth beside."""
@@ -101,11 +136,20 @@ class _Host:
             heard |= {f"{name}.{key}": cell for key, cell in end.items() if key != "truth_mm"}
         settled = "front.run_mm" in heard
         heard |= (
-            _emitter(moment) | self._entry.heard(moment, event) | _verified(own if settled else None, own is not None)
+            _emitter(moment)
+            | self._entry.heard(moment, event, _pattern(self._stay, moment)[1])
+            | _verified(own if settled else None, own is not None)
         )
-        heard |= {"report.reading_age_ms": 0, "area.counters_healthy": True, "area.counters_clear": self._entry.clear}
+        heard |= {"report.reading_age_ms": 0}
         self._state, _ = self._code.step(self._state, self._code.read(heard))
+        self._note()
         return {**heard, **self._truth(moment, heard, was), "truth_mm": _pattern(self._stay, moment)[1]}
+
+    def _note(self) -> None:
+        values = dict(zip(self._code.system.state, self._state, strict=True))
+        for var, value in values.items():
+            if var.name in self._modes:
+                self.states[self._modes.index(var.name)].append(shown(var, value))
 
     def _nearest(self, moment: Moment) -> TrainSeen | None:
         """The pattern that the ends' machines go on with: the one that holds the train, where there is just one."""
@@ -126,36 +170,45 @@ class _Host:
 
 
 class _Entry:
-    """The counters: events, the record in its cycle, and whether the area is empty."""
+    """The counters: events, the records in their cycles, whether the area is empty, and whether the counts agree."""
 
-    def __init__(self, ends: Ends, record: Record | None) -> None:
-        self._ends, self._record = ends, record
-        self._due_ms: int | None = None
-        self.clear = True
+    def __init__(self, stay: Stay) -> None:
+        self._places, self._miscounted = (stay.ends.low_mm, *stay.between), stay.miscounted
+        self._record = record_of(stay.train, miscounted=stay.miscounted)
+        self._due_ms: dict[int, int] = {}
+        self._front_mm: int | None = None
+        self._clear = True
 
-    def heard(self, moment: Moment, event: str) -> dict[str, Cell]:
-        """Inputs of one cycle."""
-        if event == "ENTERS_LOW":
-            self.clear = False
-            self._due_ms = None if self._record is None else moment.time_ms + self._record.after_ms
-        comes = self._due_ms is not None and moment.time_ms >= self._due_ms
-        self._due_ms = None if comes else self._due_ms
-        told: dict[str, Cell] = {"entry.event": event, "entry.reference_comes": "AXLE_COUNTER" if comes else "NOBODY"}
-        return told | _recorded(self._ends, self._record)
+    def heard(self, moment: Moment, event: str, front_mm: int) -> dict[str, Cell]:
+        """Inputs of one cycle. A train of which other axles leave than entered makes the counters disagree."""
+        self._clear = self._clear and event == "NONE"
+        before, self._front_mm = self._front_mm, front_mm
+        for place in self._places:
+            if before is not None and before < place <= front_mm:
+                self._due_ms[place] = moment.time_ms + self._record.after_ms
+        comes = next((place for place, due in self._due_ms.items() if moment.time_ms >= due), None)
+        if comes is not None:
+            self._due_ms.pop(comes)
+        told: dict[str, Cell] = {
+            "entry.event": event,
+            "entry.reference_comes": "NOBODY" if comes is None else "AXLE_COUNTER",
+        }
+        healthy = not (event.startswith("LEAVES") and self._miscounted)
+        told |= {"area.counters_healthy": healthy, "area.counters_clear": self._clear}
+        return told | _recorded(comes or self._places[0], self._record)
 
 
-def _recorded(ends: Ends, record: Record | None) -> dict[str, Cell]:
+def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:
     """The record, as of the cycle in which it comes."""
-    made = record or Record(0, (0, 0), (0, 0), (0, 0), 0)
     return {
-        "verification.record_sound": record is not None, "verification.record_axles": made.axles,
-        "verification.record_length_low_mm": made.length_mm[0],
-        "verification.record_length_high_mm": made.length_mm[1] + 2 * OVERHANG_MM,
-        "verification.record_speed_low_mm_s": made.speed_mm_s[0],
-        "verification.record_speed_high_mm_s": made.speed_mm_s[1],
-        "verification.record_place_low_mm": ends.low_mm + made.run_mm[0],
-        "verification.record_place_high_mm": ends.low_mm + made.run_mm[1] + OVERHANG_MM,
-        "verification.record_age_cycles": 1 if record is not None else 0,
+        "verification.record_sound": True, "verification.record_axles": record.axles,
+        "verification.record_length_low_mm": record.length_mm[0],
+        "verification.record_length_high_mm": record.length_mm[1] + 2 * OVERHANG_MM,
+        "verification.record_speed_low_mm_s": record.speed_mm_s[0],
+        "verification.record_speed_high_mm_s": record.speed_mm_s[1],
+        "verification.record_place_low_mm": counter_mm + record.run_mm[0],
+        "verification.record_place_high_mm": counter_mm + record.run_mm[1] + OVERHANG_MM,
+        "verification.record_age_cycles": 1,
     }  # fmt: skip
 
 
@@ -210,11 +263,11 @@ def _pattern(stay: Stay, moment: Moment) -> tuple[int, int]:
 def _whole(stay: Stay, moment: Moment) -> tuple[float, float]:
     """Ends of the whole train, with a part that it loses."""
     own = moment.truth[0]
-    return (own.low_m if stay.split is None else moment.truth[stay.split[0]].low_m), own.high_m
+    return (own.low_m if stay.split is None else moment.truth[1].low_m), own.high_m
 
 
 def _is_split(stay: Stay, moment: Moment) -> bool:
-    return stay.split is not None and moment.second >= stay.split[1]
+    return stay.split is not None and moment.second >= stay.split
 
 
 def _world(stay: Stay, moment: Moment) -> dict[str, Cell]:
@@ -222,11 +275,10 @@ def _world(stay: Stay, moment: Moment) -> dict[str, Cell]:
     low, high = (round(MM_PER_M * UM_PER_MM * place) for place in _whole(stay, moment))
     seen_low, seen_high = _pattern(stay, moment)
     split = _is_split(stay, moment)
-    axles = len(stay.scene.trains[0].axles_m())
-    lost = 0 if stay.split is None or split else len(stay.scene.trains[stay.split[0]].axles_m())
+    axles = len((stay.scene.trains[0] if split else stay.train).axles_m())
     works = stay.chain_from is None or moment.second < stay.chain_from
     return {
-        "emitter.next_chain_works": works, "verification.next_true_axles": axles + lost,
+        "emitter.next_chain_works": works, "verification.next_true_axles": axles,
         "verification.next_true_length_um": (seen_high - seen_low) * UM_PER_MM,
         "report.next_rear_is_the_trains": not split, "report.next_front_is_the_trains": True,
         "report.next_rear_um": low, "report.next_front_um": high, "area.next_loose_there": False,

@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
 
-from safeloc.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, Waterfall
+from safeloc.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, VirtualSection, Waterfall
 from safeloc.report.drawing import (
     BLUE,
     GREEN,
@@ -106,10 +106,23 @@ class Fall:
             at += length
         return made
 
-    def bounds(self, section: SectionState) -> tuple[float, float]:
-        """A virtual section's bounds, mm."""
-        row = self.told.rows[0]
-        return float(row[section.low]), float(row[section.high])
+    def virtual(self) -> Iterator[tuple[str, float, float, list[Piece]]]:
+        """Virtual sections: name, bounds in mm, states in time; those of the machine itself, and the recording's others."""
+        row, known = self.told.rows[0], set[tuple[float, float]]()
+        for section in self.one.sections:
+            low, high = float(row[section.low]), float(row[section.high])
+            known.add((low, high))
+            yield section.name, low, high, self.states(section)
+        for other in self.loud.virtual:
+            if (other.low_mm, other.high_mm) not in known:
+                yield "", float(other.low_mm), float(other.high_mm), self._kept(other)
+
+    def _kept(self, section: VirtualSection) -> list[Piece]:
+        steps = [*(step for step, _ in section.states), len(self.times_ms)]
+        begins = [self.loud.first_ms + (step - 1) * self.loud.step_ms for step in steps]
+        return [
+            Piece(begin, end, state) for begin, end, (_, state) in zip(begins, begins[1:], section.states, strict=False)
+        ]
 
 
 def waterfall_picture(one: Waterfall, told: Told) -> str:
@@ -120,7 +133,7 @@ def waterfall_picture(one: Waterfall, told: Told) -> str:
     fall, top = Fall(one, told, loud), head(told) + 14
     time, distance = fall.time, fall.distance(top)
     made = [_image(fall, distance), upright_axis(distance, "place in km", unit=1_000_000)]
-    made += [_section(fall, section, distance) for section in one.sections]
+    made += [_section(fall, low, high, states, distance) for _, low, high, states in fall.virtual()]
     made += [_marked(name, place, distance) for name, place in loud.marks.items()]
     made += [_stretch(section, distance) for section in loud.sections]
     for interval, colour in zip(one.intervals, INTERVALS, strict=False):
@@ -252,16 +265,14 @@ def _kept(place_mm: float, distance: Axis) -> float:
     return min(max(place_mm, distance.low), distance.high)
 
 
-def _section(fall: Fall, section: SectionState, distance: Axis) -> str:
+def _section(fall: Fall, low_mm: float, high_mm: float, states: Sequence[Piece], distance: Axis) -> str:
     """A virtual section: its bounds, and its state in each stretch of time, with a letter."""
-    low, high = fall.bounds(section)
-    top, bottom = distance.at(high), distance.at(low)
+    top, bottom = distance.at(high_mm), distance.at(low_mm)
     made = [
-        f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{INK}" stroke-opacity=".45" stroke-width="1"/>'
+        f'<path d="M{LEFT} {y:.1f}H{RIGHT}" stroke="{INK}" stroke-opacity=".45" stroke-width="1" class="bound"/>'
         for y in (top, bottom)
     ]
-    made += [_state(fall, piece, top, bottom) for piece in fall.states(section)]
-    return "".join(made)
+    return "".join([*made, *(_state(fall, piece, top, bottom) for piece in states)])
 
 
 def _state(fall: Fall, piece: Piece, top: float, bottom: float) -> str:
@@ -335,7 +346,7 @@ def _keys(fall: Fall) -> Sequence[Swatch]:
         keys.append(Swatch(f'<path d="M13 -6l-6 12h12z" fill="{RED}"/>', "position signal counted"))
     if any("." in row for row in fall.loud.rows):
         keys.append(box_swatch("#ffd6cc", "nothing told"))
-    present = {piece.state for section in fall.one.sections for piece in fall.states(section)}
+    present = {piece.state for *_, states in fall.virtual() for piece in states}
     return [*keys, *(_state_key(state) for state in STATES if state in present)]
 
 

@@ -140,6 +140,7 @@ def _fibre_area(config: BaseModel) -> Target:
         doc,
         recorded("fibre_area"),
         reported,
+        pictures=(fibre_picture.area_picture(config.sections.sections),),
     )
 
 
