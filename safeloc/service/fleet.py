@@ -143,10 +143,17 @@ class Fleet:
         return kind(name, make, self._pace, whole=whole)
 
     def _whoever(self, origin: str, line: Line, refused: Refused) -> list[Told]:
-        """A line of nobody knows whom: everyone who speaks over this origin may have lost it."""
+        """A line of nobody knows whom: everyone who speaks over this origin may have lost it.
+
+        Half a line where a peer went away is no line yet: that it went away is doubt enough, and the next number ends it.
+        """
         told: list[Told] = [{"event": "refused", "line": line.number, "reason": refused.reason}]
         why = f"line {line.number}: {refused.reason}"
-        return [*told, *(one for name in self._of(origin) for one in self.vehicles[name].missed(why))]
+        return (
+            told
+            if line.cut
+            else [*told, *(one for name in self._of(origin) for one in self.vehicles[name].missed(why))]
+        )
 
     def _of(self, origin: str) -> list[str]:
         return [name for name, whose in self.origins.items() if whose == origin]

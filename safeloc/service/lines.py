@@ -11,11 +11,13 @@ LONGEST_LINE = 65_536
 
 @dataclass(frozen=True)
 class Line:
-    """One line without its end. `flaw` says why it cannot be read, and `text` is empty then."""
+    """One line without its end. `flaw` says why it cannot be read, and `text` is empty then; `cut`: its sender
+    went away within it."""
 
     number: int
     text: bytes
     flaw: str = ""
+    cut: bool = False
 
 
 class LineCutter:

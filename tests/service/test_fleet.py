@@ -218,6 +218,20 @@ def test_a_bad_line_before_the_first_good_one() -> None:
     assert doubted(Told().say("{", *lines(2))[1])
 
 
+def test_half_a_line() -> None:
+    """At the end of a file it is a line that cannot be read; where a peer went away it comes again, by its number."""
+    told = Told()
+    made = numbered(4)
+    told.say(*made[:18])
+    half = made[18][:20].encode()
+    assert told.fleet.heed(HERE, Line(19, half, cut=True), whole=True)[0]["event"] == "refused"
+    told.fleet.gone(HERE, "it hung up")
+    assert not any(doubted(answer) for answer in told.say(*made[18:]))
+    told = Told()
+    told.say(*lines(4), made[0][:20])
+    assert doubted(told.fleet.finish()[0])
+
+
 def test_another_peer_speaks_for_a_vehicle() -> None:
     """What the first one said last may be lost, unless the numbers go on."""
     told = Told()

@@ -198,7 +198,10 @@ def test_a_peer_that_does_not_read_holds_up_nobody_else(tmp_path: Path) -> None:
     """Its own lines wait; another vehicle has its reports at once."""
     with running(tmp_path, "--from", "tcp:0") as run:
         port = run.port()
-        deaf = socket.create_connection(("127.0.0.1", port))
+        deaf = socket.socket()
+        for buffer in (socket.SO_RCVBUF, socket.SO_SNDBUF):
+            deaf.setsockopt(socket.SOL_SOCKET, buffer, 65_536)
+        deaf.connect(("127.0.0.1", port))
         deaf.setblocking(False)
         text, sent, until = "".join(lines(20_000, vehicle="deaf")).encode(), 0, time.monotonic() + 3
         while time.monotonic() < until:
