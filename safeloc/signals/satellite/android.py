@@ -1,4 +1,6 @@
-"""Epochs from the public Android GnssLogger text layout: GPS `Raw` rows, columns found by the `# Raw` header.
+"""Epochs from the public Android GnssLogger text layout: `Raw` rows of GPS, QZSS and Galileo on 1575.42 MHz.
+
+Columns are found by the `# Raw` header. Rows of another band (CarrierFrequencyHz) and other constellations are passed over.
 
 Pseudorange = (receiver time - ReceivedSvTimeNanos) * c, in whole nanoseconds modulo the week (google/
 gps-measurement-tools). The rate column is in m/s and positive when the distance grows.
@@ -11,11 +13,13 @@ from pathlib import Path
 
 from safeloc.errors import StreamError
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
-from safeloc.signals.satellite.figures import LIGHT_M_PER_S, WEEK_S
+from safeloc.signals.satellite.figures import L1_HZ, LIGHT_M_PER_S, WEEK_S
 
 _NANOS = 1_000_000_000
-_CODE_LOCK_AND_TIME_OF_WEEK = 1 | 8
-_GPS = "1"
+_TIME_OF_WEEK, _CODE_LOCK, _GALILEO_CODE_LOCK = 8, 1, 1024
+_SYSTEMS = {"1": ("G", 0, _CODE_LOCK), "4": ("J", 192, _CODE_LOCK), "6": ("E", 0, _GALILEO_CODE_LOCK)}
+"""ConstellationType -> letter, what Svid begins after, the bit of State that says code lock."""
+_BAND_HZ = 1e6
 Row = dict[str, str]
 
 
@@ -36,12 +40,26 @@ def read_android(path: Path) -> list[Epoch]:
 def _epoch(rows: list[Row], path: Path) -> Epoch:
     found: dict[str, Measured] = {}
     for row in rows:
-        if row["ConstellationType"] == _GPS and int(row["State"]) & 9 == _CODE_LOCK_AND_TIME_OF_WEEK:
-            name = f"G{int(row['Svid']):02d}"
-            if name in found:
-                raise StreamError(f"{path.name}: {name} stands twice at {row['TimeNanos']} ns; drop the epoch.")
+        name = _tracked(row)
+        if name in found:
+            raise StreamError(f"{path.name}: {name} stands twice at {row['TimeNanos']} ns; drop the epoch.")
+        if name is not None:
             found[name] = Measured(_pseudorange_m(row), float(row["PseudorangeRateMetersPerSecond"]))
     return Epoch(_receiver_nanos(rows[0]) / _NANOS, found)
+
+
+def _tracked(row: Row) -> str | None:
+    """The satellite of a row that can be used; None for others."""
+    letter, before, lock = _SYSTEMS.get(row["ConstellationType"], ("", 0, 0))
+    state = int(row["State"])
+    if not (letter and state & lock and state & _TIME_OF_WEEK and _is_l1(row.get("CarrierFrequencyHz", ""))):
+        return None
+    return f"{letter}{int(row['Svid']) - before:02d}"
+
+
+def _is_l1(frequency_hz: str) -> bool:
+    """Receivers of one band leave the frequency out."""
+    return not frequency_hz.strip() or abs(float(frequency_hz) - L1_HZ) < _BAND_HZ
 
 
 def _receiver_nanos(row: Row) -> int:
