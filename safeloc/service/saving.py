@@ -93,10 +93,12 @@ class Saver:
             return self._asked
 
     def save(self, content: Content) -> None:
-        """Have it written now; raises what kept it from being written, an OSError if it was the disk."""
+        """Have it written now; InputError where the disk does not take it."""
         ticket = self.ask(content)
         with self._changed:
             self._changed.wait_for(lambda: self._done >= ticket)
+        if isinstance(self.failed, OSError):
+            raise InputError(f"{self.path}: the snapshot cannot be written: {self.failed.strerror}.") from self.failed
         if self.failed is not None:
             raise self.failed
 
