@@ -55,10 +55,10 @@ class Drive:
     stuck_mm: tuple[int, int] | None = None
 
 
-def line(config: FibreConfig, count: int = 12) -> list[Section]:
-    """Sections of a position code, a kilometre apart."""
+def line(config: FibreConfig, count: int = 12, spacing_mm: int = SPACING_MM) -> list[Section]:
+    """Sections of a position code, evenly spaced."""
     symbols = make_code(count, config.window, config.reach).symbols
-    places = range(SPACING_MM, SPACING_MM * (count + 1), SPACING_MM)
+    places = range(spacing_mm, spacing_mm * (count + 1), spacing_mm)
     return [
         Section(place, place + (config.long_mm if symbol.long else config.short_mm), symbol)
         for place, symbol in zip(places, symbols, strict=True)
@@ -89,7 +89,8 @@ class _Run:
         self.places = (
             make_code(len(sections), config.window, config.reach).places if len(sections) >= config.window else {}
         )
-        self.truth_nm, self.edge_nm, self.count, self.inside, self.real = drive.start_mm * NM_PER_MM, 0, 0, 0, False
+        self.truth_nm, self.edge_nm, self.count, self.inside = drive.start_mm * NM_PER_MM, 0, 0, 0
+        self.real, self.upwards = False, True
         spread = config.edge_tolerance_mm * 8 // 10
         self.shifts = self.rng.integers(-spread, spread, endpoint=True, size=(len(sections) + 1, 2))
 
@@ -161,7 +162,9 @@ class _Run:
     def _ghosts(self, inside: int, forwards: bool, true_run: int, referred: bool) -> dict[str, Cell]:
         enters, leaves = inside != 0 and self.inside == 0, inside == 0 and self.inside != 0
         if enters:
-            self.real = inside > 0
+            self.real, self.upwards = inside > 0, forwards
+            self.count += (1 if forwards else -1) if self.real else 0
+        elif leaves and forwards != self.upwards:
             self.count += (1 if forwards else -1) if self.real else 0
         if (enters or leaves) and max(inside, self.inside) > 0:
             section = self.sections[max(inside, self.inside) - 1]

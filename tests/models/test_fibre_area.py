@@ -52,7 +52,7 @@ def travelled(journey: Journey, **cells: dict[int, dict[str, Cell | None]]) -> T
     for cycle, new in cells.get("at", {}).items():
         merged: dict[str, Cell | None] = {**steps[cycle], **new}
         steps[cycle] = {name: cell for name, cell in merged.items() if cell is not None}
-    trace = run(made().composition.system, steps, first=first_state(journey))
+    trace = run(made().composition.system, steps, first=first_state(CONFIG, journey))
     assert not [one for one in check_all(trace, properties(made())) if isinstance(one, Violated)]
     return trace
 
@@ -109,6 +109,25 @@ def test_named_faults(journey: Journey, cycle: int, reason: str) -> None:
     assert set(labels(trace, "verification.reason")[cycle:]) == {reason}
     assert trace.steps[cycle].outputs["verification.revoked"]
     assert {mode(trace, "section_1", number) for number in range(cycle, 90)} == {"AMBIGUOUS", "UNKNOWN"}
+
+
+TURNED_BACK = Journey(
+    cycles=136, enters=3, speeds_mm_s=((0, 20_000), (42, -20_000)), spacing_mm=500_000, swept=True, record=27,
+    silent=(105, 112), cuts_mm=((200_000, 350_000),),
+)  # fmt: skip
+
+
+def test_a_train_that_turns_back() -> None:
+    """The leading end is believed on both ways, neither while the train stands; unheard, it blocks what it may reach."""
+    trace = travelled(TURNED_BACK)
+    assert [mode(trace, "report", cycle) for cycle in (40, 68, 80, 106)] == [
+        "HIGH_END",
+        "NEITHER",
+        "LOW_END",
+        "NEITHER",
+    ]
+    assert [mode(trace, "section_1", cycle) for cycle in (2, 40, 130)] == ["FREE", "OCCUPIED", "UNKNOWN"]
+    assert mode(trace, "section_1", 135) == "FREE"
 
 
 @pytest.mark.parametrize(
