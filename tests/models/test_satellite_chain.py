@@ -11,12 +11,16 @@ import pytest
 
 from safeloc.border import Reason
 from safeloc.interpret import run
+from safeloc.line.routes import through_routes
+from safeloc.line.toml_files import find_line
+from safeloc.line.topology import Topology
 from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite_parts.variables import FIX, MISSING, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.provers.protection import protected
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, received
+from safeloc.signals.satellite.line_track import LineTrack
 from safeloc.signals.satellite.navigation import Navigation, read_navigation
 from safeloc.signals.satellite.observations import read_observations
 from safeloc.signals.satellite.places import Place
@@ -276,6 +280,24 @@ def test_odometry_checks_but_does_not_locate() -> None:
     away = positions(-2)
     assert plain[: len(away)] == away
     assert len(away) < len(plain)
+
+
+def test_along_the_valley() -> None:
+    """The worked line with a course: from its map to reports that hold the truth, through a transition into a curve."""
+    pytest.importorskip("pyproj")
+    topology = Topology(find_line("valley"))
+    route = next(one for one in through_routes(topology, 10) if one.runs[0].direction == "increasing")
+    track = LineTrack([route], 160.0)
+    (portion,) = track.portions(0.0, 1.0)
+    sim = simulate(World(sky(), portion), ride(24.0, 200, start_m=600), seed=5)
+    found = driven(EpochChain(CONFIG, sky(), track.portions), sim.epochs, start(sim))
+    assert sim.truth[-1].place_m > 800 and portion.bend_per_m(790.0, 810.0) > 1 / 850
+    for outcome, truth in zip(found, sim.truth, strict=True):
+        position, under, over = (int(outcome.outputs[f"position.{name}_mm"]) for name in ("position", "under", "over"))
+        assert outcome.outputs["position.valid"]
+        assert position - under <= truth.place_m * 1_000 <= position + over
+    assert {"ACCEPTED"} == {fix(one) for one in found[-20:]}
+    assert not [name for one in found for name, standing in one.standings.items() if standing == "EXCLUDED"]
 
 
 def test_the_recorded_receiver_stays_where_it_is() -> None:

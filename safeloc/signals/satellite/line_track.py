@@ -50,7 +50,7 @@ class LineTrack:
 
     @cached_property
     def _portions(self) -> list[Portion]:
-        course = _Course(_pyproj())
+        course = _Course(_pyproj(), self.routes[0].topology.line.gradients)
         return [course.portion(route, self._start_height_m) for route in self.routes]
 
 
@@ -66,8 +66,11 @@ def _runs_between(route: Route, low_mm: float, high_mm: float) -> Iterator[Run]:
 class _Course:
     """From edges to points in space."""
 
-    def __init__(self, pyproj: Any) -> None:
+    def __init__(self, pyproj: Any, gradients: Sequence[Gradient]) -> None:
         self._pyproj = pyproj
+        self._gradients: dict[str, list[Gradient]] = {}
+        for one in gradients:
+            self._gradients.setdefault(one.edge, []).append(one)
         self._geod = pyproj.Geod(ellps="WGS84")
         self._space = pyproj.Transformer.from_crs(DEGREES_AND_HEIGHT, EARTH_FIXED, always_xy=True)
 
@@ -76,16 +79,16 @@ class _Course:
         points: list[Vector] = []
         lengths: list[float] = []
         first = route.topology.edges[route.runs[0].edge]
-        height = height_m - _climb_m(route, route.runs[0], 0, route.start_mm)
+        height = height_m - self._climb_m(route, route.runs[0], route.start_mm)
         for run in route.runs:
             steps = self._steps(route.topology.edges[run.edge], run)
             for number, (place_mm, degrees) in enumerate(steps):
-                point = self._space.transform(*degrees, height + _climb_m(route, run, 0, place_mm))
+                point = self._space.transform(*degrees, height + self._climb_m(route, run, place_mm))
                 if number == 0 and points:
                     continue
                 points.append(point)
             lengths += [(b - a) / MM for (a, _), (b, _) in pairwise(steps)]
-            height += _climb_m(route, run, 0, route.topology.length_mm(run))
+            height += self._climb_m(route, run, route.topology.length_mm(run))
         if not all(map(math.isfinite, (value for point in points for value in point))):
             raise InputError(
                 f"route {route.name}: a point of edge {first.id!r} or beyond is no place; mend the geometry."
@@ -106,6 +109,13 @@ class _Course:
         kept = [n for n in range(len(degrees)) if n == 0 or reached[n] > reached[n - 1]]
         return [(reached[n] / total * edge.length_mm, degrees[n]) for n in kept]
 
+    def _climb_m(self, route: Route, run: Run, to_mm: float) -> float:
+        """How much higher the track is so far into a run than where the run begins."""
+        length = route.topology.length_mm(run)
+        low, high = sorted((_position(run, length, 0), _position(run, length, to_mm)))
+        rises = (_rise_mm(one, low, high) for one in self._gradients.get(run.edge, ()))
+        return (1 if run.direction == "increasing" else -1) * sum(rises) / MM
+
     def _degrees(self, edge: TrackEdge) -> tuple[tuple[float, float], ...]:
         if not isinstance(edge.geometry, Geometry):
             raise InputError(f"edge {edge.id!r} has no geometry; satellites cannot be predicted along it.")
@@ -116,14 +126,6 @@ class _Course:
         except self._pyproj.exceptions.CRSError as error:
             raise InputError(f"edge {edge.id!r}: {edge.geometry.crs!r} is no coordinate system: {error}.") from error
         return tuple(transformer.transform(*point) for point in edge.geometry.points)
-
-
-def _climb_m(route: Route, run: Run, from_mm: float, to_mm: float) -> float:
-    """How much higher the track is `to_mm` into a run than `from_mm` into it."""
-    length = route.topology.length_mm(run)
-    low, high = sorted((_position(run, length, from_mm), _position(run, length, to_mm)))
-    rises = (_rise_mm(one, low, high) for one in route.topology.line.gradients if one.edge == run.edge)
-    return (1 if run.direction == "increasing" else -1) * sum(rises) / MM
 
 
 def _position(run: Run, length_mm: int, place_mm: float) -> float:
