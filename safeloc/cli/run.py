@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import selectors
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -66,25 +67,30 @@ def run(
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
     ways = Ways(period, inputs, source.startswith("udp:"), gap_ms, expected=_expected(expect), first=_first(first))
-    journal = Journal(STDERR)
-    fleet = Fleet(program, ways)
+    fleet, journal = Fleet(program, ways), Journal(STDERR)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
     )()  # the only ones that take a file for stdin
     feed = _feed(source, journal, to_its_end=to_its_end)
-    outlet = _outlet(sink, feed, selector)
     watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
+    parts = Parts(selector, feed, _outlet(sink, feed, selector), fleet, journal, None, every_ms / 1_000, watchdog)
     with claimed(snapshot):
-        saved = None if snapshot is None or fresh else read_saved(snapshot)
-        saver = None if snapshot is None else Saver(snapshot)
-        loop = Loop(Parts(selector, feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog))
-        if saved is not None:
-            try:
-                loop.restore(saved)
-            except SnapshotError as error:
-                raise SnapshotError(f"{snapshot}: {error} To begin anew: --fresh.") from error
-        loop.run()
+        if snapshot is None:
+            Loop(parts).run()
+        else:
+            _go_on(replace(parts, saver=Saver(snapshot)), snapshot, fresh=fresh)
     raise typer.Exit(exit_code(fleet))
+
+
+def _go_on(parts: Parts, snapshot: Path, *, fresh: bool) -> None:
+    saved = None if fresh else read_saved(snapshot)
+    loop = Loop(parts)
+    if saved is not None:
+        try:
+            loop.restore(saved)
+        except SnapshotError as error:
+            raise SnapshotError(f"{snapshot}: {error} To begin anew: --fresh.") from error
+    loop.run()
 
 
 def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:

@@ -6,7 +6,6 @@ A program holds no state: any number of controllers, in any threads, share one.
 from __future__ import annotations
 
 import difflib
-import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,9 +13,10 @@ from typing import Any
 
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.border import Channel, Fault, Reason
+from safeloc.digest import declaration_digest
 from safeloc.embedding.report import Interval, Move, Report
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Num, NumVar, Var
+from safeloc.expr import Num, NumVar, Var
 from safeloc.machine import Machine
 from safeloc.nodes import Value
 from safeloc.system import TransitionSystem, canonical, without_ghosts
@@ -79,9 +79,8 @@ class Program:
 
     @cached_property
     def fingerprint(self) -> str:
-        """SHA-256 of what runs: the generated code, and kind, range and unit of every variable."""
-        told = [self.code.source, *(_declared(var) for var in (*self.system.state, *self.system.inputs))]
-        return hashlib.sha256("\n".join(told).encode()).hexdigest()
+        """SHA-256 of what the declaration means on board: variables, first values, moves and outputs."""
+        return declaration_digest(self.system)
 
     @cached_property
     def config(self) -> Mapping[str, Any]:
@@ -225,10 +224,3 @@ def _part(system: TransitionSystem, machine: Machine) -> Part:
         for source in one.sources
     }
     return Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)
-
-
-def _declared(var: Var) -> str:
-    if isinstance(var, BoolVar):
-        return f"{var.name}: boolean"
-    members = f" {var.unit.members}" if isinstance(var.unit, Enumeration) else ""
-    return f"{var.name}: {var.low}..{var.high} {var.unit.name}{members}"

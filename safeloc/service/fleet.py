@@ -12,7 +12,7 @@ from safeloc.nodes import Value
 from safeloc.service.by_records import RecordsVehicle
 from safeloc.service.by_steps import StepsVehicle
 from safeloc.service.lines import Line
-from safeloc.service.messages import Header, Reader, Refused
+from safeloc.service.messages import Header, Message, Reader, Refused
 from safeloc.service.pace import LONGEST_GAP_MS, Pace
 from safeloc.service.vehicle import Told, Vehicle
 
@@ -78,19 +78,27 @@ class Fleet:
             if whole:
                 self._flawed.add(origin)
             return self._counted(self._whoever(origin, line, message))
-        vehicle = self.vehicles.get(name)
-        if vehicle is None:
-            if isinstance(message, Refused) or len(self.vehicles) >= self.ways.most_vehicles:
+        if name not in self.vehicles:
+            refused = self._admitted(name, line, message, whole and origin not in self._flawed)
+            if refused is not None:
                 if whole:
                     self._flawed.add(origin)
-                reason = message.reason if isinstance(message, Refused) else f"{len(self.vehicles)} vehicles already"
-                return self._counted([{"vehicle": name, "event": "refused", "line": line.number, "reason": reason}])
-            vehicle = self.vehicles[name] = self._made(name, whole and origin not in self._flawed)
-        taken = self.origins.get(name, origin) != origin
-        self.origins[name] = origin
-        if taken:
+                return self._counted([refused])
+        vehicle = self.vehicles[name]
+        if self.origins.setdefault(name, origin) != origin:
+            self.origins[name] = origin
             vehicle.be_unsure("another peer speaks for it")
         return self._counted(vehicle.heed(line.number, message))
+
+    def _admitted(self, name: str, line: Line, message: Message, whole: bool) -> Told | None:
+        """A new vehicle; the refusal where its first line says nothing, or there are too many."""
+        if isinstance(message, Refused):
+            return {"vehicle": name, "event": "refused", "line": line.number, "reason": message.reason}
+        if len(self.vehicles) >= self.ways.most_vehicles:
+            reason = f"{len(self.vehicles)} vehicles already"
+            return {"vehicle": name, "event": "refused", "line": line.number, "reason": reason}
+        self.vehicles[name] = self._made(name, whole)
+        return None
 
     def gone(self, origin: str, why: str) -> None:
         """A peer that went away: what it said last may not have arrived."""
