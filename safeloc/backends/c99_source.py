@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from safeloc.backends.c99_around import running, snapshots, status_texts, stepping
 from safeloc.backends.c99_header import input_status
 from safeloc.backends.c99_layout import Field, Layout
-from safeloc.backends.c99_statements import statements
+from safeloc.backends.c99_statements import line, statements
 from safeloc.backends.c99_terms import CEIL_DIV, FLOOR_DIV, CTerms, constant
 from safeloc.backends.known import Known
 from safeloc.backends.live import live
-from safeloc.backends.python_blocks import Blocks
+from safeloc.backends.python_blocks import Block, Blocks, End, Test
 from safeloc.machine import Any_
 from safeloc.nodes import INT64_MAX, INT64_MIN, Expr, Lit, NumVar, Truth, Var
 from safeloc.terms import Substitution
@@ -152,13 +152,14 @@ def _blocks(layout: Layout) -> Blocks:
 
 
 def _advance(layout: Layout) -> str:
-    """The moves: every value read first, every variable written last, so all updates see the state before."""
+    """The moves: every value is read before any is written, so all updates see the state before."""
     system, p = layout.system, layout.names.prefix
     targets: list[tuple[str, Expr]] = [(f"next_{field.name}", system.next[var]) for var, field in _states(layout)]
     targets += [(f"next_{field.name}", term) for field, term in zip(layout.fired, system.fired.values(), strict=True)]
-    body = statements(live(_blocks(layout).ending(_folded(targets))), _Moved(layout))
+    slots = [*(_Slot(f"state->{field.name}", field, field.name) for field in layout.state), *_told(layout.fired)]
+    body = _writing(live(_blocks(layout).ending(_folded(targets))), slots)
     return (
-        "/* The step itself: the inputs are in their ranges. Values are read first and written last. */\n"
+        "/* The step itself: the inputs are in their ranges. All values are read before any is written. */\n"
         f"static inline void advance({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)\n{{\n"
         f"{_locals(body, layout.state, 'state')}"
         f"{_locals(body, layout.inputs, 'inputs')}{body}}}\n"
@@ -175,26 +176,53 @@ def _folded(targets: Sequence[tuple[str, Expr]]) -> list[tuple[str, Expr]]:
 
 
 @dataclass(frozen=True)
-class _Moved:
-    """At the end of a branch: what changes is written, and which transition fired."""
+class _Slot:
+    """A field that a value is written to; `kept` is the value with which it stays as it is."""
 
-    layout: Layout
+    place: str
+    field: Field
+    kept: str = ""
 
-    def __call__(self, values: Sequence[str]) -> list[str]:
-        kept = self.layout.state
-        changed = [
-            f"state->{field.name} = {stored(field, value)};"
-            for field, value in zip(kept, values, strict=False)
-            if value != field.name
-        ]
-        fired = zip(self.layout.fired, values[len(kept) :], strict=True)
-        return [*changed, *(f"outputs->{field.name} = {stored(field, value)};" for field, value in fired), "return;"]
+    def written(self, value: str) -> list[str]:
+        """The assignment, if there is anything to assign."""
+        return [] if value == self.kept else [f"{self.place} = {stored(self.field, value)};"]
+
+
+def _writing(block: Block, slots: Sequence[_Slot]) -> str:
+    """The statements, with what they end with written to the slots; once, before branches part, where they all agree."""
+    ends = list(_ends(block))
+    alike = [len(ends) > 1 and len({end[n] for end in ends}) == 1 for n in range(len(slots))]
+
+    def assigned(values: Sequence[str], once: bool) -> list[str]:
+        chosen = zip(slots, values, alike, strict=True)
+        return [text for slot, value, same in chosen if same is once for text in slot.written(value)]
+
+    parting = next((n for n, statement in enumerate(block) if isinstance(statement, Test)), len(block))
+
+    def leaf(values: Sequence[str]) -> list[str]:
+        return [*assigned(values, once=False), "return;"]
+
+    before = "".join(line(text, 1) for text in assigned(ends[0], once=True))
+    return statements(block[:parting], leaf) + before + statements(block[parting:], leaf)
+
+
+def _ends(block: Block) -> Iterator[tuple[str, ...]]:
+    """What every branch ends with."""
+    for statement in block:
+        if isinstance(statement, Test):
+            yield from _ends(statement.block)
+        elif isinstance(statement, End):
+            yield statement.values
 
 
 def stored(field: Field, value: str) -> str:
     """A value as the field holds it; members of enumerations fit 32 bits."""
     plain = re.fullmatch(r"[A-Z][A-Z0-9_]*", value)
     return f"(int32_t)({value})" if field.kind == "int32_t" and not plain else value
+
+
+def _told(fields: Sequence[Field]) -> list[_Slot]:
+    return [_Slot(f"outputs->{field.name}", field) for field in fields]
 
 
 def _locals(body: str, fields: Sequence[Field], pointer: str) -> str:
@@ -218,12 +246,7 @@ def _show(layout: Layout) -> str:
     """The outputs over the state after the step."""
     p = layout.names.prefix
     targets = [(f"out_{field.name}", layout.shown[field.source]) for field in layout.outputs]
-
-    def leaf(values: Sequence[str]) -> list[str]:
-        shown = zip(layout.outputs, values, strict=True)
-        return [*(f"outputs->{field.name} = {stored(field, value)};" for field, value in shown), "return;"]
-
-    body = statements(live(_blocks(layout).ending(targets)), leaf)
+    body = _writing(live(_blocks(layout).ending(targets)), _told(layout.outputs))
     unused = "" if layout.outputs else "    (void)outputs;\n"
     return (
         f"static inline void show(const {p}_state *state, {p}_outputs *outputs)\n{{\n{unused}"

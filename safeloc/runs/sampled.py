@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from safeloc.backends.c99_vectors import Run
-from safeloc.backends.compiled import compile_system
 from safeloc.expr import Var
+from safeloc.interpret import start, step
 from safeloc.nodes import Value
 from safeloc.runs.lawful import Repair, first_state
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE, Profile
@@ -46,18 +46,16 @@ def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) 
 def _drawn(
     system: TransitionSystem, first: Mapping[str, Value], draw: random.Random, steps: int, lawful: bool
 ) -> Iterator[Mapping[str, Value]]:
-    code, repair = compile_system(system), Repair(system)
-    state, profile = code.first(first), Profile(system, "steady", draw)
+    state, repair, profile = start(system, first), Repair(system), Profile(system, "steady", draw)
     kinds = PLAUSIBLE if lawful else (*PLAUSIBLE, *FAULTY)
     for number in range(steps):
         if number % STRETCH == 0:
             profile = Profile(system, draw.choice(kinds), draw)
-        values = dict(zip(system.state, state, strict=True))
-        inputs: dict[Var, Value] | None = profile.inputs(values)
+        inputs: dict[Var, Value] | None = profile.inputs(state)
         if lawful and inputs is not None:
-            inputs = repair.mend(values, inputs, draw, profile.pick)
+            inputs = repair.mend(state, inputs, draw, profile.pick)
         if inputs is not None:
-            state, _ = code.step(state, tuple(inputs[var] for var in system.inputs))
+            state, _ = step(system, state, inputs)
             yield present_inputs(system, {var.name: value for var, value in inputs.items()})
 
 
