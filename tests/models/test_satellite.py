@@ -11,6 +11,7 @@ import pytest
 from safeloc.expr import TRUE, Bool, Num, floor_div
 from safeloc.interpret import run
 from safeloc.models.satellite import Satellite, build, compose_machines
+from safeloc.models.satellite_parts.law import Trusted
 from safeloc.models.satellite_parts.variables import (
     FIX,
     MISSING,
@@ -25,9 +26,11 @@ from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.properties.satellite import drift_properties, properties
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
+from safeloc.spec import Property
 from safeloc.system import lower, without_ghosts
+from safeloc.testing import run_tests
 from safeloc.trace import Trace
-from safeloc.verdict import Proved
+from safeloc.verdict import Proved, word
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
 MACHINE = build(parts(CONFIG))
@@ -241,6 +244,29 @@ def test_false_signals_lead_no_farther_than_told(drift_check: Literal["where pre
     model = compose_machines(config, trusted="odometry")
     findings = prove(model.composition.system, drift_properties(model), Limits(seconds=60), jobs=2)
     assert [] == [finding.id for finding in findings if not isinstance(finding.result, Proved)]
+
+
+@pytest.mark.parametrize(("trusted", "makes"), [("satellites", properties), ("odometry", drift_properties)])
+def test_random_runs_hold(trusted: Trusted, makes: Callable[[Satellite], list[Property]]) -> None:
+    """Along plausible and faulty streams every property holds, what the interpreter does included."""
+    model = compose_machines(SatelliteConfig(selection=SelectionConfig(channels=3)), trusted)
+    asked = makes(model)
+    found = run_tests(model.composition.system, asked, examples=8, steps=25, seed=7)
+    assert {"held"} == {word(finding.result) for finding in found}
+    assert len([prop for prop in asked if prop.kind != "reachable"]) == len(found)
+
+
+@pytest.mark.slow
+def test_a_wrong_machine_is_caught_by_random_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Solutions that count whatever satellites they use: found without a proof."""
+    from safeloc.models import satellite
+
+    right = satellite.verdict
+    monkeypatch.setattr(satellite, "verdict", lambda own, located: right(replace(own, usable=own.used), located))
+    model = compose_machines(SatelliteConfig(selection=SelectionConfig(channels=3)))
+    asked = [prop for prop in properties(model) if prop.name == "only usable satellites count"]
+    found = run_tests(model.composition.system, asked, examples=60, steps=25, seed=7)
+    assert ["violated"] == [word(finding.result) for finding in found]
 
 
 def test_containment_needs_its_assumption() -> None:
