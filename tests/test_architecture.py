@@ -46,7 +46,11 @@ ROOMS = {
     "tomli_w": ("safeloc/line/toml_files.py",),
     "lxml": ("safeloc/line/imports/railml_xml.py",),
     "openpyxl": ("safeloc/line/imports/spreadsheet.py",),
-    "pyproj": ("safeloc/line/imports/geojson.py", "safeloc/line/projection.py", "safeloc/signals/satellite/line_track.py"),
+    "pyproj": (
+        "safeloc/line/imports/geojson.py",
+        "safeloc/line/projection.py",
+        "safeloc/signals/satellite/line_track.py",
+    ),
     "shapely": ("safeloc/line/projection.py",),
     "pynmeagps": ("safeloc/guard/nmea.py",),
 }
@@ -77,6 +81,8 @@ ABOVE = {
         "safeloc.shipped",
     ),
     "safeloc/report/": ("safeloc.cli",),
+    "safeloc/embedding/": ("safeloc.service", "safeloc.provers", "safeloc.report", "safeloc.cli"),
+    "safeloc/service/": ("safeloc.models", "safeloc.provers", "safeloc.report", "safeloc.cli"),
     "safeloc/line/": (
         "safeloc.models",
         "safeloc.audit",
