@@ -130,6 +130,7 @@ def as_told(outcome: Outcome, truth_mm: int, error_m: Mapping[str, float], added
     return Told(
         truth_mm,
         (position - under, position, position + over) if outputs["position.valid"] else None,
+        int(outputs["position.drift_bound_mm"]) if outputs["position.drift_checked"] else None,
         None if fix is None else (int(fix), int(inputs["position.fix_protection_mm"])),
         int(outputs["position.fix"]) == ACCEPTED.value,
         FIX[int(outputs["position.fix"])].label,

@@ -20,6 +20,7 @@ class Cycle:
 
     truth_mm      where the train is along the track
     reported      lower end, position, upper end, mm; None: nothing is reported
+    drift_bound   how far the truth may be from the position although every signal were false, mm; None: not checked
     solution      its place and protection level, mm; None: none was made
     accepted      the machine took the solution on
     usable, used  satellites in the list of usable ones, and in the solution
@@ -28,6 +29,7 @@ class Cycle:
 
     truth_mm: int
     reported: tuple[int, int, int] | None
+    drift_bound: int | None
     solution: tuple[int, int] | None
     accepted: bool
     judged: str
@@ -56,6 +58,7 @@ class Tally:
     reports: list[Report] = field(default_factory=list)
     beyond_level: Counter[str] = field(default_factory=Counter)
     wrong: Counter[str] = field(default_factory=Counter)
+    drifted_beyond: int = 0
     broken: bool = False
 
     def add(self, cycles: Iterable[Cycle]) -> None:
@@ -100,6 +103,7 @@ class Tally:
         low, position, high = cycle.reported
         margin = high - position if cycle.truth_mm >= position else position - low
         self.reports.append(Report(abs(cycle.truth_mm - position), margin))
+        self.drifted_beyond += cycle.drift_bound is not None and abs(cycle.truth_mm - position) > cycle.drift_bound
         self.wrong["broken" if self.broken else "kept"] += not low <= cycle.truth_mm <= high
 
     @property
