@@ -20,6 +20,7 @@ from safeloc.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.service.fleet import Fleet, Ways
 from safeloc.service.journal import Journal
 from safeloc.service.loop import Loop, Parts, exit_code
+from safeloc.service.messages import VEHICLE
 from safeloc.service.outlets import Outlet, Stdout, ToFile
 from safeloc.service.pace import LONGEST_GAP_MS
 from safeloc.service.saving import Saver, claimed, read_saved
@@ -58,6 +59,9 @@ def run(
     watchdog_ms: Annotated[
         int | None, typer.Option("--watchdog-ms", help="end a cycle that is so much overdue by the wall clock", min=1)
     ] = None,
+    vehicles: Annotated[
+        list[str] | None, typer.Option("--vehicle", help="ID=FILE: this vehicle's own configuration (repeatable)")
+    ] = None,
     gap_ms: Annotated[
         int, typer.Option("--longest-gap-ms", help="silence that is charged; after a longer one: anew", min=1)
     ] = LONGEST_GAP_MS,
@@ -67,7 +71,7 @@ def run(
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
     ways = Ways(period, inputs, source.startswith("udp:"), gap_ms, expected=_expected(expect), first=_first(first))
-    fleet, journal = Fleet(program, ways), Journal(STDERR)
+    fleet, journal = Fleet(program, ways, _own(target, vehicles)), Journal(STDERR)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
     )()  # the only ones that take a file for stdin
@@ -125,6 +129,16 @@ def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> O
             raise typer.BadParameter(
                 f"--to {sink!r}: choose stdout, file:PATH, or back where lines come over a socket."
             )
+
+
+def _own(target: str, told: list[str] | None) -> Mapping[str, Program]:
+    programs = {}
+    for one in told or ():
+        name, _, file = one.partition("=")
+        if not VEHICLE.fullmatch(name) or not file:
+            raise InputError(f"--vehicle {one!r}: give ID=FILE, for instance 12=freight.toml.")
+        programs[name] = Program(load_target(target, Path(file)))
+    return programs
 
 
 def _expected(told: list[str] | None) -> Mapping[str, int]:

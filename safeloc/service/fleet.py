@@ -61,7 +61,7 @@ class Fleet:
         self.origins: dict[str, str] = {}
         self._flawed: set[str] = set()
         self._program, self._own = program, own or {}
-        self._reader = Reader(program, inputs=ways.inputs, numbered=ways.numbered, first=ways.first)
+        self._reader = Reader(program, self._own, inputs=ways.inputs, numbered=ways.numbered, first=ways.first)
         self._pace = Pace(ways.period_ms, ways.longest_gap_ms)
         for one in (program, *self._own.values()):
             _controller(one, ways, 0)  # what is wrong with the figures shows now, not with the first line

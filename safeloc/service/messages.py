@@ -83,12 +83,22 @@ Message = Said | Ended | Step | Header | Refused
 class Reader:
     """Reads the lines of one process.
 
+    own       vehicle -> program, where it is not the common one
     inputs    lines are inputs of steps, not records
     numbered  every line needs a number, for what brings them may lose some
     """
 
-    def __init__(self, program: Program, *, inputs: bool, numbered: bool, first: Mapping[str, object]) -> None:
+    def __init__(
+        self,
+        program: Program,
+        own: Mapping[str, Program],
+        *,
+        inputs: bool,
+        numbered: bool,
+        first: Mapping[str, object],
+    ) -> None:
         self._program, self._inputs, self._numbered, self._first = program, inputs, numbered, first
+        self._own = own
         self._ghosts = {var.name for var in program.target.system.ghosts}
 
     def read(self, line: Line) -> Message:
@@ -122,7 +132,7 @@ class Reader:
             raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out")
         envelope_names = ("vehicle", "number", "cycle")
         inputs = {k: v for k, v in fields.items() if k not in self._ghosts and k not in envelope_names}
-        self._program.require_known(inputs)
+        self._own.get(envelope.vehicle, self._program).require_known(inputs)
         return Step(envelope, cycle, inputs, truth_mm)
 
     def _header(self, fields: Mapping[str, Any]) -> Header:

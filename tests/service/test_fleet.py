@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from safeloc.embedding import Controller, Program
 from safeloc.embedding.controller import MOST_RECORDS
+from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.service.fleet import Fleet, Ways
 from safeloc.service.lines import Line
+from safeloc.shipped import ENTRIES
 from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
@@ -80,6 +82,15 @@ def test_vehicles_are_told_apart() -> None:
         report["interval_mm"] for report in by_hand(len(apart[1]))
     ]
     assert len(apart[0]) > 10 < len(apart[1])
+
+
+def test_a_vehicle_has_its_own_configuration() -> None:
+    """Only it: one that does not believe its first marker has no place where another one has."""
+    careful = Program(ENTRIES["odometry"].make(OdometryConfig()))
+    told = Told(Fleet(ODOMETRY, Ways(100), {"careful": careful}))
+    places = {name: told.say(*numbered(3, name))[-1]["interval_mm"] for name in ("careful", "other")}
+    assert places["careful"] is None
+    assert places["other"] is not None
 
 
 def test_silence_is_charged_cycle_by_cycle() -> None:
@@ -368,6 +379,47 @@ def test_lost_lines_after_a_restart_are_doubt() -> None:
     first.say(*said[:10])
     second.fleet.restore(first.fleet.freeze()(), "the process was not running")
     assert [doubted(answer) for answer in second.say(*said[14:])] == [True, True, False]
+
+
+PLAIN = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.sampled_from([0, 100, 400, 2**53, -(10**40)]),
+    st.floats(),
+    st.text(max_size=5),
+)
+NAMES = (
+    "kind", "time_ms", "end", "unit", "step_mm", "marker", "position_mm", "accuracy_mm", "since_mm", "name", "value", "vehicle",
+    "number", "cycle", "schema", "first", "truth_mm", "front_wheel_mm", "front_marker", "pulses", "position_nm",
+)  # fmt: skip
+KINDS = st.sampled_from(["distance", "pulses", "marker", "value", "truth", "cycle"])
+FIELDS = st.fixed_dictionaries(
+    {},
+    optional={
+        name: PLAIN | KINDS | st.sampled_from(["front", "rear", "wheel", "radar", "front_wheel_mm"]) | st.just([PLAIN])
+        if name != "kind"
+        else KINDS | PLAIN
+        for name in NAMES
+    },
+)
+
+
+@given(
+    st.lists(FIELDS.map(lambda fields: json.dumps(fields, default=str)) | st.binary(max_size=40), max_size=12),
+    st.booleans(),
+)
+@settings(max_examples=300)
+def test_no_line_breaks_the_process(said: list[str | bytes], by_steps: bool) -> None:
+    """Whatever the bytes: an answer or none, never an exception, and a drive that follows is heard."""
+    told = Told(Fleet(ODOMETRY, Ways(100, inputs=by_steps)))
+    for number, text in enumerate(said, 1):
+        data = text if isinstance(text, bytes) else text.encode()
+        answers = told.fleet.heed(HERE, Line(number, data), whole=True)
+        assert json.loads(json.dumps(answers)) == answers
+    json.dumps(told.fleet.freeze()())
+    fresh = [json.dumps({"cycle": n, "vehicle": "z"}) for n in range(1, 4)] if by_steps else numbered(4, "z")
+    assert len(reports(told.say(*fresh))) >= 3
 
 
 @given(st.lists(st.sampled_from(["{", "[]", '{"vehicle": "1"}', "good", "end", "late", "far", "double"]), max_size=40))

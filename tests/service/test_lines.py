@@ -50,7 +50,7 @@ def test_a_long_line_is_told_and_not_kept(part: int) -> None:
 
 def reader(*, inputs: bool = False, numbered: bool = False) -> Reader:
     """Of odometry."""
-    return Reader(ODOMETRY, inputs=inputs, numbered=numbered, first={})
+    return Reader(ODOMETRY, {}, inputs=inputs, numbered=numbered, first={})
 
 
 def said(text: str | bytes | dict[str, Any], **kind: bool) -> Message:

@@ -79,6 +79,7 @@ def test_nothing_decided(tmp_path: Path) -> None:
         (("--to", "back"), "choose stdout, file:PATH, or back where"),
         (("--until-end",), "--until-end is for --from file:PATH"),
         (("--expect", "front_wheel"), "give CHANNEL=N"),
+        (("--vehicle", "12"), "give ID=FILE"),
         (("--first", "mode=FRONT"), "give NAME=VALUE"),
         (("--first", "mode=1"), "mode starts at 0 by declaration"),
         (("--period-ms", "50"), "configured for cycles of 100 ms, not 50 ms"),
