@@ -129,9 +129,9 @@ UNLOCATED = 0
 
 
 @lru_cache(maxsize=8)
-def _compiled(config: SatelliteConfig) -> tuple[Compiled, Compiled]:
-    """The composed machine, and the selection alone."""
-    whole = compose_machines(config)
+def _compiled(figures: str) -> tuple[Compiled, Compiled]:
+    """The composed machine, and the selection alone, of a configuration told as JSON."""
+    whole = compose_machines(SatelliteConfig.model_validate_json(figures))
     selection = lower(whole.selection.machine)
     return compile_system(without_ghosts(whole.composition.system)), compile_system(without_ghosts(selection))
 
@@ -142,7 +142,7 @@ class EpochChain:
     def __init__(self, config: ChainConfig, navigation: Navigation, track: Track) -> None:
         self.config = config
         self._navigation, self._track = navigation, track
-        self._code, self._select = _programs(config.satellite)
+        self._code, self._select = _programs(config.satellite.model_dump_json())
         self._state, self._selected = self._code.first(), self._select.first()
         self._channels = Channels(config.satellite.selection.channels, config.window_epochs)
         self._due_s: float | None = None

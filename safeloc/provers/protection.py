@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import Any
 
 import z3
 
@@ -28,7 +29,9 @@ def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: 
     solver = z3.Solver()
     solver.set("timeout", milliseconds(seconds))
     solver.add(*(z3.And(one <= bounds[name], one >= -bounds[name]) for name, one in errors.items()))
-    total = z3.Sum([z3.Q(share.numerator, share.denominator) * errors[name] for name, share in shares.items()])
+    total: Any = z3.RealVal(0)
+    for name, share in shares.items():
+        total = total + z3.Q(share.numerator, share.denominator) * errors[name]
     solver.add(z3.Or(total > level, total < -level))
     answer = solver.check()
     if answer == z3.unsat:
