@@ -111,6 +111,13 @@ def _gates(model: Guard) -> Iterator[Property]:
         unconditional=True,
     )
     yield always(
+        "the place itself is inside",
+        passed.implies(between(own.low, exact_to(own.fix.value, NM), own.high)),
+        statement="a position that is passed on lies in the interval that is passed on with it",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
         "where the vehicle can be",
         (passed & was_holding).implies(between(low, own.low, high) & between(low, own.high, high)),
         statement="what is passed on while an interval is held lies in what the vehicle can have reached",

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Num, exact_to, ite, minimum
+from safeloc.expr import Bool, Num, between, exact_to, ite, minimum
 from safeloc.models.guard_parts.box import Box, Held, begun, half_nm, held, moved, narrowed, of_fix, told, usable
 from safeloc.models.guard_parts.variables import (
     AMBIGUOUS,
+    DOUBTFUL,
     FAULT,
     JUDGED,
     JUMP,
@@ -20,7 +21,7 @@ from safeloc.models.guard_parts.variables import (
     TOO_COARSE,
     Parts,
 )
-from safeloc.units import UM_S
+from safeloc.units import NM, UM_S
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,12 +100,16 @@ def _of_fault(own: Parts) -> Num:
 
 
 def _verdict(own: Parts, alone: Num, ahead: Box, after: Box) -> Num:
-    """What speaks against it beside map and vehicle: where the vehicle can be now, and how fast."""
-    fix = of_fix(own)
+    """What speaks against it beside map and vehicle: where the vehicle can be now, and how fast.
+
+    A fix whose charge only just reaches where the vehicle can be might be true, and is withheld all the same.
+    """
+    fix, place = of_fix(own), exact_to(own.fix.value, NM)
     meets = (fix.low <= ahead.high) & (ahead.low <= fix.high)
     too_fast = own.speed.present & ((_least_speed(own) > ahead.fast) & (_least_speed(own) > -ahead.slow))
     disagrees = too_fast | (after.slow > after.fast)
-    judged = ite(own.elsewhere | ~meets, JUMP, ite(disagrees, SPEED_DISAGREES, PASSED))
+    judged = ite(between(ahead.low, place, ahead.high), PASSED, DOUBTFUL)
+    judged = ite(own.elsewhere | ~meets, JUMP, ite(disagrees, SPEED_DISAGREES, judged))
     return ite(alone.eq(PASSED), judged, alone)
 
 

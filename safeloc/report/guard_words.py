@@ -14,6 +14,7 @@ WORDS: Mapping[str, str] = {
     "AMBIGUOUS": "more than one track is as near",
     "JUMP": "where the vehicle cannot be by now",
     "SPEED_DISAGREES": "speed disagrees with the distance run",
+    "DOUBTFUL": "only its charged error reaches where the vehicle can be",
     "TOO_COARSE": "charged with more than the tolerable error",
     "NO_FIX": "the receiver has no position",
     "MALFORMED": "no readable position",
@@ -32,6 +33,7 @@ COLOURS: Mapping[str, str] = {
     "JUMP": ORANGE,
     "SPEED_DISAGREES": PURPLE,
     "TOO_COARSE": GREEN,
+    "DOUBTFUL": BROWN,
 }
 
 

@@ -195,6 +195,7 @@ def test_speed_is_told_from_distance() -> None:
         (at(0, fix_age_ms=900), "TOO_COARSE"),
         (at(0, fix_elsewhere=True), "JUMP"),
         (at(30_000), "JUMP"),
+        (at(14_600), "DOUBTFUL"),
         (at(0, fix_speed_mm_s=46_000), "SPEED_DISAGREES"),
         *((quiet(fault=number), fault.label) for number, fault in enumerate(FAULT) if number),
         (at(0, fault=3), "NOT_FINITE"),
@@ -248,13 +249,13 @@ def test_simulated_receivers_obey_the_law_and_are_guarded(seed: int) -> None:
     trace = run(system, simulate(CONFIG, seed=seed, seconds=60), first=FIRST_TRUTH)
     found = zip(PROPERTIES, check_all(trace, list(PROPERTIES.values())), strict=True)
     assert [name for name, result in found if name != "probation is survived" and not isinstance(result, Held)] == []
-    assert sum(bool(step.outputs["passed"]) for step in trace.steps) > 30
+    assert sum(bool(step.outputs["passed"]) for step in trace.steps) > 20
 
 
 def test_shipped_streams_show_doubt_and_recovery() -> None:
-    """The recordings that ship have fixes passed on, a receiver in doubt, and one that is believed again."""
+    """In the recordings that ship every transition fires."""
     target = load_target("guard")
     streams = [read_steps(path) for path in target.streams]
     runs = [run(target.system, stream.steps, first=stream.first) for stream in streams]
     fired = {name for trace in runs for step in trace.steps for name in step.fired.values()}
-    assert {"fix passed on", "implausible fix", "receiver believed again", "receiver believed"} <= fired
+    assert {transition.name for transition in target.machines[0].transitions} <= fired
