@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Literal
 
 from pydantic import Field
@@ -115,22 +115,16 @@ class Outcome:
         return frozenset(name for name, standing in self.standings.items() if standing == "USABLE")
 
 
-@cache
-def _programs(config: SatelliteConfig) -> tuple[Compiled, Compiled]:
-    """Both machines in one step, and the selection by itself; seconds for 32 channels, and so made once."""
-    whole = compose_machines(config)
-    return compile_system(without_ghosts(whole.composition.system)), compile_system(
-        without_ghosts(lower(whole.selection.machine))
-    )
-
-
 UNLOCATED = 0
 """The position machine's first mode."""
 
 
 @lru_cache(maxsize=8)
-def _compiled(figures: str) -> tuple[Compiled, Compiled]:
-    """The composed machine, and the selection alone, of a configuration told as JSON."""
+def _programs(figures: str) -> tuple[Compiled, Compiled]:
+    """Both machines in one step, and the selection by itself, of a configuration told as JSON.
+
+    Seconds for 32 channels, and so made once.
+    """
     whole = compose_machines(SatelliteConfig.model_validate_json(figures))
     selection = lower(whole.selection.machine)
     return compile_system(without_ghosts(whole.composition.system)), compile_system(without_ghosts(selection))
