@@ -6,7 +6,7 @@ Three kinds of case are tried, and kept where they pay:
                     that is left where no fault applies: the usual step of a machine that measures often, mostly
                     well, and gets messages seldom
     a mode          what only the other modes' rows need is left out
-    a condition     whichever way it falls, less is left to do: what only one side needs is computed only there
+    a condition     that costs little: what only one side of it needs is computed only there
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from safeloc.nodes import (
     Not,
     NumVar,
     Or,
+    Truth,
     Var,
     any_of,
 )
@@ -40,7 +41,7 @@ from safeloc.terms import in_order
 
 WORTH = 1 / 8  # a case must save this share of the work
 LONGEST = 3  # all cases together may have so many times the work written out
-MOST_LOOKED_AT = 20_000  # nodes, while a condition is chosen
+MOST_LOOKED_AT = 6_000  # nodes, while a condition is chosen
 
 
 @dataclass(frozen=True)
@@ -52,13 +53,32 @@ class _Case:
 
     def under(self, facts: Mapping[Expr, Expr]) -> _Case:
         """The case in which more is known."""
-        known = Known(facts)
+        return self._folded(Known(facts))
+
+    def decided(self, condition: Bool) -> _Decided:
+        """The case either way, and what testing first saves, both ways being equally likely."""
+        ways = [Known(implied(condition, holds)) for holds in (True, False)]
+        holds, fails = (self._folded(known) for known in ways)
+        before, after = sum(_passing(self, known) for known in ways), _passing(holds) + _passing(fails)
+        return _Decided(condition, holds, fails, (before - after) / 2 - work([condition]))
+
+    def _folded(self, known: Known) -> _Case:
         targets = [(name, known(term)) for name, term in self.targets]
         return _Case(targets, work([term for _, term in targets]))
 
     def nodes(self) -> list[Node]:
         """All that it is made of."""
         return in_order(term for _, term in self.targets)
+
+
+@dataclass(frozen=True)
+class _Decided:
+    """What is left of a case where a condition holds, where it fails, and what testing it first saves."""
+
+    condition: Bool
+    holds: _Case
+    fails: _Case
+    saved: float
 
 
 def moves(system: TransitionSystem, names: Mapping[Var, str], blocks: Blocks) -> Block:
@@ -142,25 +162,16 @@ def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float)
 
 
 def _by_condition(whole: _Case, blocks: Blocks, room: float) -> Block:
-    """The moves for a condition that is cheap to test and saves work either way; as they are where there is none."""
-    tried = [
-        (condition, whole.under(implied(condition, True)), whole.under(implied(condition, False)))
-        for condition in _cheap(whole)
-    ]
-    costs = [
-        (work([condition]) + max(_passing(holds), _passing(fails)), number)
-        for number, (condition, holds, fails) in enumerate(tried)
-        if holds.work + fails.work <= room
-    ]
-    cost, number = min(costs, default=(0, -1))
-    if number < 0 or cost > _passing(whole) * (1 - WORTH):
+    """The moves for the cheap condition that saves most when it is tested first; as they are where none saves enough."""
+    decided = [one for one in map(whole.decided, _cheap(whole)) if one.holds.work + one.fails.work <= room]
+    best = max(decided, key=lambda one: one.saved, default=None)
+    if best is None or best.saved < _passing(whole) * WORTH:
         return blocks.ending(whole.targets)
-    condition, holds, fails = tried[number]
-    share = room / max(1, holds.work + fails.work)
+    share = room / max(1, best.holds.work + best.fails.work)
     return blocks.either(
-        condition,
-        lambda: _by_condition(holds, blocks, share * holds.work),
-        lambda: _by_condition(fails, blocks, share * fails.work),
+        best.condition,
+        lambda: _by_condition(best.holds, blocks, share * best.holds.work),
+        lambda: _by_condition(best.fails, blocks, share * best.fails.work),
     )
 
 
@@ -188,13 +199,22 @@ def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:
                 yield from ((condition, other) for other in node.parts if other is not part)
 
 
-def _passing(case: _Case) -> int:
-    """The work of a step in which no row's condition holds."""
+def _passing(case: _Case, known: Known | None = None) -> int:
+    """The work of a step in which no row's condition holds but one that is known to."""
     terms: list[Expr] = []
     for _, term in case.targets:
         rows, last = chain(term)
-        terms += [*(condition for condition, _ in rows), last]
+        for condition, value in rows:
+            terms.append(condition)
+            if known is not None and _is_true(known(condition)):
+                last = value
+                break
+        terms.append(last)
     return work(terms)
+
+
+def _is_true(term: Expr) -> bool:
+    return isinstance(term, Truth) and term.value
 
 
 def _saved(written: int, mode: NumVar, whole: _Case) -> float:
