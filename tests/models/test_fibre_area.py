@@ -120,7 +120,12 @@ TURNED_BACK = Journey(
 def test_a_train_that_turns_back() -> None:
     """The leading end is believed on both ways, neither while the train stands; unheard, it blocks what it may reach."""
     trace = travelled(TURNED_BACK)
-    assert [mode(trace, "report", cycle) for cycle in (40, 68, 80, 125)] == ["HIGH_END", "NEITHER", "LOW_END", "NEITHER"]
+    assert [mode(trace, "report", cycle) for cycle in (40, 68, 80, 125)] == [
+        "HIGH_END",
+        "NEITHER",
+        "LOW_END",
+        "NEITHER",
+    ]
     assert [mode(trace, "section_1", cycle) for cycle in (2, 80, 107, 108, 132, 135)] == [
         "FREE", "OCCUPIED", "OCCUPIED", "FREE", "OCCUPIED", "FREE"
     ]  # fmt: skip
