@@ -95,6 +95,7 @@ def simulate(
     motion: Motion | None = None,
     faults: Sequence[GroupFault] = (),
     sensor_faults: Sequence[Fault] = (),
+    measured: Distances | None = None,
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
@@ -103,6 +104,7 @@ def simulate(
     motion   how the vehicle runs; instead of it legs to drive, a random service by default
     faults   named faults of groups; none of them breaks the assumption
     sensor_faults  named faults of `odometer`; while one is active the assumption may be broken
+    measured  what the odometer measured, where others hear the same one; its faults are in it already
     InputError for a fault of a group that the line does not have.
     """
     rng = np.random.default_rng(seed)
@@ -115,7 +117,7 @@ def simulate(
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )
-    distances = measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
+    distances = measured or measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
     in_force = config.default_accuracy_mm if national_accuracy_mm is None else national_accuracy_mm
     spots = _spots(config, known, in_force, rng, faults)
     passages = list(_passages(motion, spots, config.period_ms, rng, missed))

@@ -289,7 +289,7 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
     why = machine.output("reason")
     reason = ite(why.eq(satellite_words.TOLERANCE), TOLERANCE, NO_REFERENCE)
     reason = ite(why.eq(satellite_words.COASTED_OUT), SENSOR_FAILURE, reason)
-    reason = ite(why.eq(satellite_words.CONTRADICTION), CONTRADICTION, reason)
+    reason = ite(why.one_of(satellite_words.CONTRADICTION, satellite_words.DRIFT), CONTRADICTION, reason)
     stated = Stated(
         machine.flag("valid"),
         machine.output("position_mm"),

@@ -6,6 +6,7 @@ With the ghosts in it, a stream carries its own proof of being lawful: the inter
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,6 +40,7 @@ def simulate(
     legs: Sequence[Leg] | None = None,
     motion: Motion | None = None,
     faults: Sequence[Fault | ReaderFault] = (),
+    first_unit: Distances | None = None,
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
@@ -47,6 +49,7 @@ def simulate(
     motion   how the vehicle runs; instead of it legs to drive, a random service by default
     faults   named faults of `front_wheel`, `front_radar`, ... (Fault) and of `front_marker`, `rear_marker` (ReaderFault);
              while one is active the assumption may be broken
+    first_unit  what the front end's first unit measured, where others hear the same one; its faults are in it already
     """
     rng = np.random.default_rng(seed)
     vehicle = vehicle_of(config)
@@ -64,6 +67,8 @@ def simulate(
         for end in ends
         for law in laws
     ]
+    if first_unit is not None:
+        distances[0] = replace(first_unit, name=names[0])
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
     readings: list[Reading] = []
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):

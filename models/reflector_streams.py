@@ -138,10 +138,12 @@ def simulate(
     scene: Scene | None = None,
     legs: Sequence[Leg] | None = None,
     motion: Motion | None = None,
+    measured: Distances | None = None,
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
     legs, motion  how the vehicle runs, from 0 on; 20 m/s and a stop beyond fig. 1 by default
+    measured      what the odometer measured, where others hear the same one; its faults are in it already
     """
     scene, rng = scene or Scene(), np.random.default_rng(seed)
     if motion is None:
@@ -151,7 +153,7 @@ def simulate(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )
     check_faults(scene.sensor_faults, ["wheel"], len(motion.position_nm))
-    odometer = measure("wheel", motion, law, rng, dropout=scene.dropout, faults=scene.sensor_faults)
+    odometer = measured or measure("wheel", motion, law, rng, dropout=scene.dropout, faults=scene.sensor_faults)
     return _Run(config, scene, motion, odometer, rng).steps()
 
 
