@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from safeloc.backends.c99_around import running, snapshots, status_texts, stepping
 from safeloc.backends.c99_header import input_status
 from safeloc.backends.c99_layout import Field, Layout
-from safeloc.backends.c99_statements import line, statements
+from safeloc.backends.c99_statements import given_names, line, statements
 from safeloc.backends.c99_terms import CEIL_DIV, FLOOR_DIV, CTerms, constant
 from safeloc.backends.known import Known
 from safeloc.backends.live import live
@@ -17,6 +17,8 @@ from safeloc.backends.python_blocks import Block, Blocks, End, Test
 from safeloc.machine import Any_
 from safeloc.nodes import INT64_MAX, INT64_MIN, Expr, Lit, NumVar, Truth, Var
 from safeloc.terms import Substitution
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
 
 
 def source(layout: Layout) -> str:
@@ -191,13 +193,16 @@ class _Slot:
 def _writing(block: Block, slots: Sequence[_Slot]) -> str:
     """The statements, with what they end with written to the slots; once, before branches part, where they all agree."""
     ends = list(_ends(block))
-    alike = [len(ends) > 1 and len({end[n] for end in ends}) == 1 for n in range(len(slots))]
+    parting = next((n for n, statement in enumerate(block) if isinstance(statement, Test)), len(block))
+    later = set(given_names(block[parting:]))
+    alike = [
+        len(ends) > 1 and len({end[n] for end in ends}) == 1 and later.isdisjoint(_WORD.findall(ends[0][n]))
+        for n in range(len(slots))
+    ]
 
     def assigned(values: Sequence[str], once: bool) -> list[str]:
         chosen = zip(slots, values, alike, strict=True)
         return [text for slot, value, same in chosen if same is once for text in slot.written(value)]
-
-    parting = next((n for n, statement in enumerate(block) if isinstance(statement, Test)), len(block))
 
     def leaf(values: Sequence[str]) -> list[str]:
         return [*assigned(values, once=False), "return;"]

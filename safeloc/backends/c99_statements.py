@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import assert_never
 
 from safeloc.backends.python_blocks import Bind, Block, Choice, End, Test
@@ -62,6 +62,23 @@ def given(choice: Choice) -> dict[str, bool]:
     """The names that get a value whichever branch is taken, and whether it is a truth value."""
     branches = [_given_by(block) for block in (*(block for _, block in choice.branches), choice.otherwise)]
     return {name: kind for name, kind in branches[0].items() if all(name in other for other in branches)}
+
+
+def given_names(block: Block) -> Iterator[str]:
+    """Every name that gets a value in the block, in whatever branch."""
+    for statement in block:
+        match statement:
+            case Bind(name, _, _):
+                yield name
+            case Test(_, inner):
+                yield from given_names(inner)
+            case Choice(branches, otherwise):
+                yield from given_names([one for _, inner in branches for one in inner])
+                yield from given_names(otherwise)
+            case End(_):
+                pass
+            case _:
+                assert_never(statement)
 
 
 def _given_by(block: Block) -> dict[str, bool]:
