@@ -108,8 +108,9 @@ def stanford_diagram(
     """The diagram of any reports, empty without one; `above` stands over it, `style` makes it complete by itself."""
     if not found.made:
         return ""
-    greatest = max(limit_mm, *(max(report.error, report.margin) for report in found.made)) * 1.15
-    across, up = Axis(0, greatest, LEFT, RIGHT), Axis(0, greatest, top + TALL, top)
+    farthest = max(limit_mm, *(report.error for report in found.made)) * 1.15
+    widest = max(limit_mm, *(report.margin for report in found.made)) * 1.15
+    across, up = Axis(0, farthest, LEFT, RIGHT), Axis(0, widest, top + TALL, top)
     counts = found.counts(limit_mm)
     made = [
         style,
@@ -134,12 +135,13 @@ def _violated(told: Told) -> Iterator[str]:
 
 def _areas(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
     """The four regions, faintly."""
-    low, limit, high = 0.0, float(limit_mm), across.high
+    limit, right, top = float(limit_mm), across.high, up.high
+    end = min(right, top)
     corners: dict[Region, tuple[tuple[float, float], ...]] = {
-        "nominal": ((low, low), (limit, limit), (low, limit)),
-        "unavailable": ((low, limit), (limit, limit), (high, high), (low, high)),
-        "misleading": ((low, low), (limit, low), (limit, limit)),
-        "hazardous": ((limit, low), (high, low), (high, high), (limit, limit)),
+        "nominal": ((0, 0), (limit, limit), (0, limit)),
+        "unavailable": ((0, limit), (limit, limit), (end, end), (end, top), (0, top)),
+        "misleading": ((0, 0), (limit, 0), (limit, limit)),
+        "hazardous": ((limit, 0), (right, 0), (right, end), (end, end), (limit, limit)),
     }
     for name, points in corners.items():
         text = " ".join(f"{across.at(x):.1f},{up.at(y):.1f}" for x, y in points)
@@ -147,7 +149,8 @@ def _areas(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
 
 
 def _lines(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
-    ends = f"M{across.begin:.1f} {up.begin:.1f}L{across.end:.1f} {up.end:.1f}"
+    end = min(across.high, up.high)
+    ends = f"M{across.begin:.1f} {up.begin:.1f}L{across.at(end):.1f} {up.at(end):.1f}"
     yield f'<path d="{ends}" class="ink" stroke-width="1"/>'
     x, y = across.at(limit_mm), up.at(limit_mm)
     for path in (f"M{LEFT} {y:.1f}H{RIGHT}", f"M{x:.1f} {up.end:.1f}V{up.begin:.1f}"):
@@ -174,10 +177,10 @@ def _cell(limit_mm: int, report: Report, across: Axis, up: Axis) -> tuple[float,
 
 def _words(limit_mm: int, counts: Counter[Region], across: Axis, up: Axis) -> Iterator[str]:
     """Name and number in each region."""
-    limit, high = float(limit_mm), across.high
+    limit = float(limit_mm)
     places: dict[Region, tuple[float, float, str]] = {
         "nominal": (across.at(limit / 2), up.at(limit) + 18, "middle"),
-        "unavailable": (across.at(limit / 2), up.at(high) + 16, "middle"),
+        "unavailable": (across.at(limit / 2), up.end + 16, "middle"),
         "misleading": (across.at(limit) - 8, up.begin - 10, "end"),
         "hazardous": (across.end - 4, up.begin - 10, "end"),
     }

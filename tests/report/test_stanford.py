@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.pictures import Stanford, unreadable
-from safeloc.report.stanford import Region, region, stanford_picture
+from safeloc.report.stanford import REGIONS, Region, region, stanford_picture
 from safeloc.report.told import Broken, Told
 from safeloc.reported import Reported
 from tests.report.gauge import drive, system
@@ -56,6 +56,28 @@ def test_failures_are_crosses(error: int, name: str) -> None:
     assert error / 1_000 == pytest.approx(across(of)(x + 4), abs=0.3)
     assert f"{name}: 40" in words(of)
     assert "nominal: 0" in words(of)
+
+
+@pytest.mark.parametrize(("error", "margin"), [(200_000, 5_000), (1_000, 200_000)])
+def test_each_axis_has_its_own_scale(error: int, margin: int) -> None:
+    """A far error does not flatten the margins, nor the reverse; regions fill the frame, and the diagonal ends on it."""
+    of = drawn(told(error, margin, margin))
+    ends = across(of)(985), upright(of)(24 + 14)
+    assert ends == pytest.approx((max(error, 10_000) * 1.15 / 1_000, max(margin, 10_000) * 1.15 / 1_000), rel=0.05)
+    corners = [point for name in REGIONS for shape in kinds(of, f"region-{name}") for point in points(shape)]
+    frame = kinds(of, "frame")[0]
+    left, top, wide, tall = (float(str(frame.get(name))) for name in ("x", "y", "width", "height"))
+    assert all(left - 0.1 <= x <= left + wide + 0.1 and top - 0.1 <= y <= top + tall + 0.1 for x, y in corners)
+    assert wide * tall == pytest.approx(
+        sum(area(shape) for name in REGIONS for shape in kinds(of, f"region-{name}")), rel=1e-3
+    )
+
+
+def area(shape: Drawing) -> float:
+    """Of a polygon."""
+    corners = points(shape)
+    pairs = zip(corners, [*corners[1:], corners[0]], strict=True)
+    return abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairs)) / 2
 
 
 def test_silence_is_unavailable_and_said() -> None:
