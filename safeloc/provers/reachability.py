@@ -116,8 +116,8 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
     defences = _impossible(system, targets, limits)
     possible = [target.goal for target in targets if target.name not in defences]
     seen = shown(possible, recordings)
-    kept = first_runs(possible, limits, seen)
-    kept = replace(kept, found={**seen, **kept.found})
+    searched = first_runs(possible, limits, seen)
+    kept = replace(searched, found={**seen, **searched.found})
     missing = [without_assumption(target.goal) for target in targets if target.name not in kept.found]
     free = first_runs(missing, limits)
     open_ = {target.name for target in targets} - {*kept.found, *free.found}
@@ -132,7 +132,9 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
             yield Obligation(target.name, target.statement, _dead(target.goal, free.depth, limits), "bounded search")
         else:
             verdict = Proved(None, "bmc", len(witness.steps), ("interpreter",), witness=witness)
-            yield Obligation(target.name, target.statement, verdict, _how(target.name, kept, defences))
+            recorded = target.name in seen and target.name not in searched.found
+            method = "a recorded run under the assumption" if recorded else _how(target.name, kept, defences)
+            yield Obligation(target.name, target.statement, verdict, method)
 
 
 def _by_itself(system: TransitionSystem, open_: Container[str], limits: Limits) -> dict[str, int]:
