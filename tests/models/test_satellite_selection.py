@@ -122,9 +122,9 @@ def test_thresholds_below_noise_are_refused() -> None:
         SelectionConfig(speed_threshold_mm_s=100)
 
 
-def _unproved(config: SelectionConfig) -> list[str]:
+def _unproved(config: SelectionConfig, seconds: float = 60) -> list[str]:
     model = build(parts(config))
-    findings = prove(lower(model.machine), properties(model), Limits(seconds=60), jobs=2)
+    findings = prove(lower(model.machine), properties(model), Limits(seconds=seconds), jobs=2)
     return [finding.id for finding in findings if not isinstance(finding.result, Proved)]
 
 
@@ -139,7 +139,7 @@ def test_everything_is_proved(compared: Compared, removal: Removal) -> None:
 @pytest.mark.parametrize("channels", [8, 16, 32])
 def test_everything_is_proved_for_many_channels(channels: int) -> None:
     """Channels are independent but for duplicates and the count."""
-    assert [] == _unproved(SelectionConfig(channels=channels))
+    assert [] == _unproved(SelectionConfig(channels=channels), 600)
 
 
 def test_a_one_sided_comparison_is_noticed() -> None:
