@@ -60,9 +60,11 @@ class Loop:
         parts = self._parts
         require_same("way of reading lines", "steps" if parts.fleet.ways.inputs else "records", saved["lines"])
         unsure = parts.feed.go_on(saved["feed"])
-        replays = self._replays and not unsure
-        parts.fleet.restore(saved["vehicles"], "" if replays else unsure or "the process was not running")
-        parts.outlet.trim(saved["outlet"], replays)
+        parts.fleet.restore(saved["vehicles"], unsure)
+        parts.outlet.trim(saved["outlet"], self._replays and not unsure)
+        if parts.watchdog is not None:
+            for name in parts.fleet.vehicles:
+                parts.watchdog.ended(name, time.monotonic())
         parts.journal.info("resumed", vehicles=len(saved["vehicles"]), unsure=unsure)
 
     def run(self) -> None:

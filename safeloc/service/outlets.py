@@ -83,7 +83,7 @@ class Stdout(Outlet):
                 self._selector.unregister(self._fd)
 
     def _ready(self, _mask: int) -> Iterator[Event]:
-        self.flush()
+        """There is room again. Nothing is handed over here: what must be saved before is, when the loop flushes."""
         yield from ()
 
     @property

@@ -71,7 +71,7 @@ class Peer:
 
     def _ready(self, mask: int) -> Iterator[Event]:
         if mask & selectors.EVENT_WRITE:
-            self.flush()
+            self._port.has_room(self)
         if mask & selectors.EVENT_READ and self._mask & selectors.EVENT_READ:
             yield from self._read()
 
@@ -92,7 +92,8 @@ class Peer:
             if tail is not None:
                 yield Arrived(self.origin, replace(tail, cut=True))
             yield Left(self.origin, "the peer closed the connection")
-            self.flush()
+            self._port.has_room(self)
+            self.attend()
 
     def close(self) -> None:
         """Away with it."""
@@ -153,6 +154,10 @@ class TcpPort(Feed, Outlet):
         written, self._written = self._written, set()
         for peer in written:
             peer.flush()
+
+    def has_room(self, peer: Peer) -> None:
+        """It takes more now. Nothing is handed over here: what must be saved before is, when the loop flushes."""
+        self._written.add(peer)
 
     @property
     def full(self) -> bool:

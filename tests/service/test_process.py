@@ -256,6 +256,21 @@ def test_the_watchdog_ends_a_silent_cycle(tmp_path: Path) -> None:
     assert took > 0.9
 
 
+def test_a_vehicle_that_never_speaks_again_is_missed(tmp_path: Path) -> None:
+    """The watchdog knows it from the snapshot: its cycles go on, and are handed to whoever reads the reports."""
+    source, sink = tmp_path / "lines.jsonl", tmp_path / "reports.jsonl"
+    source.write_text("".join(lines(3)), encoding="utf-8")
+    arguments = ("--from", f"file:{source}", "--to", f"file:{sink}", "--snapshot", str(tmp_path / "snapshot.json"))
+    assert ran(tmp_path, *arguments, "--until-end").returncode == 0
+    with running(tmp_path, *arguments, "--watchdog-ms", "100") as run:
+        wait_for(lambda: len(read(sink.read_bytes())) > 12, "no reports")
+        assert run.end(signal.SIGTERM) == 0
+    told = read(sink.read_bytes())
+    assert [report["cycle"] for report in told] == list(range(1, len(told) + 1))
+    assert told[2]["interval_mm"] is not None
+    assert told[-1]["interval_mm"] is None
+
+
 def test_without_a_watchdog_time_is_that_of_the_records(tmp_path: Path) -> None:
     """However long nothing comes: no report."""
     with running(tmp_path, "--from", "tcp:0") as run:
