@@ -36,6 +36,7 @@ class Judgement:
     passed            it is passed on
     reason            PASSED, or why it is withheld
     mode              of the guard after it
+    at_ms             the time for which interval and window hold: the delivery's, rounded up to a whole period
     interval_mm       where the vehicle is along the way, if that is known within the tolerance
     window_mm         the same, also where it is wider; None while nothing is held
     position_mm, offset_mm, place   where the fix lies on the map; None for what is no fix
@@ -47,6 +48,7 @@ class Judgement:
     passed: bool
     reason: str
     mode: str
+    at_ms: int | None = None
     interval_mm: tuple[int, int] | None = None
     window_mm: tuple[int, int] | None = None
     position_mm: int | None = None
@@ -66,6 +68,7 @@ class Guard:
         self._idle = self._code.read(_inputs(advance=True))
         self._deliveries = Deliveries()
         self._now_ms: int | None = None
+        self._at_ms: int | None = None
         self._ways = [True, True]
         self._backwards: list[int] = []
         self._place: tuple[float | None, float | None] = (None, None)
@@ -110,7 +113,7 @@ class Guard:
     def _begin_anew(self) -> None:
         """The receiver's clock was set back for good: all that is held is given up."""
         self._state, self._deliveries = self._code.first(), Deliveries()
-        self._now_ms, self._backwards = None, []
+        self._now_ms, self._at_ms, self._backwards = None, None, []
 
     def _run_until(self, now_ms: int) -> int:
         """Step until the machine's time is not before this; how far it is ahead then."""
@@ -126,7 +129,8 @@ class Guard:
             self._note_ways()
             if self._state == before:
                 break
-        return self._start_ms + wanted * period - now_ms
+        self._at_ms = self._start_ms + wanted * period
+        return self._at_ms - now_ms
 
     # -------------------------------------------------------------- place
 
@@ -189,6 +193,7 @@ class Guard:
             bool(said["passed"]),
             JUDGED[int(said["reason"])].label,
             self._mode,
+            self._at_ms,
             interval,
             window,
             None if match is None or match.elsewhere else match.position_mm,

@@ -17,7 +17,7 @@ def as_data(judgement: Judgement) -> dict[str, Any]:
 
     position  of a fix that is passed on: edge, place on it, position along the way, distance off the track (mm)
     withheld  the same of one that is not; no consumer should use it
-    interval  where the vehicle is along the way, with the places of its ends; None while that is not known
+    interval  where the vehicle is along the way at a time, with the places of the ends; None while that is not known
     """
     located = _located(judgement)
     return {
@@ -46,7 +46,7 @@ def _interval(judgement: Judgement) -> dict[str, Any] | None:
         return None
     low, high = judgement.interval_mm
     begin, end = (None if place is None else _place(place) for place in judgement.ends)
-    return {"min_mm": low, "max_mm": high, "from": begin, "to": end}
+    return {"at_ms": judgement.at_ms, "min_mm": low, "max_mm": high, "from": begin, "to": end}
 
 
 def _place(place: Place) -> dict[str, Any]:
