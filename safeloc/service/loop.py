@@ -7,6 +7,7 @@ read again (a file, without watchdog) that is not needed: the same lines withdra
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import selectors
@@ -71,6 +72,8 @@ class Loop:
         """Until there is no more. Errors come out after what waits was saved and handed over, as far as possible."""
         parts = self._parts
         parts.feed.open(parts.selector)
+        gc.collect()
+        gc.freeze()  # machines are large and stay: looking through them again and again would hold reports up
         try:
             with self._signals():
                 parts.journal.info("started", pid=os.getpid(), machine=parts.fleet.name)
@@ -130,7 +133,7 @@ class Loop:
             parts.outlet.put(parts.fleet.origins.get(vehicle, origin), json.dumps(one).encode() + b"\n")
             if "event" in one:
                 parts.journal.warning(**one)
-            if parts.watchdog is not None and one.get("event") == "stopped":
+            if parts.watchdog is not None and one.get("event") == "halted":
                 parts.watchdog.forget(vehicle)
             elif parts.watchdog is not None and "mode" in one and not watched:
                 parts.watchdog.ended(vehicle, time.monotonic())

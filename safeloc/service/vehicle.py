@@ -51,7 +51,7 @@ class Vehicle(ABC):
             case Header():
                 pass
             case _ if self.stopped:
-                self._refuse(line, f"stopped: {self.stopped}")
+                self._refuse(line, f"halted: {self.stopped}")
             case _:
                 self._counted(line, message)
         return self._told()
@@ -194,7 +194,7 @@ class Vehicle(ABC):
         except InputError as error:
             self.stopped = str(error)
             self.withdrew = self.withdrew or had
-            self._out.append({"vehicle": self.name, "event": "stopped", "reason": self.stopped})
+            self._out.append({"vehicle": self.name, "event": "halted", "reason": self.stopped})
             return None
         self.withdrew = self.withdrew or (had and report.interval is None)
         self.wrong += report.standing == "WRONG"

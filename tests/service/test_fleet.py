@@ -288,7 +288,7 @@ def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
         {"vehicle": "a", "cycle": 4, **whole},
     ]
     answers = told.say(*map(json.dumps, said), json.dumps({"vehicle": "b", "cycle": 1, **whole}))
-    assert [answer.get("event", "report") for answer in answers] == ["report", "stopped", "refused", "report"]
+    assert [answer.get("event", "report") for answer in answers] == ["report", "halted", "refused", "report"]
     assert "cannot begin anew by itself (input speed is missing)" in answers[1]["reason"]
 
 
