@@ -77,6 +77,7 @@ def joined(
     """The given machines, wired. Both verifications speak of one and the same train."""
     wires: dict[Var, Expr] = {
         between.own.trusted: giving.machine.flag("trusted"),
+        between.own.doubted: giving.machine.flag("untrusted"),
         between.own.high: interval(giving)[1],
         **_taking_wires(giving, between, taking),
         voice.begins: between.own.begins,

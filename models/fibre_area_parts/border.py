@@ -3,9 +3,9 @@
 Both areas see a shared stretch of line around their border. The train runs from the giving area into the taking one.
 
     BEFORE   the train has not come to the shared stretch, or nothing tells that it has
-    OFFERED  it has, and the giving area trusts it: its record is sent in every cycle until it arrives
+    OFFERED  it has: its record is sent in every cycle in which the giving area trusts it, until it arrives
     TAKEN    the record arrived
-    LOST     the record did not arrive in time, or the giving area lost its trust before it did
+    LOST     the record did not arrive in time, or the giving area found something wrong before it did
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Parts:
     """The variables of the machine.
 
     begins, ends     the shared stretch: fixed, any two places
-    trusted, high    the giving area's verification, and the farthest that the front can be
+    trusted, doubted, high  the giving area's verification: trusted, a mismatch; the farthest that the front can be
     arrives          the record that is sent arrives in this cycle
     gone             the train has left the giving area, or is given up there
     waited           cycles since the record was first sent
@@ -59,6 +59,7 @@ class Parts:
     begins: NumVar
     ends: NumVar
     trusted: BoolVar
+    doubted: BoolVar
     high: NumVar
     arrives: BoolVar
     gone: BoolVar
@@ -92,7 +93,7 @@ class Parts:
         late = self.waited >= self.waited.high
         yield Transition("train is gone", modes_, before, self.gone, quiet, TRACE, 0)
         yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, TRACE, 1)
-        yield Transition("trust lost on the way", offered, lost, ~self.trusted, missing, TRACE, 1)
+        yield Transition("trust lost on the way", offered, lost, self.doubted & ~self.trusted, missing, TRACE, 1)
         yield Transition("record lost on the way", offered, lost, late, missing, TRACE, 2)
         yield Transition("record is sent", before, offered, self.here, sent, TRACE, 3)
         yield Transition("record is sent again", offered, offered, TRUE, sent, TRACE, 3)
@@ -115,6 +116,7 @@ def parts(config: BorderConfig, far_mm: int) -> Parts:
         begins,
         ends,
         boolean("giving_trusts"),
+        boolean("giving_distrusts"),
         high,
         boolean("record_arrives"),
         boolean("train_gone"),
@@ -132,7 +134,7 @@ def build(own: Parts) -> Border:
     machine = Machine(
         name="border",
         modes=table,
-        inputs=[own.trusted, own.high, own.arrives, own.gone],
+        inputs=[own.trusted, own.doubted, own.high, own.arrives, own.gone],
         state=own.state(),
         outputs={
             "reference_due": own.due,

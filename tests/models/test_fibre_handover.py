@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 from pydantic import ValidationError
 
-from safeloc.expr import FALSE, TRUE
+from safeloc.expr import TRUE
 from safeloc.interpret import run
 from safeloc.models.fibre_area_parts import border as border_model
 from safeloc.models.fibre_area_parts.border import BorderConfig
@@ -40,12 +40,16 @@ def made() -> FibreHandover:
     return compose_machines(CONFIG)
 
 
-def handed_over(*, arrives: int | None, **stay: int) -> Trace:
-    """A train that runs 12.5 m a cycle through the shared stretch; `arrives`: from which cycle on a record gets through."""
+def handed_over(*, arrives: int | None, unheard: tuple[int, ...] = (), **stay: int) -> Trace:
+    """A train that runs 12.5 m a cycle through the shared stretch.
+
+    arrives  from which cycle on a record gets through; unheard: cycles in which the giving area hears no pattern
+    """
     steps: list[dict[str, Cell]] = []
     for cycle, heard in enumerate(simulate_stay(CONFIG.verification, seed=1, stay=Stay(cycles=CYCLES, **stay))):
         step: dict[str, Cell] = {f"giving.{name}": cell for name, cell in heard.items() if name != "truth_mm"}
         step |= {f"taking.{name}": cell for name, cell in heard.items() if name not in {*WIRED, "truth_mm"}}
+        step["giving.associated"] = cycle not in unheard
         through = arrives is not None and cycle >= arrives
         steps.append(step | {"border.record_arrives": through, "border.train_gone": cycle == CYCLES - 1})
     begins, ends = SHARED_MM
@@ -92,6 +96,14 @@ def test_trust_lost_on_the_way() -> None:
     """A train that becomes untrusted while its record is on the way is untrusted on both sides."""
     trace = handed_over(arrives=40, error_from=26)
     assert taking(trace) == ["NO_REFERENCE", "UNTRUSTED", "NO_REFERENCE"]
+
+
+def test_a_train_unheard_on_the_way() -> None:
+    """A cycle in which the giving area hears nothing only delays the record: nothing was found wrong."""
+    trace = handed_over(arrives=25, unheard=(25,))
+    ways = [made().border.machine.modes[int(step.state["border.mode"])].label for step in trace.steps]
+    assert [ways[cycle] for cycle in (22, 24, 25, 26)] == ["BEFORE", "OFFERED", "OFFERED", "TAKEN"]
+    assert taking(trace)[:2] == ["NO_REFERENCE", "TRUSTED"]
 
 
 def test_everything_is_proved() -> None:
