@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from safeloc.models.area import AreaConfig
@@ -53,3 +55,17 @@ def test_reports_show_it_with_its_unit() -> None:
     assert ("2262086", "mm") == (shown["separation_mm"]["value"], shown["separation_mm"]["unit"])
     assert shown["headway_ms"]["source"].startswith("follows from the figures above: [D]")
     assert "following.section_mm" in shown
+
+
+@pytest.mark.parametrize(
+    ("told_mm", "section_mm"),
+    [("2 km", 2_000_000), ("500 m", 500_000), ("100 m", 100_000), ("10 m", 10_000), ("0:", 0)],
+)
+def test_the_documented_table_is_computed(told_mm: str, section_mm: int) -> None:
+    """Rounded to metres and tenths of seconds."""
+    page = (Path(__file__).parents[2] / "docs" / "sections.md").read_text(encoding="utf-8")
+    (row,) = [line for line in page.splitlines() if line.startswith(f"| {told_mm}")]
+    config = SectionsConfig(following=Following(section_mm=section_mm))
+    _, separation, headway = row.strip("| ").split(" | ")
+    assert f"{config.separation_mm / 1_000:,.0f} m".replace(",", " ") == separation
+    assert f"{config.headway_ms / 1_000:.1f} s" == headway
