@@ -56,7 +56,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
         line=tracks.topology.line.name,
         rows=[(reason, WORDS[reason], number) for reason, number in counts.items()],
         map=Markup(_map(judgements, tracks, f"map of {name}")),
-        plot=Markup(guard_plot(list(_moments(judgements)), config.tolerance_mm, f"intervals of {name}")),
+        plot=Markup(guard_plot(list(_moments(judgements, tracks)), config.tolerance_mm, f"intervals of {name}")),
         figures=list(figures(config)),
         law=machine(config).doc,
         judgements=JUDGEMENTS,
@@ -88,8 +88,8 @@ def _spots(judgements: Iterable[Judgement], plane: Projector, crs: str) -> Itera
             yield Spot(*plane.plane(one.delivery.x, one.delivery.y, crs=crs), one.reason)
 
 
-def _moments(judgements: Iterable[Judgement]) -> Iterator[Moment]:
-    """Deliveries over time; one that is late stands where it came."""
+def _moments(judgements: Iterable[Judgement], tracks: Tracks) -> Iterator[Moment]:
+    """Deliveries over time; one that is late stands where it came. Without a route a place is on a way while one is held."""
     start: int | None = None
     now = 0
     for one in judgements:
@@ -98,4 +98,5 @@ def _moments(judgements: Iterable[Judgement]) -> Iterator[Moment]:
             continue
         start = time if start is None else start
         now = now if time is None else max(now, time - start)
-        yield Moment(now, one.reason, one.position_mm, one.interval_mm)
+        placed = tracks.route is not None or one.window_mm is not None
+        yield Moment(now, one.reason, one.position_mm if placed else None, one.interval_mm)

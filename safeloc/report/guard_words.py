@@ -11,7 +11,7 @@ WORDS: Mapping[str, str] = {
     "PASSED": "passed on",
     "UNCONFIRMED": "agrees, but too few in a row yet",
     "OFF_TRACK": "farther off the track than allowed",
-    "AMBIGUOUS": "more than one track is as near",
+    "AMBIGUOUS": "more than one track is too near to be told apart",
     "JUMP": "where the vehicle cannot be by now",
     "SPEED_DISAGREES": "speed disagrees with the distance run",
     "DOUBTFUL": "only its charged error reaches where the vehicle can be",
@@ -32,8 +32,7 @@ COLOURS: Mapping[str, str] = {
     "AMBIGUOUS": BROWN,
     "JUMP": ORANGE,
     "SPEED_DISAGREES": PURPLE,
-    "TOO_COARSE": GREEN,
-    "DOUBTFUL": BROWN,
+    "DOUBTFUL": GREEN,
 }
 
 
