@@ -26,7 +26,7 @@ STILL = (0.0, 0.0, 0.0)
 
 def told_of_frame(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The library's `solve_fde`, whose solver now knows the frame; skips without the extra `raim`."""
-    pytest.importorskip("gnss_lib_py", reason="residual-based exclusion needs the extra raim", exc_type=ImportError)
+    pytest.importorskip("gnss_lib_py", reason="residual-based exclusion needs the extra raim")
     from gnss_lib_py.algorithms import fde
 
     monkeypatch.setattr(fde, "solve_wls", partial(fde.solve_wls, sv_rx_time=True))
