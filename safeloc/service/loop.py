@@ -12,6 +12,7 @@ import json
 import os
 import selectors
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -26,6 +27,9 @@ from safeloc.service.outlets import Outlet
 from safeloc.service.saving import Saver
 from safeloc.service.vehicle import Told
 from safeloc.service.watchdog import Watchdog
+
+TURN_S = 0.000_2
+"""How long the thread that writes snapshots may keep the interpreter before the loop has its turn."""
 
 LAST_WORDS_S = 5.0
 """How long a reader may take for what waits for it when the process ends."""
@@ -74,6 +78,7 @@ class Loop:
         parts.feed.open(parts.selector)
         gc.collect()
         gc.freeze()  # machines are large and stay: looking through them again and again would hold reports up
+        sys.setswitchinterval(TURN_S)
         try:
             with self._signals():
                 parts.journal.info("started", pid=os.getpid(), machine=parts.fleet.name)
