@@ -62,6 +62,10 @@ class Guard:
     """The guard of one receiver on one vehicle. It has no clock of its own, and no other state than what it holds."""
 
     def __init__(self, config: GuardConfig, tracks: Tracks) -> None:
+        """InputError for a route that is longer than `position_limit_mm`."""
+        ends = [laid.start_mm + tracks.topology.length_mm(laid.run) for laid in tracks.route or ()]
+        if max(ends, default=0) > config.position_limit_mm:
+            raise InputError(f"the way is {max(ends)} mm long; raise position_limit_mm {config.position_limit_mm}.")
         self.config, self.tracks = config, tracks
         self._code = _code(config.model_dump_json())
         self._state = self._code.first()
@@ -143,7 +147,11 @@ class Guard:
 
     def _matched(self, delivery: Delivery) -> Match:
         assert delivery.x is not None and delivery.y is not None
-        return self.tracks.match(delivery.x, delivery.y, self._window(), alone=self._mode == "RECOVERING")
+        match = self.tracks.match(delivery.x, delivery.y, self._window(), alone=self._mode == "RECOVERING")
+        if abs(match.position_mm) <= self.config.position_limit_mm:
+            return match
+        self._state = self._code.first()  # so far that positions count from here anew
+        return self.tracks.match(delivery.x, delivery.y, None)
 
     def _window(self) -> Window | None:
         """Where the vehicle can be by what is held, or by the row of agreeing fixes."""

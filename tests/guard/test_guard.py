@@ -7,6 +7,7 @@ import random
 
 import pytest
 
+from safeloc.errors import InputError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.guard import Guard, Judgement
 from safeloc.line.places import Place
@@ -134,6 +135,19 @@ def test_over_a_switch() -> None:
     assert {"UNCONFIRMED", "PASSED"} == set(reasons(known))
 
 
+def test_farther_than_positions_count() -> None:
+    """Without a route positions begin anew, with a new row; a route that is too long is refused beforehand."""
+    config = CONFIG.model_copy(update={"position_limit_mm": 600_000})
+    steps = [fix(0.4 * number, 400 + 4 * number) for number in range(100)]
+    found = list(guard(config=config).judge_all(steps))
+    assert "PASSED" == found[-1].reason
+    assert all(abs(one.position_mm or 0) <= 600_000 for one in found)
+    topology = Topology(fork())
+    route = Route(topology, (Run("stem", "increasing"), Run("main", "increasing")), 0, 500_000)
+    with pytest.raises(InputError, match="the way is 1000000 mm long; raise position_limit_mm 600000"):
+        guard(route, config=config)
+
+
 # ------------------------------------------------------------------ never a wrong interval, never a wrong track
 
 
@@ -204,3 +218,39 @@ def test_a_configuration_has_its_own_row() -> None:
     config = CONFIG.model_copy(update={"confirmations": 6})
     found = list(guard(config=config).judge_all([fix(0.4 * number, 100) for number in range(6)]))
     assert ["UNCONFIRMED"] * 5 + ["PASSED"] == reasons(found)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_back_over_the_switch_and_on_over_the_other_branch(seed: int) -> None:
+    """A vehicle that goes back over a switch and takes the other branch is never told on the one it left."""
+    rng = random.Random(seed)
+    made, second, edges = guard(), 0.0, set[str]()
+    for branch, along in _shunting():
+        found = made.judge(fix(second, *_beside(branch, along + rng.uniform(-9, 9), rng.uniform(-4, 4))))
+        second += 0.4
+        if found.passed:
+            assert found.interval_mm is not None and found.place is not None and found.position_mm is not None
+            low, high = found.interval_mm
+            shift = _along(branch, found.place) - found.position_mm
+            assert low <= round(along * 1_000) - shift <= high, (second, branch, along, found)
+            edges.add(found.place.edge)
+    assert {"stem", "main", "side"} == edges
+
+
+def _shunting() -> list[tuple[str, float]]:
+    """Branch and metres along the way, each 0.4 s: to 750 m on the main track, back to 350 m, to 800 m on the side."""
+    made = [("main", along) for along in _travelled(200, 750)]
+    made += [("main", along) for along in _travelled(750, 350)]
+    return made + [("side", along) for along in _travelled(350, 800)]
+
+
+def _travelled(begin: float, end: float) -> list[float]:
+    """From rest to rest with 1 m/s2 up and down and 12 m/s at most, each 0.4 s."""
+    length, found, gone, speed = abs(end - begin), [begin], 0.0, 0.0
+    while gone < length - 0.3:
+        stop = speed * speed / 2
+        after = max(min(speed + 0.4, 12.0), 0.0) if gone + stop + speed * 0.8 < length else max(speed - 0.4, 0.2)
+        gone = min(gone + 0.2 * (speed + after), length)
+        speed = after
+        found.append(begin + math.copysign(gone, end - begin))
+    return found + [end] * 12
