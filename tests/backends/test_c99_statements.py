@@ -6,7 +6,7 @@ from safeloc.backends.c99_layout import Field
 from safeloc.backends.c99_source import _Slot, _writing
 from safeloc.backends.c99_statements import given, given_names, statements
 from safeloc.backends.python_blocks import Bind, Block, Choice, End
-from safeloc.backends.python_blocks import Test as Tested
+from safeloc.backends.python_blocks import Test as Branch
 
 SLOT = _Slot("state->x", Field("x", "x", "int64_t", 0, 9, ""), "x")
 
@@ -34,7 +34,7 @@ def test_a_choice_declares_what_every_branch_gives() -> None:
 
 def test_what_branches_write_alike_is_written_before_they_part() -> None:
     """A value that has its name there already."""
-    block: Block = [Bind("t1", "a * 2", False), Tested("a > 3", [End(("t1",))]), End(("t1",))]
+    block: Block = [Bind("t1", "a * 2", False), Branch("a > 3", [End(("t1",))]), End(("t1",))]
     text = _writing(block, [SLOT])
     assert text.count("state->x = t1;") == 1
     assert text.index("state->x = t1;") < text.index("if (a > 3)")
@@ -42,7 +42,7 @@ def test_what_branches_write_alike_is_written_before_they_part() -> None:
 
 def test_a_name_that_branches_give_by_themselves_is_written_in_each() -> None:
     """One name in two branches is two values, though it reads alike."""
-    block: Block = [Tested("a > 3", [choice("next_x"), End(("next_x",))]), choice("next_x"), End(("next_x",))]
+    block: Block = [Branch("a > 3", [choice("next_x"), End(("next_x",))]), choice("next_x"), End(("next_x",))]
     text = _writing(block, [SLOT])
     assert text.count("state->x = next_x;") == 2
     assert text.index("if (a > 3)") < text.index("state->x = next_x;")

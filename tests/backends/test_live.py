@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from safeloc.backends.live import live
 from safeloc.backends.python_blocks import Bind, Block, Choice, End
-from safeloc.backends.python_blocks import Test as Tested
+from safeloc.backends.python_blocks import Test as Branch
 
 
 def bind(name: str, value: str) -> Bind:
@@ -21,7 +21,7 @@ def test_names_that_are_not_read_are_left_out() -> None:
 def test_what_a_branch_reads_is_kept() -> None:
     """In tests, in branches, and behind them."""
     inner: Block = [End(("a",))]
-    block: Block = [bind("a", "x"), bind("t", "y"), bind("b", "z"), Tested("t > 0", inner), End(("b",))]
+    block: Block = [bind("a", "x"), bind("t", "y"), bind("b", "z"), Branch("t > 0", inner), End(("b",))]
     assert live(block) == block
 
 
