@@ -53,7 +53,7 @@ class EmitterConfig(Config):
 
     pattern: int = quantity(0b1011_0010_1110_0011, "bits", 1, 2**MOST_BITS - 1, "[M] its own among all of the line")
     place_mm: int = quantity(1_000_000, "mm", -1_000_000_000, 1_000_000_000, "[D] where it stands")
-    place_tolerance_mm: int = quantity(20_000, "mm", 0, 1_000_000, "[S] l. 160: 5 to 10 m, twice")
+    place_tolerance_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] the front end names an emitter within 30 m")
     due_cycles: int = quantity(20, "cycles", 2, 1_000_000, "[M] every 10 s at 500 ms")
     window_cycles: int = quantity(4, "cycles", 1, 1_000_000, "[M] 2 s: jitter, and length of the pattern")
     answer_cycles: int = quantity(6, "cycles", 1, 1_000_000, "[M] 3 s from request to recognition")

@@ -322,7 +322,7 @@ class Waterfall:
     loud      recording (file name without ending) -> what was heard there; it is called only where a picture is drawn
     sections  virtual sections of the machine itself
     signals   outputs that tell of position signals
-    modes     states whose members stand in strips below, by their labels
+    modes     states and outputs, enumerations or truth values, that stand in strips below, by their labels
     """
 
     title: str

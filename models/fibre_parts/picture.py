@@ -36,6 +36,11 @@ def area_picture(sections: int) -> Waterfall:
     )
 
 
+def order_picture() -> Waterfall:
+    """Whether the order is known, and whether patterns belong to trains."""
+    return Waterfall("Order of trains", loud, (), modes={"order": "mode", "told apart": "associated"})
+
+
 def _reported(machine: str, valid: str) -> Reported:
     return Reported(f"{machine}.position_mm", f"{machine}.under_mm", f"{machine}.over_mm", f"{machine}.{valid}")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.backends.compiled import compile_system
@@ -86,14 +86,19 @@ def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> Trai
     return next((one for one, owner in zip(seen, owners, strict=False) if owner == train), None)
 
 
-def truth_of(trains: Sequence[Places]) -> Steps:
-    """Ghost inputs: each train's middle, and which train each pattern holds."""
+def truth_of(trains: Sequence[Places], steps: Steps) -> Steps:
+    """Ghost inputs: each train's middle, and which train each pattern of the steps holds."""
     made = Steps()
-    for now in zip(*trains, strict=True):
+    for now, told in zip(zip(*trains, strict=True), steps, strict=True):
         middles = [round(MM_PER_M * UM_PER_MM * (low + high) / 2) for low, high in now]
         step: dict[str, Cell] = {f"next_train_{n}_place_um": _at(middles, n) for n in range(1, ORDER.trains + 1)}
-        made.append(step | {f"pattern_{n}_owner": min(n, len(trains)) for n in range(1, ORDER.trains + 1)})
+        made.append(step | {f"pattern_{n}_owner": _held(middles, told, n) for n in range(1, ORDER.trains + 1)})
     return made
+
+
+def _held(middles: Sequence[int], told: Mapping[str, Cell], pattern: int) -> int:
+    low, high = (int(told[f"pattern_{pattern}_{side}_mm"]) * UM_PER_MM for side in ("low", "high"))
+    return next((number for number, middle in enumerate(middles, 1) if low <= middle <= high), 1)
 
 
 def _at(places: Sequence[int], number: int) -> int:

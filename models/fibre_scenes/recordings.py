@@ -11,7 +11,8 @@ from typing import Any
 from safeloc.models.fibre_parts.variables import NM_PER_MM
 from safeloc.models.fibre_scenes.ends import Steps, steps_of
 from safeloc.models.fibre_scenes.figures import END_SCENES, QUIET_S, EndScene
-from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, AreaScene
+from safeloc.models.fibre_scenes.order import order_of, places_of, truth_of
+from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ORDER_SCENES, AreaScene, OrderScene
 from safeloc.models.fibre_scenes.scene import listen
 from safeloc.models.fibre_scenes.stay import first_state, stayed
 from safeloc.models.fibre_scenes.waterfall import waterfall
@@ -58,6 +59,19 @@ def recorded_stay(made: AreaScene) -> Recording:
     return Recording(f"fibre_area-{made.name}", "fibre_area", kept.steps, first, {**picture, "virtual": virtual})
 
 
+def recorded_order(made: OrderScene) -> Recording:
+    """The patterns of several trains, in their order."""
+    moments, begin = listen(made.scene), round(made.from_s * BLOCKS_PER_S)
+    trains = [places_of(moments[begin:], number) for number in range(len(made.scene.trains))]
+    steps = order_of(made.ends, moments[begin:], trains).steps
+    ghosts = truth_of(trains, steps)
+    whole = [{**step, **truth} for step, truth in zip(steps, ghosts, strict=True)]
+    first = {name.removeprefix("next_"): int(cell) for name, cell in ghosts[0].items() if name.startswith("next_")}
+    marks = {"axle counter 1": made.ends.low_mm, "axle counter 2": made.ends.high_mm}
+    picture = {"title": made.title, "says": made.says, **waterfall(made.scene, moments, begin, marks)}
+    return Recording(f"train_order-{made.name}", "train_order", whole, first, picture)
+
+
 def _virtual(cut: tuple[int, int], states: Sequence[str]) -> dict[str, Any]:
     """A virtual section: from which step on it was in which state."""
     begins = [number for number, state in enumerate(states) if number == 0 or states[number - 1] != state]
@@ -67,4 +81,5 @@ def _virtual(cut: tuple[int, int], states: Sequence[str]) -> dict[str, Any]:
 def recordings() -> Iterator[Recording]:
     """All of them, one after the other; minutes."""
     yield from map(recorded_end, END_SCENES)
+    yield from map(recorded_order, ORDER_SCENES)
     yield from map(recorded_stay, AREA_SCENES)

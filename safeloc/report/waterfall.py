@@ -96,6 +96,13 @@ class Fall:
         """The reported interval after each step."""
         return [interval.reported.interval_mm(step.outputs) for step in self.told.trace.steps]
 
+    def spoken(self, name: str) -> tuple[list[str], tuple[str, ...]]:
+        """What a signal says after each step, and all that it can say; a truth value says yes or no."""
+        members = self.told.members(name)
+        if members:
+            return self.told.words(name), members
+        return ["yes" if told else "no" for told in self.told.flags(name)], ("no", "yes")
+
     def states(self, section: SectionState) -> list[Piece]:
         """A virtual section's states in time."""
         words, made, at = self.told.words(section.mode), list[Piece](), 0
@@ -134,16 +141,17 @@ def waterfall_picture(one: Waterfall, told: Told) -> str:
     time, distance = fall.time, fall.distance(top)
     made = [_image(fall, distance), upright_axis(distance, "place in km", unit=1_000_000)]
     made += [_section(fall, low, high, states, distance) for _, low, high, states in fall.virtual()]
-    made += [_marked(name, place, distance) for name, place in loud.marks.items()]
-    made += [_stretch(section, distance) for section in loud.sections]
     for interval, colour in zip(one.intervals, INTERVALS, strict=False):
         made.append(_interval(fall, interval, distance, colour))
     made += [_train(fall, train, distance) for train in loud.trains]
+    made += [_marked(name, place, distance) for name, place in loud.marks.items()]
+    made += [_stretch(section, distance) for section in loud.sections]
     made += [_signal(fall, name, distance) for name in one.signals]
     y = top + HEIGHT + 10
     for label, name in one.modes.items():
         known: list[float | None] = list(fall.times_ms)
-        made.append(strip(time, known, told.words(name), told.members(name), y, label))
+        words, members = fall.spoken(name)
+        made.append(strip(time, known, words, members, y, label))
         y += ROW
     made.append(across_axis(time, y + 4, "time in s"))
     made.append(violations(told, fall.times_ms, time, y))
@@ -169,7 +177,7 @@ def described(one: Waterfall, told: Told) -> str:
 
 def _courses(fall: Fall, name: str) -> Iterator[str]:
     at = 0
-    for mode, group in groupby(fall.told.words(name)):
+    for mode, group in groupby(fall.spoken(name)[0]):
         yield f"{mode} from {fall.times_ms[at] / MS_PER_S:.0f} s"
         at += len(list(group))
 
@@ -198,7 +206,7 @@ def _cells(fall: Fall, step: int) -> list[str]:
         ends = fall.ends(interval)[step]
         made.append("not reported" if ends is None else _from_to(*ends))
     names = (*fall.one.modes.values(), *(section.mode for section in fall.one.sections))
-    return [*made, *(fall.told.words(name)[step] for name in names)]
+    return [*made, *(fall.spoken(name)[0][step] for name in names)]
 
 
 def _from_to(low_mm: float, high_mm: float) -> str:
@@ -321,10 +329,10 @@ def _signal(fall: Fall, name: str, distance: Axis) -> str:
 
 def _legends(fall: Fall, y: float) -> tuple[str, float]:
     made = ""
-    drawn, y = legend(_keys(fall), y, "picture")
+    drawn, y = legend([_on_light(key) for key in _keys(fall)], y, "picture")
     made += drawn
     for label, name in fall.one.modes.items():
-        drawn, y = legend(strip_legend(fall.told.words(name), fall.told.members(name)), y, label)
+        drawn, y = legend(strip_legend(*fall.spoken(name)), y, label)
         made += drawn
     return made, y
 
@@ -348,6 +356,14 @@ def _keys(fall: Fall) -> Sequence[Swatch]:
         keys.append(box_swatch("#ffd6cc", "nothing told"))
     present = {piece.state for *_, states in fall.virtual() for piece in states}
     return [*keys, *(_state_key(state) for state in STATES if state in present)]
+
+
+def _on_light(key: Swatch) -> Swatch:
+    """As in the picture, whose ground is light in every scheme."""
+    red, green, blue = QUIET
+    return Swatch(
+        f'<rect x="-2" y="-8" width="30" height="15" fill="rgb({red},{green},{blue})"/>{key.drawn}', key.words
+    )
 
 
 def _state_key(state: str) -> Swatch:

@@ -96,7 +96,8 @@ def _train_order(config: BaseModel) -> Target:
     assert isinstance(config, train_order.TrainOrderConfig)
     model = train_order.build(train_order.parts(config))
     made = single(model.machine, order_properties.properties(model), config)
-    return replace(made, simulate=lambda seed: train_order_streams.simulate(config, seed=seed))
+    pictures = (fibre_picture.order_picture(),)
+    return replace(made, simulate=lambda seed: train_order_streams.simulate(config, seed=seed), pictures=pictures)
 
 
 def _emitter(config: BaseModel) -> Target:

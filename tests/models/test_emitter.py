@@ -53,7 +53,11 @@ def test_a_missing_pattern_fails_in_time() -> None:
         ({"heard_pattern": CONFIG.pattern ^ 1, "heard_place_mm": CONFIG.place_mm}, "FOREIGN", "TESTED"),
         ({"heard_pattern": CONFIG.pattern}, "NO_PLACE", "TESTED"),
         (OWN, "NOT_DUE", "TESTED"),
-        ({"heard_pattern": CONFIG.pattern, "heard_place_mm": CONFIG.place_mm + 20_001}, "ELSEWHERE", "FAILED"),
+        (
+            {"heard_pattern": CONFIG.pattern, "heard_place_mm": CONFIG.place_mm + CONFIG.place_tolerance_mm + 1},
+            "ELSEWHERE",
+            "FAILED",
+        ),
     ],
 )
 def test_what_does_not_pass(cells: dict[str, Cell], verdict: str, mode: str) -> None:
