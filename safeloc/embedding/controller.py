@@ -65,7 +65,7 @@ class Controller:
     ) -> None:
         self.program = program if isinstance(program, Program) else Program(program)
         self.setting = memory.Setting(period_of(self.program, period_ms), dict(expected or {}), dict(first or {}))
-        self._first = self._state = self.program.code.first(first)
+        self._first = self._state = self.program.first(first)
         self._builder = self._building(start_ms)
         self._lock = threading.RLock()
         self._busy = False

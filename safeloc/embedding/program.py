@@ -66,6 +66,14 @@ class Program:
         """The target's name."""
         return self.target.name
 
+    def first(self, chosen: Mapping[str, Value] | None = None) -> Row:
+        """The first state; InputError as `interpret.start`."""
+        return self.code.first(chosen) if chosen else self._first
+
+    @cached_property
+    def _first(self) -> Row:
+        return self.code.first()
+
     @cached_property
     def by_name(self) -> Mapping[str, Var]:
         """Inputs by their full names, presence flags apart: these follow from the values."""
