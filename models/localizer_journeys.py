@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 from safeloc.models.balise_parts.groups import Group
-from safeloc.models.localizer_streams import Journey, Stretch, Trouble
+from safeloc.models.localizer_streams import Journey, Stretch, Trouble, TroubleKind
 from safeloc.models.reflector_streams import Balise, Reflector, Route
 from safeloc.simulation.motion import Leg
 
@@ -14,7 +15,9 @@ METRO = Journey(
     legs=[Leg(0, 2), Leg(15_000, 45), Leg(0, 30)],
     markers=[(number, number * 100_000) for number in range(1, 9)],
     groups=[Group(number, number * 150_000 - 130_000) for number in range(1, 7)],
-    reflectors=Route((Balise(1, 170_000), Balise(2, 470_000)), (Reflector(250_000, "A", 80_000), Reflector(640_000, "B", 150_000))),
+    reflectors=Route(
+        (Balise(1, 170_000), Balise(2, 470_000)), (Reflector(250_000, "A", 80_000), Reflector(640_000, "B", 150_000))
+    ),
     dark=[Stretch(-1_000_000, 10_000_000)],
     length_mm=40_000,
 )
@@ -41,3 +44,107 @@ FREIGHT = Journey(
 """A freight train through a fibre-equipped area with a junction, entered over an axle counter."""
 
 NOMINAL: Mapping[str, Journey] = {"metro": METRO, "main-line": MAIN_LINE, "freight": FREIGHT}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One thing that goes wrong on a journey, and what then happens.
+
+    fires        transitions of the whole that fire because of it, as `machine: transition`
+    outcome      in words
+    undetectable why no machine can notice it before a wrong interval is stated; empty: no wrong interval is stated
+    """
+
+    journey: str
+    trouble: Trouble
+    fires: tuple[str, ...]
+    outcome: str
+    undetectable: str = ""
+
+    @property
+    def name(self) -> str:
+        """Journey and trouble."""
+        return f"{self.journey}: {self.trouble.kind}"
+
+
+def with_troubles(cases: Sequence[Case]) -> Journey:
+    """The journey that the cases are of, with what goes wrong in all of them."""
+    return replace(NOMINAL[cases[0].journey], troubles=[case.trouble for case in cases])
+
+
+SPOOFED = (
+    "all solutions are drawn away together, by less in a cycle than the prediction allows: as long as the drift is within "
+    "what the other sources leave open, nothing on board differs from a true run"
+)
+SLID = (
+    "balises and reflectors hear one odometer and assume its law; a wheel that slides within the law's one-off constant is "
+    "like one that does not, and beyond it nothing on those ways of locating measures the distance a second time before the "
+    "next absolute reference"
+)
+_BALISE_UNREAD = ("balise: expected group missed",)
+_SILENT = ("motion: silent too long", "balise: tolerance exceeded")
+
+
+def _metro(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
+    return Case("metro", Trouble(kind, 380, 480, group), fires, outcome, undetectable)
+
+
+def _main(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
+    return Case("main-line", Trouble(kind, 800, 900, group), fires, outcome, undetectable)
+
+
+def _freight(
+    kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = ""
+) -> Case:
+    return Case("freight", Trouble(kind, 800, 1_000, group), fires, outcome, undetectable)
+
+
+CASES: tuple[Case, ...] = (
+    _metro("odometer silent", (*_SILENT, "reflector: nothing to rely on", "odometry: hand over to rear device"),
+           "balises and reflectors, which hear that odometer, withdraw; odometry goes on with the other device and radar"),
+    _metro("odometer slides", (*_SILENT[1:], "reflector: balise contradicts"),
+           "the wheel measures a quarter too little: the next balise contradicts, and odometry charges what it misses",
+           undetectable=SLID),
+    _metro("radar blind", ("reflector: reference reflector not found",), "the radar's self-test fails: it is not used"),
+    _metro("radar shifted", ("reflector: reference reflector not found",),
+           "60 m too far: the self-test against the reference reflector fails, the radar is not used"),
+    _metro("marker misplaced", ("odometry: trailing reading at rear",),
+           "a marker read with its neighbour's identity lies outside the window and is refused; the rear reader's counts"),
+    _metro("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; nothing is narrowed by it", group=4),
+    _metro("balise missed", _BALISE_UNREAD, "the margin grows until the next group", group=4),
+    _metro("balise displaced", _BALISE_UNREAD, "a group that lies 40 m further is found outside its window", group=4),
+    _metro("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+    _main("odometer silent", _SILENT, "satellites and odometry's radar go on; balises withdraw"),
+    _main("odometer slides", _SILENT[1:], "odometry charges what the wheel misses; balises withdraw; satellites go on",
+          undetectable=SLID),
+    _main("satellites lost", ("selection: no satellite is usable",), "odometry leads until satellites are back"),
+    _main("multipath", ("selection: satellites are selected",), "the one channel is excluded; the others locate on"),
+    _main("spoofing", ("position: tolerance exceeded",), "solutions that no more meet the prediction are refused",
+          undetectable=SPOOFED),
+    _main("marker misplaced", ("odometry: tolerance exceeded",), "refused; odometry withdraws when its margin is used up"),
+    _main("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; others go on", group=7),
+    _main("balise missed", _BALISE_UNREAD, "the margin grows; others lead", group=7),
+    _main("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; others lead", group=7),
+    _main("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+    _freight("odometer silent", _SILENT, "satellites and the fibre go on; balises withdraw"),
+    _freight("odometer slides", _SILENT[1:], "balises withdraw; satellites and the fibre go on",
+             undetectable=SLID),
+    _freight("satellites lost", ("arbitration: fibre takes over",), "fibre and balises lead, whichever is narrower"),
+    _freight("multipath", ("selection: satellites are selected",), "the one channel is excluded; the others locate on"),
+    _freight("spoofing", ("position: tolerance exceeded", "arbitration: fibre stands in"),
+             "solutions that no more meet the prediction are refused; the fibre stands in", undetectable=SPOOFED),
+    _freight("fibre miscount", ("verification: mismatch", "downlink: report revokes"),
+             "the counter's axles are not the fibre's: untrusted, and its position never comes on board"),
+    _freight("fibre error", ("verification: mismatch", "downlink: report revokes"),
+             "error signal F: what was given out is revoked, on board in the same cycle"),
+    _freight("downlink silent", ("downlink: report has become too old",), "the fibre's position ages and is withdrawn"),
+    _freight("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; satellites lead", group=6),
+    _freight("balise missed", _BALISE_UNREAD, "the margin grows; satellites lead", group=6),
+    _freight("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; satellites lead", group=6),
+    _freight("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+)  # fmt: skip
+
+
+def pairs(journey: str) -> Iterator[tuple[Case, Case]]:
+    """Two different things that go wrong on the same journey."""
+    yield from combinations([case for case in CASES if case.journey == journey], 2)
