@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.expr import before, was
-from safeloc.models.axle_head import DOWN, NO_AXLE, OFF, OVER_A, OVER_B, UP, AxleHead
+from safeloc.models.axle_head import DOWN, NO_AXLE, OFF, OVER_A, OVER_B, OVER_BOTH, UP, AxleHead
 from safeloc.spec import Property, always, reachable
 
 TRACE = ("FVA-4", "FVA-5")
@@ -17,6 +17,7 @@ def properties(model: AxleHead) -> list[Property]:
     mode = machine.mode
     leaves = before(own.place).ne(OFF) & own.place.eq(OFF)
     through_up = leaves & before(own.place).eq(OVER_B) & was(own.from_low)
+    heard = own.a.iff(own.place.one_of(OVER_A, OVER_BOTH)) & own.b.iff(own.place.one_of(OVER_B, OVER_BOTH))
     through_down = leaves & before(own.place).eq(OVER_A) & ~was(own.from_low)
     return [
         always(
@@ -28,7 +29,7 @@ def properties(model: AxleHead) -> list[Property]:
         ),
         always(
             "no disturbance by wheels",
-            ~machine.flag("disturbed"),
+            heard.implies(~machine.flag("disturbed")),
             statement="wheels alone, also those that turn back on the head, never disturb it",
             trace=TRACE,
             assumption=LAW,

@@ -250,6 +250,21 @@ def test_a_broken_section_is_noticed(row: str, fields: dict[str, object], broken
     assert not_kept(wrong.machine, prop)
 
 
+@pytest.mark.parametrize(
+    ("row", "target", "broken"),
+    [
+        ("turned back off A", "DISTURBED", "no disturbance by wheels"),
+        ("then on both, upwards", "BOTH_DOWN", "every axle is counted"),
+        ("both at once", "FREE", "unknown direction disturbs"),
+    ],
+)
+def test_a_broken_head_is_noticed(row: str, target: str, broken: str) -> None:
+    """A wheel that disturbs, an axle in the wrong direction, a direction that is guessed: each loses a proof."""
+    table = {mode.label: mode for mode in head().machine.modes}
+    wrong = replace(head(), machine=changed(head().machine, row, target=table[target]))
+    assert not_kept(wrong.machine, next(p for p in head_properties.properties(wrong) if p.name == broken))
+
+
 def test_a_broken_record_is_noticed() -> None:
     """A record of a passage whose faults are not looked at, or whose run is not summed, is found."""
     own = counter()

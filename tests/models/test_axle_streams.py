@@ -10,6 +10,7 @@ from types import ModuleType
 import pytest
 
 from safeloc.catalogue import load_target
+from safeloc.cli.replay import replay_stream
 from safeloc.interpret import run
 from safeloc.models import (
     axle_counter_streams,
@@ -94,6 +95,13 @@ def test_a_run_outside_the_assumption_claims_no_truth(stem: str) -> None:
     """What breaks the assumption ships without the truth that would break it."""
     ghosts = {var.name for var in target(stem.partition("-")[0]).system.ghosts}
     assert all(ghosts.isdisjoint(step) for step in read_steps(STREAMS / f"{stem}.jsonl").steps)
+
+
+@pytest.mark.parametrize(("machine", "stem"), RUNS, ids=[stem for _, stem in RUNS])
+def test_a_recording_verifies(machine: str, stem: str) -> None:
+    """Replayed as `verify` does: whatever can be judged on it holds."""
+    _, findings = replay_stream(target(machine), STREAMS / f"{stem}.jsonl")
+    assert {"held"} == {word(one.result) for one in findings}
 
 
 @pytest.mark.parametrize("machine", STREAMS_OF)
