@@ -11,6 +11,7 @@ import pytest
 from safeloc.interpret import run
 from safeloc.models import fibre_area
 from safeloc.models.fibre_parts.picture import loud
+from safeloc.models.fibre_scenes.figures import END_SCENES
 from safeloc.models.fibre_scenes.recordings import Recording, recorded_order, recorded_stay
 from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENES, SCENARIOS, SPLIT_S, VERIFIED_20_KM
 from safeloc.models.train_order import machine as order_machine
@@ -233,3 +234,11 @@ def test_the_shipped_order_is_a_fresh_simulation() -> None:
     """As `python -m safeloc.models.fibre_scenes` makes it."""
     for one in ORDER_SCENES:
         fresh_is_shipped(recorded_order(one))
+
+
+def test_every_scenario_is_described() -> None:
+    """In words with the recording, and on its page."""
+    page = (Path(__file__).parents[3] / "docs" / "fibre.md").read_text(encoding="utf-8")
+    for one in (*END_SCENES, *AREA_SCENES, *ORDER_SCENES):
+        assert f"`{one.name}`" in page, one.name
+        assert one.says.endswith(".")
