@@ -22,10 +22,10 @@ LIMIT, SPEED = CONFIG.range_threshold_mm, CONFIG.speed_threshold_mm_s
 WIDE, FAST = CONFIG.range_covariance_mm2, CONFIG.speed_covariance_mm2_s2
 
 
-def heard(channel: int = 1, satellite: int = 7, **changes: int | bool | None) -> dict[str, int | bool]:
+def heard(channel: int = 1, /, **changes: int | bool | None) -> dict[str, int | bool]:
     """One healthy satellite on a channel; None leaves a measurement out."""
     values: dict[str, int | bool | None] = {
-        "satellite": satellite,
+        "satellite": 7,
         "ephemeris_valid": True,
         "range_off_mm": 0,
         "speed_off_mm_s": 0,
@@ -44,7 +44,7 @@ def standings(config: SelectionConfig, *steps: dict[str, int | bool], channel: i
     return [selection.STANDING[int(step.state[f"channel_{channel}_standing"])].label for step in trace.steps]
 
 
-def last(config: SelectionConfig = CONFIG, **changes: int | bool | None) -> str:
+def last(config: SelectionConfig = CONFIG, /, **changes: int | bool | None) -> str:
     """The standing of a warm channel with one measurement changed."""
     return standings(config, heard(), heard(), heard(**changes))[-1]
 
