@@ -28,6 +28,7 @@ ROOMS = {
         "models/balise_streams.py",
         "models/fibre_scenes/",
         "models/fibre_streams.py",
+        "models/localizer_streams.py",
         "models/reflector_streams.py",
         "models/route_streams.py",
         "models/satellite_streams.py",

@@ -36,7 +36,7 @@ CHECKS: dict[str, Check] = {
     "reachable": reached,
     "assumption": assumption_kept,
 }
-SEARCHES = 4  # how often a check may use up its time limit, one search after the other
+SEARCHES = 4  # how often a check may use up its time limit, one search after the other; and once more for each machine
 
 
 def obligations(
@@ -52,10 +52,9 @@ def obligations(
     What `recordings` show to happen need not be found by search.
     """
     proved_base(system, limits)
+    most = (SEARCHES + len(system.parts)) * limits.seconds + GRACE_SECONDS
     tasks = [
-        Task(
-            f"{system.name}: {name}", partial(_packed, check, system, limits), SEARCHES * limits.seconds + GRACE_SECONDS
-        )
+        Task(f"{system.name}: {name}", partial(_packed, check, system, limits), most)
         for name, check in _checks(recordings).items()
     ]
     found: dict[int, list[Finding]] = {}

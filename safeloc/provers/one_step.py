@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from safeloc.backends.known import Known
 from safeloc.backends.smtlib import Query
-from safeloc.expr import Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, between
+from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var, all_of, as_num, between, ite
 from safeloc.machine import Machine, Transition
 from safeloc.nodes import FALSE, INT64_MAX, INT64_MIN, FloorDiv, Mul
 from safeloc.provers.base import base, range_name
@@ -150,17 +150,59 @@ def _enabled(machine: Machine, transition: Transition) -> Bool:
 
 
 def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """Where an input is absent, what is computed does not hold its value; else two copies that differ in it end alike."""
+    """Where an input is absent, what is computed does not hold its value; else two copies that differ in it end alike.
+
+    Of a composition: of each machine by itself, and of what goes through the wires.
+    """
     if not system.optionals:
         return
-    statement, terms, asked = "the value of an absent input is never read", list(_on_board(system)), 0
-    facts, failed = list(base(system, seconds=limits.seconds).always.values()), dict[str, Failure]()
-    for option in system.optionals:
-        goals = dict(_still_held(terms, option))
-        asked += len(goals)
-        failed |= unproved(_two_copies(system, option, goals, facts), limits.seconds) if goals else {}
+    asked, failed = 0, dict[str, Failure]()
+    for one in [part.alone for part in system.parts] or [system]:
+        more, wrong = _read_though_absent(one, list(_on_board(one)), one.optionals, limits)
+        asked, failed = asked + more, failed | wrong
+    if system.parts:
+        more, wrong = _read_though_absent(system, list(_through_wires(system)), system.optionals, limits)
+        asked, failed = asked + more, failed | wrong
     method = f"folded where absent, {asked} queries over two copies of a step for what is left"
-    yield Obligation("absence", statement, _read(failed), method)
+    yield Obligation("absence", "the value of an absent input is never read", _read(failed), method)
+
+
+Terms = Sequence[tuple[str, Expr, frozenset[Var]]]
+
+
+def _read_though_absent(
+    system: TransitionSystem, terms: Terms, optionals: Iterable[Optional], limits: Limits
+) -> tuple[int, dict[str, Failure]]:
+    """How many questions were left for the solver, and what speaks against them."""
+    asked, failed = 0, dict[str, Failure]()
+    for option in optionals:
+        goals = dict(_still_held(terms, option))
+        if goals:
+            facts = base(system, seconds=limits.seconds).always.values()
+            asked, failed = (
+                asked + len(goals),
+                failed | unproved(_two_copies(system, option, goals, facts), limits.seconds),
+            )
+    return asked, failed
+
+
+def _through_wires(system: TransitionSystem) -> Iterator[tuple[str, Expr, frozenset[Var]]]:
+    """What each wire tells; where it leads to an input that may be absent, only while that is present."""
+    for part in system.parts:
+        present: dict[Var, BoolVar] = {option.value: option.present for option in part.alone.optionals}
+        for var in part.alone.inputs:
+            told = part.into(var)
+            if not isinstance(told, Var):
+                heard = _where(part.into.bool(present[var]), told) if var in present else told
+                yield f"{part.alone.name}.{var.name}", heard, frozenset(variables([heard]))
+
+
+def _where(present: Bool, told: Expr) -> Expr:
+    """The term while it is present, and a constant otherwise."""
+    if isinstance(told, Num):
+        return ite(present, told, as_num(0, told.unit))
+    assert isinstance(told, Bool)
+    return present & told
 
 
 def _on_board(system: TransitionSystem) -> Iterator[tuple[str, Expr, frozenset[Var]]]:
@@ -170,7 +212,7 @@ def _on_board(system: TransitionSystem) -> Iterator[tuple[str, Expr, frozenset[V
         yield name, term, frozenset(variables([term]))
 
 
-def _still_held(terms: Sequence[tuple[str, Expr, frozenset[Var]]], option: Optional) -> Iterator[tuple[str, Expr]]:
+def _still_held(terms: Terms, option: Optional) -> Iterator[tuple[str, Expr]]:
     """Of the terms that hold the input's value, those that still do when all is folded that its absence decides."""
     absent = Known({option.present: FALSE})
     for name, term, held in terms:

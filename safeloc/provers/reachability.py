@@ -118,15 +118,14 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
     seen = shown(possible, recordings)
     searched = first_runs(possible, limits, seen)
     kept = replace(searched, found={**seen, **searched.found})
-    missing = [without_assumption(target.goal) for target in targets if target.name not in kept.found]
-    free = first_runs(missing, limits)
-    open_ = {target.name for target in targets} - {*kept.found, *free.found}
-    alone = _by_itself(system, open_, limits)
+    alone = _by_itself(system, {target.name for target in targets} - {*kept.found, *defences}, limits)
+    shown_ = {*kept.found, *alone}
+    free = first_runs([without_assumption(target.goal) for target in targets if target.name not in shown_], limits)
     for target in targets:
         witness = kept.found.get(target.name) or free.found.get(target.name)
         if target.name in alone:
-            verdict = Proved(None, "bmc", alone[target.name], ("interpreter",))
-            method = f"witness of the machine by itself; none of the whole in {free.depth} steps"
+            method = f"of the machine by itself, {alone[target.name]}; none of the whole in {kept.depth} steps"
+            verdict = Proved(None, "bmc", kept.depth, ("interpreter",))
             yield Obligation(target.name, f"{target.statement}, by itself", verdict, method)
         elif witness is None:
             yield Obligation(target.name, target.statement, _dead(target.goal, free.depth, limits), "bounded search")
@@ -137,12 +136,18 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
             yield Obligation(target.name, target.statement, verdict, method)
 
 
-def _by_itself(system: TransitionSystem, open_: Container[str], limits: Limits) -> dict[str, int]:
-    """Of a composition, what no run of the whole was found for, but one of the machine alone; with its steps."""
-    found: dict[str, int] = {}
+def _by_itself(system: TransitionSystem, open_: Container[str], limits: Limits) -> dict[str, str]:
+    """Of a composition, what no run of the whole was found for, but one of the machine alone; and what that run is."""
+    found: dict[str, str] = {}
     for part in system.parts:
         goals = [target.goal for target in _targets(part.alone) if target.name in open_]
-        found |= {name: len(run.steps) for name, run in first_runs(goals, limits).found.items()}
+        lawful = first_runs(goals, limits).found
+        others = [without_assumption(goal) for goal in goals if goal.prop.name not in lawful]
+        found |= {name: f"witness of {len(run.steps)} steps under its assumption" for name, run in lawful.items()}
+        found |= {
+            name: f"a defence: witness of {len(run.steps)} steps with its assumption broken"
+            for name, run in first_runs(others, limits).found.items()
+        }
     return found
 
 
@@ -208,8 +213,14 @@ def assumption_kept(
     system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()
 ) -> Iterator[Obligation]:
     """A run under the assumption in which as many inputs and ghosts as possible take different values."""
-    unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
     statement = f"the assumption can be kept for {ASSUMPTION_STEPS} steps from the start, and not by standing still"
+    recorded = lasting(system, recordings, ASSUMPTION_STEPS + FURTHER_STEPS) if system.parts else None
+    if recorded is not None and _moved(recorded):
+        how = f"a recorded run of {len(recorded.steps)} steps in which {_moved(recorded)} inputs and ghosts change"
+        yield Obligation("assumption", statement, _lasts(recorded, how).verdict, how)
+        yield _lasts(recorded, how)
+        return
+    unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
     solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(ASSUMPTION_STEPS)))
     answer = _checked(solver, ends)
     if answer != z3.sat:
@@ -269,6 +280,12 @@ def _lasting(
         stream.append(unrolling.values(model, 0, system.inputs))
         state = unrolling.values(model, 1, system.state)
     return _lasts(admissible_run(system, first, stream), f"one run of {len(stream)} steps, step by step")
+
+
+def _moved(run: Trace) -> int:
+    """How many inputs take different values in the steps of a run."""
+    first = run.steps[0].inputs
+    return sum(any(step.inputs[name] != value for step in run.steps) for name, value in first.items())
 
 
 def _undecided(found: Obligation) -> bool:
