@@ -59,7 +59,9 @@ class FibreConfig(Config):
     floor_mm: int = quantity(2_000, "mm", 0, 10_000, "[D] measured: of the run of one cycle")
     max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
     gap_limit_cycles: int = quantity(4, "cycles", 0, 1_000, "[M] 2 s without the pattern")
-    tolerance_mm: int = quantity(400_000, "mm", 1, 100_000_000, "[D] a kilometre between sections at 15 m/s, and silence")
+    tolerance_mm: int = quantity(
+        400_000, "mm", 1, 100_000_000, "[D] a kilometre between sections at 15 m/s, and silence"
+    )
     flight_threshold_mm: int = quantity(60_000, "mm", 1, 10_000_000, "[D] index and slack over 40 km, and the edge")
     reflection_threshold_mm: int = quantity(40_000, "mm", 1, 10_000_000, "[D] the point's own place, and the edge")
     window: int = quantity(5, "sections", 2, 20, "[D] fibre_parts.code: 5 tell 12 sections apart, 6 tell 24, 8 tell 40")
