@@ -73,7 +73,8 @@ class Stretch:
 class Journey:
     """What a vehicle runs along.
 
-    dark   where no satellite is seen; fibre: where a fibre lies along the track, entered over an axle counter
+    dark        where no satellite is seen; elsewhere `satellites` are, as far as the receiver has channels
+    fibre       where a fibre lies along the track, entered over an axle counter
     """
 
     legs: Sequence[Leg]
@@ -81,6 +82,7 @@ class Journey:
     groups: Sequence[Group] = ()
     reflectors: reflector_streams.Route = field(default_factory=lambda: reflector_streams.Route((), ()))
     dark: Sequence[Stretch] = ()
+    satellites: int = 16
     fibre: Stretch | None = None
     axles: int = 16
     length_mm: int = 60_000
@@ -239,14 +241,13 @@ def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Dis
         drawn += SPOOFED_MM if journey.trouble("spoofing", cycle) else 0
         far = journey.trouble("multipath", cycle) is not None
         selection = config.satellite.selection
-        step = _sky(selection, rng, heard, far) | _solution(
-            selection, rng, heard, far, truth + drawn, int(speeds[cycle + 1])
-        )
+        step = _sky(selection, rng, journey.satellites, heard, far)
+        step |= _solution(selection, rng, journey.satellites, heard, far, truth + drawn, int(speeds[cycle + 1]))
         steps.append(step | {"position.next_speed_um_s": int(speeds[cycle + 1])})
     return steps
 
 
-def _sky(config: SelectionConfig, rng: np.random.Generator, heard: int, far: bool) -> dict[str, Cell]:
+def _sky(config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool) -> dict[str, Cell]:
     """What each channel measured, less what was predicted; the first one is the disturbed one."""
     step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
     for number in range(1, config.channels + 1):
@@ -260,24 +261,25 @@ def _sky(config: SelectionConfig, rng: np.random.Generator, heard: int, far: boo
             f"{name}_prediction_mm_s": 0,
         }
         step[f"{name}_ephemeris_valid"] = True
-        if heard:
+        if heard and number <= seen:
             step |= {
                 f"{name}_satellite": number, f"{name}_range_off_mm": off, f"{name}_speed_off_mm_s": faster,
                 f"{name}_error_mm": off, f"{name}_speed_error_mm_s": faster,
             }  # fmt: skip
-        if heard >= config.warm_up_cycles:
+        if heard >= config.warm_up_cycles and number <= seen:
             spread = config.range_covariance_mm2 // 4, config.speed_covariance_mm2_s2 // 4
             step |= {f"{name}_range_covariance_mm2": spread[0], f"{name}_speed_covariance_mm2_s2": spread[1]}
     return step
 
 
 def _solution(
-    config: SelectionConfig, rng: np.random.Generator, heard: int, far: bool, place_mm: int, speed_um_s: int
+    config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool, place_mm: int, speed_um_s: int
 ) -> dict[str, Cell]:
     """Place and speed along the track from the usable ones, within their bounds; none before they are warm."""
     solved = heard >= config.warm_up_cycles
     step: dict[str, Cell] = {
-        f"position.used_{number}": solved and not (far and number == 1) for number in range(1, config.channels + 1)
+        f"position.used_{number}": solved and number <= seen and not (far and number == 1)
+        for number in range(1, config.channels + 1)
     }
     protection, speed_protection = 8_000, 300_000
     step |= {

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 from safeloc.reported import Reported
 from safeloc.system import TransitionSystem
 
-ThingKind = Literal["balise", "reflector"]
+ThingKind = Literal["balise", "reflector", "marker"]
 
 
 @dataclass(frozen=True)
@@ -340,7 +340,53 @@ class Waterfall:
         return Read(reported=(*intervals, *sections, *self.signals, *self.modes.values()))
 
 
-Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall
+@dataclass(frozen=True)
+class Refusals:
+    """A verdict by which something is rejected, withdrawn or withheld.
+
+    of      whose verdict it is, as the table names it
+    signal  the enumeration that tells it
+    fine    members by which nothing is refused
+    also    outputs or state that say more while it is refused, such as which two exclude each other
+    """
+
+    of: str
+    signal: str
+    fine: tuple[str, ...]
+    also: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Sources:
+    """The intervals of several sources over time, each about the truth, with what they have in common (issue 6).
+
+    period_ms  time of a step
+    fused      what is passed on; while it is not valid the vehicle is restrictive
+    lead       enumeration: which source leads
+    beside     what is read along the line, drawn where the front end passes it
+    refusals   the verdicts that make up the table of what was rejected
+    says       recording (file name without ending) -> what is to come of it; it is called only where a picture is drawn
+    """
+
+    title: str
+    period_ms: int
+    fused: Reported
+    lead: str
+    sources: tuple[Interval, ...]
+    beside: tuple[Things, ...] = ()
+    refusals: tuple[Refusals, ...] = ()
+    says: Callable[[str], str] | None = None
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        intervals = [name for one in self.sources for name in one.reported.outputs]
+        told = [name for one in self.refusals for name in (one.signal, *one.also)]
+        inputs = [name for things in self.beside for name in (things.at, things.label)]
+        return Read(tuple(inputs), reported=(*self.fused.outputs, self.lead, *intervals, *told))
+
+
+Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall | Sources
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:

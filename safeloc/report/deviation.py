@@ -231,7 +231,7 @@ def _along(things: list[Thing], axis: Axis, y: float) -> str:
         if thing.zone is not None:
             begin, end = (min(max(axis.at(place), LEFT), RIGHT) for place in thing.zone)
             made.append(box(begin, y - 9, end - begin, 18, SKY, kind="zone", faint=True))
-        passed = thing.kind == "balise"
+        passed = thing.kind != "reflector"
         drawn = triangle(x, y, kind="balise") if passed else diamond(x, y, kind="reflector")
         made.append(drawn + word(x, y + 24 if passed else y - 14, f"{thing.kind} {thing.words}", anchor=_side(x)))
     return "".join(made)
@@ -242,7 +242,7 @@ def _side(x: float) -> str:
 
 
 def _lines(things: list[Thing], axis: Axis, top: float, bottom: float) -> str:
-    colours = {"balise": ORANGE, "reflector": SKY}
+    colours = {"balise": ORANGE, "reflector": SKY, "marker": ORANGE}
     return "".join(
         upright(axis.at(thing.at_mm), top, bottom, colours[thing.kind], kind=f"at-{thing.kind}") for thing in things
     )

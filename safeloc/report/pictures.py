@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
-from safeloc.pictures import Approach, Deviation, Picture, Recognition, Standings, Stanford, Waterfall
+from safeloc.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture
+from safeloc.report.refusals import refusals_table
+from safeloc.report.sources import sources_picture
 from safeloc.report.standings import standings_picture
 from safeloc.report.stanford import stanford_picture
 from safeloc.report.told import Broken, Told
@@ -29,11 +31,19 @@ def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str,
 
 
 def _beside(declared: Picture, told: Told) -> dict[str, Any]:
-    """What stands beside a drawing: its title; of a waterfall also what was to come of the scene, and its numbers."""
+    """What stands beside a drawing: its title; of a waterfall what was to come of it, and a table where there is one."""
+    if isinstance(declared, Sources):
+        return _beside_sources(declared, told)
     loud = declared.loud(told.name) if isinstance(declared, Waterfall) else None
     if not isinstance(declared, Waterfall) or loud is None:
         return {"title": declared.title}
     return {"title": f"{declared.title}: {loud.title}", "says": loud.says, "table": waterfall_table(declared, told)}
+
+
+def _beside_sources(declared: Sources, told: Told) -> dict[str, Any]:
+    says = declared.says(told.name) if declared.says else ""
+    table = {"table": refusals_table(declared, told), "summary": "everything that was rejected, with its reason"}
+    return {"title": declared.title, **({"says": says} if says else {}), **table}
 
 
 def drawn(declared: Picture, told: Told) -> str:
@@ -49,6 +59,8 @@ def drawn(declared: Picture, told: Told) -> str:
             return stanford_picture(declared, told)
         case Standings():
             return standings_picture(declared, told)
+        case Sources():
+            return sources_picture(declared, told)
         case Waterfall():
             return waterfall_picture(declared, told)
         case _:

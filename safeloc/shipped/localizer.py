@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from pydantic import BaseModel
 
-from safeloc.models import arbitration, localizer, transmission
+from safeloc.models import arbitration, localizer, localizer_picture, transmission
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.properties import arbitration as arbitration_properties
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import transmission as transmission_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import recorded, single
+from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
 
 
@@ -37,16 +40,27 @@ def _localizer(config: BaseModel) -> Target:
         "All ways of locating of one vehicle in one step: what those that state a position have in common, led by the one with "
         "the smallest margin; nothing where they exclude each other; and what the trackside sees of it."
     )
-    reported = Reported(
-        position="delocalized.position_mm",
-        under="delocalized.under_mm",
-        over="delocalized.over_mm",
-        valid="delocalized.restrictive",
-        valid_is=False,
-    )
     properties = tuple(localizer_properties.properties(whole))
     system, streams = whole.composition.system, recorded("localizer")
-    return Target("localizer", whole.machines, system, properties, config, doc, streams, reported)
+    return Target(
+        "localizer", whole.machines, system, properties, config, doc, streams, localizer_picture.PASSED_ON,
+        partial(_simulated, config), (localizer_picture.picture(config, _says),),
+    )  # fmt: skip
+
+
+def _says(recording: str) -> str:
+    """What is to come of a shipped recording; empty for another one."""
+    from safeloc.models.localizer_recordings import RUNS  # numpy is loaded only where a picture is drawn
+
+    run = RUNS.get(recording.removeprefix("localizer-"))
+    return run.says if run else ""
+
+
+def _simulated(config: LocalizerConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    """A nominal journey, the sensors' errors by the seed."""
+    from safeloc.models.localizer_recordings import simulated  # numpy is loaded only where something is simulated
+
+    return simulated(config, seed)
 
 
 ENTRIES = (

@@ -1,0 +1,74 @@
+"""How a run of the localizer is drawn: every source about the truth, what leads, and everything that was rejected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.pictures import Interval, Refusals, Sources, Things
+from safeloc.reported import Reported
+
+PASSED_ON = Reported(
+    position="delocalized.position_mm", under="delocalized.under_mm", over="delocalized.over_mm",
+    valid="delocalized.restrictive", valid_is=False,
+)  # fmt: skip
+ODOMETERS = ("front_wheel", "front_radar", "rear_wheel", "rear_radar")
+
+
+def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
+    """The picture of a localizer with the sources that it has; `says` tells what a recording is of."""
+    used = config.arbitration.sources
+    refusals = [Refusals("odometer", "motion.measured", ("ADMITTED",))]
+    refusals += [one for name in used for one in _REFUSALS[name]]
+    return Sources(
+        "Sources over time",
+        config.motion.period_ms,
+        PASSED_ON,
+        "arbitration.lead",
+        tuple(_interval(name) for name in used),
+        tuple(_BESIDE[name] for name in used if name in _BESIDE),
+        (*refusals, *_whole()),
+        says,
+    )
+
+
+def _interval(name: str) -> Interval:
+    """What a source states to arbitration: of the fibre what has come on board."""
+    machine = {"satellite": "position", "fibre": "downlink"}.get(name, name)
+    position, under, over, valid = (f"{machine}.{what}" for what in ("position_mm", "under_mm", "over_mm", "valid"))
+    return Interval(name, Reported(position, under, over, valid))
+
+
+def _whole() -> Iterator[Refusals]:
+    excluding = ("arbitration.contradicting_first", "arbitration.contradicting_second")
+    yield Refusals("passed on", "arbitration.reason", ("NONE",), excluding)
+
+
+# A fibre's cycle without a block is NOT_ASSOCIATED; that nothing comes for longer shows in downlink.mode.
+_REFUSALS = {
+    "odometry": (
+        *(Refusals("odometry", f"odometry.{unit}_judged", ("ADMITTED",)) for unit in ODOMETERS),
+        *(Refusals("odometry", f"odometry.{end}_reading", ("NONE", "ACCEPTED", "CANDIDATE")) for end in ("front", "rear")),
+        Refusals("odometry", "odometry.reason", ("NONE",)),
+    ),
+    "balise": (
+        Refusals("balise", "balise.telegram", ("NONE", "ACCEPTED", "CANDIDATE")),
+        Refusals("balise", "balise.linking", ("NONE", "TAKEN")),
+        Refusals("balise", "balise.reaction", ("NONE",)),
+        Refusals("balise", "balise.reason", ("NONE",)),
+    ),
+    "reflector": (Refusals("reflector", "reflector.error", ("NONE",)),),
+    "satellite": (
+        Refusals("satellite", "position.fix", ("NONE", "ACCEPTED")),
+        Refusals("satellite", "position.reason", ("LOCATED",)),
+    ),
+    "fibre": (
+        Refusals("fibre", "verification.reason", ("VERIFIED", "NOT_ASSOCIATED")),
+        Refusals("fibre", "downlink.mode", ("HELD",)),
+    ),
+}  # fmt: skip
+_BESIDE = {
+    "odometry": Things("marker", "odometry.front_marker_position_mm", "odometry.front_marker"),
+    "balise": Things("balise", "balise.telegram_position_mm", "balise.telegram_group"),
+    "reflector": Things("reflector", "reflector.next_position_mm", "reflector.next_model"),
+}

@@ -1,0 +1,62 @@
+"""What was rejected, withdrawn or withheld along a run, each with its reason: one row for each unbroken time of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+from safeloc.pictures import Refusals, Sources
+from safeloc.report.drawing import number
+from safeloc.report.told import Told
+
+MOST_ROWS = 400
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A verdict that stood from step `begin` up to, not including, `end`, counted from 0 on."""
+
+    of: str
+    signal: str
+    reason: str
+    begin: int
+    end: int
+
+
+def refused(one: Sources, told: Told) -> list[Refused]:
+    """All of them in order of time."""
+    found = [run for verdict in one.refusals for run in _of_verdict(verdict, told)]
+    return sorted(found, key=lambda run: run.begin)
+
+
+def _of_verdict(verdict: Refusals, told: Told) -> Iterator[Refused]:
+    begin = 0
+    for reason, group in groupby(_reasons(verdict, told)):
+        end = begin + len(list(group))
+        if reason:
+            yield Refused(verdict.of, verdict.signal, reason, begin, end)
+        begin = end
+
+
+def _reasons(verdict: Refusals, told: Told) -> Iterator[str]:
+    """The reason of each step, with what else is said; empty where nothing is refused."""
+    also = zip(*(told.words(name) for name in verdict.also), strict=True) if verdict.also else [()] * len(told.rows)
+    for said, more in zip(told.words(verdict.signal), also, strict=True):
+        names = " and ".join(name for name in more if name not in ("", "NONE"))
+        yield "" if said in ("", *verdict.fine) else f"{said}: {names}" if names else said
+
+
+def refusals_table(one: Sources, told: Told) -> dict[str, list[str] | list[list[str]]]:
+    """Rows for the page; beyond a limit the last one says how many more there are."""
+    found, truth = refused(one, told), told.truth(one.fused.truth)
+    rows = [_row(one, run, truth[run.begin]) for run in found[:MOST_ROWS]]
+    if len(found) > MOST_ROWS:
+        rows.append(["", "", "", "", "", f"and {len(found) - MOST_ROWS} more"])
+    return {"head": ["from s", "to s", "front end at m", "of", "told by", "reason"], "rows": rows}
+
+
+def _row(one: Sources, run: Refused, place_mm: float | None) -> list[str]:
+    begin, end = (number(step * one.period_ms / 1_000) for step in (run.begin, run.end))
+    place = "unknown" if place_mm is None else number(round(place_mm / 1_000, 1))
+    return [begin, end, place, run.of, run.signal, run.reason]

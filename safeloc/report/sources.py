@@ -1,0 +1,193 @@
+"""The intervals of several sources over time, one row each, about the truth; what they have in common; which one leads.
+
+Each row has its own scale: 0 is the front end as it really is, or, where the run does not tell it, as it is passed on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.pictures import Interval, Sources, ThingKind, Things
+from safeloc.report.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    LEFT,
+    RED,
+    RIGHT,
+    Axis,
+    Swatch,
+    across_axis,
+    band,
+    box,
+    box_swatch,
+    diamond,
+    legend,
+    line,
+    metres,
+    picture,
+    stroke_swatch,
+    triangle,
+    upright,
+    wide,
+    word,
+)
+from safeloc.report.refusals import refused
+from safeloc.report.strips import TALL, strip, strip_legend
+from safeloc.report.thinning import Point, Span, spans
+from safeloc.report.told import Series, Told
+from safeloc.report.violations import head, violations
+
+ROW, APART, LEAST_MM = 74, 16, 2_000
+
+
+@dataclass(frozen=True)
+class Passed:
+    """Something beside the line that the front end passes at a time, s."""
+
+    kind: ThingKind
+    label: str
+    at_mm: int
+    at_s: float
+
+
+def sources_picture(one: Sources, told: Told) -> str:
+    """The drawing; empty for a run that tells of no place."""
+    zero = _zero(one, told)
+    if all(place is None for place in zero):
+        return ""
+    times: Series = [step * one.period_ms / 1_000 for step in range(len(zero))]
+    axis, top = Axis(0, len(zero) * one.period_ms / 1_000, LEFT, RIGHT), head(told) + 24
+    made = [_map(one, told, axis, zero, top)]
+    y = top + 62
+    for interval in (*one.sources, Interval("passed on", one.fused)):
+        made.append(_row(one, interval, told, axis, zero, y))
+        y += ROW + APART
+    leads = told.words(one.lead)
+    made.append(strip(axis, times, leads, told.members(one.lead), y, "leads"))
+    y += TALL + 10
+    made.append(across_axis(axis, y, "time in s", unit=1))
+    made.append(violations(told, times, axis, y))
+    drawn, y = legend([*_keys(one, told), *strip_legend(leads, told.members(one.lead))], y + 58)
+    return picture([*made, drawn], y, f"{one.title}, recording {told.name}")
+
+
+def _zero(one: Sources, told: Told) -> Series:
+    """The truth; where it is not known, what is passed on."""
+    pairs = zip(told.truth(one.fused.truth), told.trace.steps, strict=True)
+    return [truth if truth is not None else _passed_on(one, step.outputs) for truth, step in pairs]
+
+
+def _passed_on(one: Sources, outputs: object) -> float | None:
+    assert isinstance(outputs, dict)
+    return None if one.fused.interval_mm(outputs) is None else float(outputs[one.fused.position])
+
+
+# ------------------------------------------------------------------ the line, where the front end passes what is on it
+
+
+def _map(one: Sources, told: Told, axis: Axis, zero: Series, y: float) -> str:
+    made = [word(LEFT - 8, y + 4, "passes", anchor="end")]
+    made.append(f'<path d="M{LEFT} {y:.1f}H{RIGHT}" class="ink track" stroke-width="3"/>')
+    taken = dict.fromkeys((-22, 24, 38), float(LEFT) - 60)
+    for thing in sorted(_all_passed(one, told, zero), key=lambda thing: thing.at_s):
+        x, text = axis.at(thing.at_s), f"{thing.kind} {thing.label}".strip()
+        made.append(_drawn(thing.kind, x, y))
+        rows = (-22,) if thing.kind == "reflector" else (24, 38)
+        free = next((row for row in rows if taken[row] + 6 < x - wide(text) / 2), None)
+        if free is not None:
+            taken[free] = x + wide(text) / 2
+            made.append(word(x, y + free, text, anchor="middle"))
+    return "".join(made)
+
+
+def _drawn(kind: ThingKind, x: float, y: float) -> str:
+    match kind:
+        case "balise":
+            return triangle(x, y, kind="balise")
+        case "reflector":
+            return diamond(x, y - 8, kind="reflector")
+        case "marker":
+            return upright(x, y - 9, y + 9, GREEN, kind="marker", dash="")
+
+
+def _all_passed(one: Sources, told: Told, zero: Series) -> Iterator[Passed]:
+    for things in one.beside:
+        yield from _passed(one, things, told, zero)
+
+
+def _passed(one: Sources, things: Things, told: Told, zero: Series) -> Iterator[Passed]:
+    """Each place once, as the run tells of it first, if the front end comes there."""
+    places = {given[things.at]: given.get(things.label) for given in reversed(told.given) if things.at in given}
+    for at, label in places.items():
+        step = next((step for step, place in enumerate(zero) if place is not None and place >= at), None)
+        if step is not None and zero[0] is not None and zero[0] <= at:
+            said = "" if label is None else told.word(things.label, label)
+            yield Passed(things.kind, said, at, step * one.period_ms / 1_000)
+
+
+# ------------------------------------------------------------------ rows
+
+
+def _row(one: Sources, interval: Interval, told: Told, axis: Axis, zero: Series, top: float) -> str:
+    """Margins about 0, where it states nothing, and where something of it was refused."""
+    ends = [interval.reported.interval_mm(step.outputs) for step in told.trace.steps]
+    offs = [
+        None if end is None or at is None else (end[0] - at, end[1] - at) for end, at in zip(ends, zero, strict=True)
+    ]
+    widest = max([LEAST_MM, *(abs(side) for off in offs if off is not None for side in off)])
+    widest = -(-widest // 1_000) * 1_000
+    height, fused = Axis(-widest, widest, top + ROW, top), interval.reported == one.fused
+    drawn = [
+        None if off is None else Span(axis.at(step * one.period_ms / 1_000), height.at(off[0]), height.at(off[1]))
+        for step, off in enumerate(offs)
+    ]
+    made = [_scale(height, interval.name), _silent(one, axis, ends, top, RED if fused else GREY)]
+    made.append(band(spans(drawn), GREEN if fused else BLUE, kind=f"interval-{interval.name}".replace(" ", "-")))
+    middle = height.at(0)
+    made.append(line([[Point(LEFT, middle), Point(RIGHT, middle)]], "", kind="zero", width=1))
+    return "".join(made) + _marks(one, interval.name, told, axis, top)
+
+
+def _scale(height: Axis, name: str) -> str:
+    """The row's frame, its name, and its ends in m."""
+    size, most = height.begin - height.end, metres(height.high)
+    made = f'<rect x="{LEFT}" y="{height.end:.1f}" width="{RIGHT - LEFT}" height="{size:.1f}" class="frame"/>'
+    made += word(LEFT - 8, height.end + 10, f"+{most}", anchor="end", soft=True)
+    made += word(LEFT - 8, height.begin, f"\N{MINUS SIGN}{most}", anchor="end", soft=True)
+    return made + word(LEFT - 8, height.at(0) + 4, name, anchor="end")
+
+
+def _silent(one: Sources, axis: Axis, ends: list[tuple[int, int] | None], top: float, colour: str) -> str:
+    """Where no interval is stated."""
+    made, begin, second = "", 0, one.period_ms / 1_000
+    for step in range(1, len(ends) + 1):
+        if step == len(ends) or (ends[step] is None) is not (ends[begin] is None):
+            if ends[begin] is None:
+                x = axis.at(begin * second)
+                made += box(x, top, axis.at(step * second) - x, ROW, colour, kind="silent", faint=True)
+            begin = step
+    return made
+
+
+def _marks(one: Sources, name: str, told: Told, axis: Axis, top: float) -> str:
+    """A line at every refusal of that source, one in each column of the page."""
+    times = [run.begin * one.period_ms / 1_000 for run in refused(one, told) if run.of == name]
+    return "".join(
+        upright(x, top, top + 12, RED, kind="refused", dash="") for x in sorted({round(axis.at(t)) for t in times})
+    )
+
+
+def _keys(one: Sources, told: Told) -> list[Swatch]:
+    known = any(place is not None for place in told.truth(one.fused.truth))
+    zero = "0: the front end as it really is" if known else "0: the front end as passed on (no truth recorded)"
+    return [
+        stroke_swatch("", zero, width=1),
+        box_swatch(BLUE, "interval stated by a source", faint=True),
+        box_swatch(GREEN, "interval passed on", faint=True),
+        box_swatch(GREY, "states nothing", faint=True),
+        box_swatch(RED, "restrictive: nothing passed on", faint=True),
+        stroke_swatch(RED, "rejected or withdrawn: see the table"),
+        Swatch("", "each row has its own scale"),
+    ]
