@@ -118,13 +118,22 @@ def _all_passed(one: Sources, told: Told, zero: Series) -> Iterator[Passed]:
 
 
 def _passed(one: Sources, things: Things, told: Told, zero: Series) -> Iterator[Passed]:
-    """Each place once, as the run tells of it first, if the front end comes there."""
-    places = {given[things.at]: given.get(things.label) for given in reversed(told.given) if things.at in given}
-    for at, label in places.items():
-        step = next((step for step, place in enumerate(zero) if place is not None and place >= at), None)
-        if step is not None and zero[0] is not None and zero[0] <= at:
+    """Each place once: what is passed over where it is first read, others where the front end comes to them."""
+    first = {given[things.at]: step for step, given in reversed(list(enumerate(told.given))) if things.at in given}
+    for at, read in first.items():
+        step = _reached(zero, at) if things.kind == "reflector" else read
+        if step is not None:
+            label = told.given[read].get(things.label)
             said = "" if label is None else told.word(things.label, label)
             yield Passed(things.kind, said, at, step * one.period_ms / 1_000)
+
+
+def _reached(zero: Series, at: int) -> int | None:
+    """The step in which the front end comes to a place ahead of where it is first known."""
+    known = [(step, place) for step, place in enumerate(zero) if place is not None]
+    if not known or known[0][1] > at:
+        return None
+    return next((step for step, place in known if place >= at), None)
 
 
 # ------------------------------------------------------------------ rows

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from safeloc.expr import Num, boolean, choice, enumeration, members, number
+from safeloc.expr import Bool, Lit, Num, Var, boolean, choice, enumeration, members, number
 from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
+from safeloc.machine import Any_, Machine, Transition, modes
 from safeloc.pictures import Interval, Refusals, Sources, unreadable
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
@@ -28,14 +28,20 @@ PICTURE = Sources(
 @cache
 def system() -> TransitionSystem:
     """A machine that says what it is told."""
-    said: list[Num] = [number("place_mm", MM, 0, 99_000), number("margin_mm", MM, 0, 9_000)]
+    said = [number("place_mm", MM, 0, 99_000), number("margin_mm", MM, 0, 9_000)]
     said += [choice("verdict", enumeration(VERDICT)), choice("lead", enumeration(WHO))]
     told = [number("given_place", MM, 0, 99_000), number("given_margin", MM, 0, 9_000)]
     verdict, lead, valid = choice("v", enumeration(VERDICT)), choice("l", enumeration(WHO)), boolean("ok")
     state = boolean("valid")
     (only,) = modes("ONLY")
-    copied = dict(zip((*said, state), (*told, verdict, lead, valid), strict=True))
-    first = {said[0]: 0, said[1]: 0, said[2]: VERDICT[0], said[3]: WHO[0], state: False}
+    copied: dict[Var, Num | Bool | int | bool] = dict(zip((*said, state), (*told, verdict, lead, valid), strict=True))
+    first: dict[Var, int | bool | Lit | Any_] = {
+        said[0]: 0,
+        said[1]: 0,
+        said[2]: VERDICT[0],
+        said[3]: WHO[0],
+        state: False,
+    }
     return lower(
         Machine(
             "copy", modes=(only,), inputs=[*told, verdict, lead, valid], state=first, outputs={"valid": state, "place_mm": said[0], "margin_mm": said[1]},
