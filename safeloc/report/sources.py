@@ -90,7 +90,7 @@ def _passed_on(one: Sources, outputs: object) -> float | None:
 def _map(one: Sources, told: Told, axis: Axis, zero: Series, y: float) -> str:
     made = [word(LEFT - 8, y + 4, "passes", anchor="end")]
     made.append(f'<path d="M{LEFT} {y:.1f}H{RIGHT}" class="ink track" stroke-width="3"/>')
-    taken = dict.fromkeys((-22, 24, 38), float(LEFT) - 60)
+    taken: dict[int, float] = dict.fromkeys((-22, 24, 38), float(LEFT) - 60)
     for thing in sorted(_all_passed(one, told, zero), key=lambda thing: thing.at_s):
         x, text = axis.at(thing.at_s), f"{thing.kind} {thing.label}".strip()
         made.append(_drawn(thing.kind, x, y))
