@@ -118,7 +118,7 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
     seen = shown(possible, recordings)
     searched = first_runs(possible, limits, seen)
     kept = replace(searched, found={**seen, **searched.found})
-    alone = _by_itself(system, {target.name for target in targets} - {*kept.found, *defences}, limits)
+    alone = _by_itself(system, {target.name for target in targets} - {*kept.found}, limits)
     shown_ = {*kept.found, *alone}
     free = first_runs([without_assumption(target.goal) for target in targets if target.name not in shown_], limits)
     for target in targets:
