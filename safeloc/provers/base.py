@@ -102,7 +102,7 @@ def range_name(var: NumVar) -> str:
 
 def _prove(system: TransitionSystem, seconds: float) -> Base:
     own, hidden = _ranges(system, ghosts=False), _ranges(system, ghosts=True)
-    had = inherit(system, [_alone(part, seconds) for part in system.parts], deadline(seconds))
+    had = inherit(system, [_alone(part, seconds) for part in system.parts], seconds)
     ends = deadline(seconds)
     free = {name: term for name, term in system.lemmas.items() if not set(variables([term])) & system.ghosts}
     wanted = _without({**own, **free}, had.always)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from safeloc.backends.smtlib import Query
 from safeloc.expr import TRUE, Bool, Expr, NumVar, Var, before, was
 from safeloc.provers.implication import Failure, Undecided, conjuncts, unproved
-from safeloc.provers.limits import Deadline
+from safeloc.provers.limits import deadline
 from safeloc.provers.recheck import certify
 from safeloc.provers.relevance import Relevance
 from safeloc.spec import Property, always
@@ -66,10 +66,11 @@ def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
     return Substitution(twins).bool(term)
 
 
-def inherit(system: TransitionSystem, alone: Sequence[Alone], ends: Deadline) -> Inherited:
-    """What the whole has from its machines, in order."""
-    found, proof = Inherited(), _Proof(system, ends)
+def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) -> Inherited:
+    """What the whole has from its machines, in order; each may take so many seconds."""
+    found, proof = Inherited(), _Proof(system)
     for part, own in zip(system.parts, alone, strict=True):
+        proof.ends = deadline(seconds)
         found.certificates |= own.certificates
         heard = proof.confirm(f"what {part.alone.name} hears is in range", part.heard, found, always=True)
         if heard:
@@ -98,8 +99,8 @@ def _twin(part: Part, var: NumVar) -> str:
 class _Proof:
     """Proves terms over a step of the whole, each from what is known of the machines it speaks of."""
 
-    def __init__(self, system: TransitionSystem, ends: Deadline) -> None:
-        self._system, self._ends = system, ends
+    def __init__(self, system: TransitionSystem) -> None:
+        self._system, self.ends = system, deadline(0)
         self._after, self._relevance = Substitution(dict(system.next)), Relevance(system)
         self._free, self._lawful = environment(system, assume=False), environment(system)
 
@@ -111,9 +112,9 @@ class _Proof:
         given += [self._after.bool(fact) for fact in (*found.always.values(), *states)]
         for number, goals in enumerate(self._alike(term), 1):
             query = Query(f"{self._system.name} {name} {number}", self._relevance.select(given, goals.values()), goals)
-            failed = unproved(query, self._ends.left)
+            failed = unproved(query, self.ends.left)
             if not failed:
-                certificate = certify(query, seconds=self._ends.left, relies_on=list(found.certificates))
+                certificate = certify(query, seconds=self.ends.left, relies_on=list(found.certificates))
                 found.certificates[certificate.file] = certificate.text
                 failed = {goal: Undecided("cvc5 could not confirm it in time") for goal in certificate.undecided}
             if failed:
