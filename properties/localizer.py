@@ -1,7 +1,8 @@
 """What must hold of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
 
 What arbitration, the links and the restrictive state assume is owed by the machines before them, and proved with the
-lemmas; so nothing in the whole is assumed but what each source's own sensors keep.
+lemmas; so nothing in the whole is assumed but what each source's own sensors keep. That only a valid source leads, and by
+its margin, is proved of arbitration by itself for all that it can hear (safeloc.properties.arbitration), and so of the whole.
 """
 
 from __future__ import annotations
@@ -64,16 +65,7 @@ def _responses(whole: Localizer) -> Iterator[Property]:
         trace=TRACE,
         unconditional=True,
     )
-    lead = counts.num(whole.arbitration.machine.mode)
     stated = _stated(whole)
-    for name, mode in zip(whole.arbitration.own.sources, whole.arbitration.machine.modes[1:], strict=True):
-        yield always(
-            f"{name.name} leads validly",
-            lead.eq(mode).implies(stated[name.name]),
-            statement=f"{name.name} leads only in steps in which its own machine states a position",
-            trace=TRACE,
-            unconditional=True,
-        )
     yield always(
         "every source withdrawn",
         all_of(~one for one in stated.values()).implies(restrictive),
