@@ -16,6 +16,7 @@ from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.backends.fmu import to_fmu
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.show import err
+from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
 from safeloc.provers.base import base
 from safeloc.runs.lawful import first_state
@@ -81,10 +82,10 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
 
 
 def _unit(target: Target) -> bytes:
-    """A co-simulation unit; its period is the configuration's, where that has one."""
+    """A co-simulation unit; its period is the one its configuration says, or those of its machines."""
     on_board = without_ghosts(target.system)
-    period = getattr(target.config, "period_ms", None)
-    return to_fmu(on_board, period_ms=period, first=first_state(on_board, random.Random(0)), doc=target.doc)
+    period_ms = configured_period_ms(target.name, target.config)
+    return to_fmu(on_board, period_ms=period_ms, first=first_state(on_board, random.Random(0)), doc=target.doc)
 
 
 def _table(target: Target) -> str:

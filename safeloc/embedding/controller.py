@@ -19,14 +19,13 @@ from functools import partial
 from itertools import islice
 from typing import get_args
 
-from pydantic import BaseModel
-
 from safeloc.backends.compiled import Row
 from safeloc.backends.runtime import Follower
 from safeloc.border import Deliveries, Fault, Reason
 from safeloc.embedding import memory
 from safeloc.embedding.judging import judged, stated
 from safeloc.embedding.listeners import Listeners
+from safeloc.embedding.period import configured_period_ms
 from safeloc.embedding.program import Program
 from safeloc.embedding.report import Report
 from safeloc.errors import InputError
@@ -263,10 +262,8 @@ class Controller:
 
 def period_of(program: Program, given: int | None) -> int:
     """The cycle's length: the configuration's, or the one given for a machine that has none; InputError."""
-    configured = periods(program.target.config)
-    if len(configured) > 1:
-        raise InputError(f"{program.name} is configured for cycles of {configured} ms at once; make them one.")
-    period_ms = configured[0] if configured else given
+    configured = configured_period_ms(program.name, program.target.config)
+    period_ms = given if configured is None else configured
     if period_ms is None:
         raise InputError(f"{program.name} does not say how long its cycle is; give period_ms.")
     if given not in (None, period_ms):
@@ -274,17 +271,6 @@ def period_of(program: Program, given: int | None) -> int:
             f"{program.name} is configured for cycles of {period_ms} ms, not {given} ms; change one of them."
         )
     return period_ms
-
-
-def periods(config: BaseModel | None) -> list[int]:
-    """What a configuration says of the cycle: itself, or else the configurations of its machines; each figure once."""
-    if config is None:
-        return []
-    own: int | None = getattr(config, "period_ms", None)
-    if own is not None:
-        return [own]
-    parts = (getattr(config, name) for name in type(config).model_fields)
-    return sorted({one for part in parts if isinstance(part, BaseModel) for one in periods(part)})
 
 
 KINDS = frozenset((*get_args(Record), Unusable))

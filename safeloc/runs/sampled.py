@@ -26,10 +26,18 @@ STRETCH = 12
 def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run]:
     """Runs of what runs on board, up to `steps` steps each; the same for the same seed."""
     on_board = without_ghosts(target.system)
-    runs = [_recorded(on_board, path, steps) for path in target.streams]
+    runs = [recorded_run(on_board, path, steps) for path in target.streams]
     if target.simulate is not None:
         runs.append(Run("simulated", _read(on_board, target.simulate(seed)[:steps])))
     return [*runs, drawn_run(target.system, seed, steps, lawful=True), drawn_run(on_board, seed, steps, lawful=False)]
+
+
+def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
+    """A shipped stream as what runs on board reads it, up to `steps` steps."""
+    stream = read_steps(path)
+    kept = {var.name for var in on_board.state}
+    first = {name: value for name, value in stream.first.items() if name in kept}
+    return Run(path.stem, _read(on_board, stream.steps[:steps]), first)
 
 
 def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) -> Run:
@@ -57,13 +65,6 @@ def _drawn(
         if inputs is not None:
             state, _ = step(system, state, inputs)
             yield present_inputs(system, {var.name: value for var, value in inputs.items()})
-
-
-def _recorded(on_board: TransitionSystem, path: Path, steps: int) -> Run:
-    stream = read_steps(path)
-    kept = {var.name for var in on_board.state}
-    first = {name: value for name, value in stream.first.items() if name in kept}
-    return Run(path.stem, _read(on_board, stream.steps[:steps]), first)
 
 
 def _read(on_board: TransitionSystem, steps: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Cell]]:

@@ -6,22 +6,19 @@ import ctypes
 import io
 import random
 import zipfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from safeloc.backends.c99_build import SUFFIX
 from safeloc.backends.fmu import platform_tuple, to_fmu
 from safeloc.interpret import run
-from safeloc.nodes import Value
 from safeloc.runs.lawful import first_state
 from safeloc.runs.sampled import drawn_run
 from safeloc.shipped import ENTRIES
 from safeloc.system import TransitionSystem, without_ghosts
 from tests.backends.c_folder import needs_compiler
+from tests.backends.fmi_unit import loaded
 from tests.examples import EXAMPLES
 
 pytestmark = needs_compiler
@@ -39,55 +36,6 @@ def written(folder: Path, name: str, period_ms: int | None = 100) -> Path:
     system, path = system_of(name), folder / f"{name}.fmu"
     path.write_bytes(to_fmu(system, period_ms=period_ms, first=first_state(system, random.Random(0)), doc="A unit."))
     return path
-
-
-class Unit:
-    """A unit, loaded as a master loads it."""
-
-    def __init__(self, path: Path, logged: list[str]) -> None:
-        fmpy = pytest.importorskip("fmpy", reason="needs fmpy (extra fmi)")
-        fmi3 = pytest.importorskip("fmpy.fmi3")
-        self.described = fmpy.read_model_description(str(path))
-        self.variables = {variable.name: variable for variable in self.described.modelVariables}
-        self.slave: Any = fmi3.FMU3Slave(
-            guid=self.described.guid,
-            unzipDirectory=fmpy.extract(str(path), str(path.with_suffix(""))),
-            modelIdentifier=self.described.coSimulation.modelIdentifier,
-            instanceName="one",
-        )
-        self.slave.instantiate(loggingOn=True, logMessage=lambda _e, _s, _c, message: logged.append(message.decode()))
-
-    def begin(self, first: dict[str, Value]) -> None:
-        """Through initialization."""
-        for name, value in first.items():
-            self.set(f"first.{name}", value)
-        self.slave.enterInitializationMode()
-        self.slave.exitInitializationMode()
-
-    def set(self, name: str, value: Value) -> None:
-        """A variable by name."""
-        variable = self.variables[name]
-        setter = self.slave.setBoolean if variable.type == "Boolean" else self.slave.setInt64
-        setter([variable.valueReference], [value])
-
-    def get(self, names: Sequence[str]) -> list[Value]:
-        """Variables by name."""
-        found = []
-        for name in names:
-            variable = self.variables[name]
-            getter = self.slave.getBoolean if variable.type == "Boolean" else self.slave.getInt64
-            found.append(getter([variable.valueReference])[0])
-        return found
-
-
-@contextmanager
-def loaded(path: Path, logged: list[str] | None = None) -> Iterator[Unit]:
-    """A unit that is freed in the end."""
-    unit = Unit(path, [] if logged is None else logged)
-    try:
-        yield unit
-    finally:
-        unit.slave.freeInstance()
 
 
 @pytest.mark.parametrize("name", [*SYSTEMS, *SOME_SHIPPED])

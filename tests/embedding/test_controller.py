@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from safeloc.border import Reason
 from safeloc.catalogue import load_target
 from safeloc.embedding import EVERY, Controller, Program, Report
-from safeloc.embedding.controller import MOST_RECORDS, periods
+from safeloc.embedding.controller import MOST_RECORDS
+from safeloc.embedding.period import periods
 from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.streams.cycles import cycles

@@ -8,7 +8,7 @@ from safeloc.backends.smtlib import Query
 from safeloc.border import Reason
 from safeloc.catalogue import load_target
 from safeloc.embedding import Controller, Program
-from safeloc.embedding.controller import periods
+from safeloc.embedding.period import periods
 from safeloc.errors import InputError
 from safeloc.expr import Expr, Lit, NumVar, Var
 from safeloc.nodes import Truth
