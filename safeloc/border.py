@@ -90,30 +90,29 @@ class Deliveries:
 
     def fault(self, name: str, raw: Raw, now_ms: int, max_age_ms: int) -> Fault | None:
         """Why it must not be used, as far as its time and number tell; None: new and in time."""
-        if type(raw.time_ms) is not int or (raw.sequence is not None and type(raw.sequence) is not int):
+        return self.late(name, raw.time_ms, raw.sequence, now_ms, max_age_ms)
+
+    def late(self, name: str, time_ms: int, sequence: int | None, now_ms: int, max_age_ms: int) -> Fault | None:
+        """The same of a time and a number alone."""
+        if type(time_ms) is not int or (sequence is not None and type(sequence) is not int):
             return Fault(name, Reason.WRONG_TYPE, "time or sequence")
-        if raw.time_ms > now_ms:
-            return Fault(name, Reason.FUTURE, f"{raw.time_ms - now_ms} ms ahead")
-        order = self._order(name, raw)
+        if time_ms > now_ms:
+            return Fault(name, Reason.FUTURE, f"{time_ms - now_ms} ms ahead")
+        last = self.last.get(name)
+        order = None if last is None else _order(*last, time_ms, sequence)
         if order is not None:
-            return Fault(name, order, f"at {raw.time_ms} ms" + _numbered(raw))
-        self.last[name] = (raw.time_ms, raw.sequence)
-        if now_ms - raw.time_ms > max_age_ms:
-            return Fault(name, Reason.STALE, f"{now_ms - raw.time_ms} ms old, {max_age_ms} ms allowed")
+            return Fault(name, order, f"at {time_ms} ms" + ("" if sequence is None else f", number {sequence}"))
+        self.last[name] = (time_ms, sequence)
+        if now_ms - time_ms > max_age_ms:
+            return Fault(name, Reason.STALE, f"{now_ms - time_ms} ms old, {max_age_ms} ms allowed")
         return None
 
-    def _order(self, name: str, raw: Raw) -> Reason | None:
-        if name not in self.last:
-            return None
-        time_ms, sequence = self.last[name]
-        counted = raw.sequence is None or sequence is None or raw.sequence > sequence
-        if raw.time_ms > time_ms and counted:
-            return None
-        return Reason.DUPLICATE if (raw.time_ms, raw.sequence) == (time_ms, sequence) else Reason.OUT_OF_ORDER
 
-
-def _numbered(raw: Raw) -> str:
-    return "" if raw.sequence is None else f", number {raw.sequence}"
+def _order(last_ms: int, last_number: int | None, time_ms: int, number: int | None) -> Reason | None:
+    """Why a measurement is not newer than the last one; None if it is."""
+    if time_ms > last_ms and (number is None or last_number is None or number > last_number):
+        return None
+    return Reason.DUPLICATE if (time_ms, number) == (last_ms, last_number) else Reason.OUT_OF_ORDER
 
 
 class Border:

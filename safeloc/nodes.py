@@ -36,8 +36,7 @@ class _Node:
             return True
         raise TruthValueError(f"{declared_at()}: == on a symbolic term. Use a.eq(b), a.ne(b) or x.one_of(...).")
 
-    def __hash__(self) -> int:
-        return id(self)
+    __hash__ = object.__hash__
 
     def __repr__(self) -> str:
         from safeloc.terms import text  # walking needs the nodes first

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from safeloc.border import Channel, Deliveries, Fault, Raw, Reason, admitted
+from safeloc.border import Channel, Deliveries, Fault, Reason, admitted
 from safeloc.errors import InputError
 from safeloc.streams.records import Record, TruthRecord, Unusable
 
@@ -48,6 +48,9 @@ class Cycle:
 class CycleBuilder:
     """Fills one cycle after the other. What it remembers between cycles: their number, and what each channel said last.
 
+    begin_ms    the last instant that is too early for the open cycle
+    end_ms      the last instant of the open cycle
+
     channels    ranges of machine inputs by their names (`channels_of`); what lies outside is no input
     expected    channel -> records it makes in every cycle; one with fewer gives no input and is MISSING
     done        cycles closed before, with their `deliveries`: to go on where another builder stopped
@@ -68,21 +71,12 @@ class CycleBuilder:
         if period_ms < 1:
             raise InputError(f"period_ms is {period_ms}; a cycle takes at least 1 ms.")
         self.period_ms, self.start_ms, self.done = period_ms, start_ms, done
+        self._open()
         self.deliveries = deliveries or Deliveries()
         self._limits = {channel.name: channel for channel in channels}
         self._expected = expected or {}
         self._used: dict[str, list[Record]] = {}
         self._faults: list[Fault] = []
-
-    @property
-    def begin_ms(self) -> int:
-        """The last instant that is too early for the open cycle."""
-        return self.end_ms - self.period_ms if self.done else self.start_ms - 1
-
-    @property
-    def end_ms(self) -> int:
-        """The last instant of the open cycle."""
-        return self.start_ms + (self.done + 1) * self.period_ms
 
     @property
     def empty(self) -> bool:
@@ -91,11 +85,12 @@ class CycleBuilder:
 
     def take(self, number: int, record: Record | Unusable) -> None:
         """One record for the open cycle; `number` is its place in the stream."""
-        fault = self._fault(record)
+        channel = record.channel
+        fault = self._fault(channel, record)
         if fault is not None:
             self._faults.append(replace(fault, number=number))
         elif not isinstance(record, Unusable):
-            self._used.setdefault(record.channel, []).append(record)
+            self._used.setdefault(channel, []).append(record)
 
     def refuse(self, fault: Fault) -> None:
         """A fault that was found before: its channel gives no input in the open cycle."""
@@ -116,7 +111,13 @@ class CycleBuilder:
                 faults.append(outside)
         cycle = Cycle(self.done + 1, self.end_ms, inputs, _remarks(sound.get("truth", ())), tuple(faults))
         self.done, self._used, self._faults = self.done + 1, {}, []
+        self._open()
         return cycle
+
+    def _open(self) -> None:
+        """The times of the cycle that comes next."""
+        self.end_ms = self.start_ms + (self.done + 1) * self.period_ms
+        self.begin_ms = self.end_ms - self.period_ms if self.done else self.start_ms - 1
 
     def _missing(self) -> Iterator[Fault]:
         for name, least in self._expected.items():
@@ -124,20 +125,18 @@ class CycleBuilder:
             if came < least:
                 yield Fault(name, Reason.MISSING, f"{came} of {least}")
 
-    def _fault(self, record: Record | Unusable) -> Fault | None:
+    def _fault(self, channel: str, record: Record | Unusable) -> Fault | None:
         """When it came, whether there is room for it, and what it says; the sum of increments is judged at the end."""
-        end_ms = self.end_ms
-        oldest_ms = end_ms - self.begin_ms - 1
-        late = self.deliveries.fault(record.channel, Raw(None, record.time_ms), end_ms, oldest_ms)
+        late = self.deliveries.late(channel, record.time_ms, None, self.end_ms, self.end_ms - self.begin_ms - 1)
         if late is not None:
             return late
         if isinstance(record, Unusable):
-            return Fault(record.channel, record.reason, record.detail)
+            return Fault(channel, record.reason, record.detail)
         if record.is_increment or isinstance(record, TruthRecord):
             return None
-        if record.channel in self._used:
-            return Fault(record.channel, Reason.SURPLUS, f"at {record.time_ms} ms")
-        return _outside(self._limits, record.channel, record.inputs())
+        if channel in self._used:
+            return Fault(channel, Reason.SURPLUS, f"at {record.time_ms} ms")
+        return _outside(self._limits, channel, record.inputs())
 
 
 def cycles(
@@ -171,7 +170,10 @@ def cycles(
 def _outside(limits: Mapping[str, Channel], channel: str, inputs: Mapping[str, int | str]) -> Fault | None:
     """The first of these inputs that is not in its range."""
     for name, value in inputs.items():
-        judged = admitted(limits[name], value) if name in limits else None
+        limit = limits.get(name)
+        if limit is None or (type(value) is int and limit.low <= value <= limit.high):
+            continue
+        judged = admitted(limit, value)
         if isinstance(judged, Fault):
             return Fault(channel, judged.reason, f"{name}: {judged.detail}")
     return None
