@@ -24,7 +24,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from safeloc.composition import Composition, compose
+from safeloc.composition import Clause, Composition, compose
 from safeloc.config import Config, quantity
 from safeloc.expr import Bool, BoolVar, Expr, Num, NumVar, Optional, Var, ite, maximum
 from safeloc.machine import Machine
@@ -57,6 +57,7 @@ from safeloc.models.odometry_parts.variables import parts as odometry_parts
 from safeloc.models.reflector_parts import variables as reflecting
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.satellite_parts import variables as satellite_words
+from safeloc.models.satellite_parts.law import REFERENCE
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.transmission import Transmission, TransmissionConfig
 from safeloc.models.verification import VerificationConfig
@@ -155,11 +156,12 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A source: its machines in order, how they are wired, and what it states."""
+    """A source: its machines in order, how they are wired, what it states, and what sources before it owe it."""
 
     machines: tuple[Machine, ...]
     wires: Mapping[Var, Expr]
     stated: Stated
+    owed: tuple[Clause, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +213,7 @@ def compose_machines(config: LocalizerConfig | None = None) -> Localizer:
         machines,
         wires,
         shared=[moves.own.truth, moves.own.true_step],
-        owes=[*links, counts.machine, guard, uplink.machine],
+        owes=[*(one for piece in pieces.values() for one in piece.owed), *links, counts.machine, guard, uplink.machine],
     )
     return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
 
@@ -298,7 +300,8 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
         machine.flag("valid") & machine.output("fix").eq(satellite_words.ACCEPTED),
         ite(machine.flag("valid"), LOCATED, reason),
     )
-    return Piece((selection.machine, machine), wires, stated)
+    owed = () if trusted is None else (Clause(machine, REFERENCE),)
+    return Piece((selection.machine, machine), wires, stated, owed)
 
 
 def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:

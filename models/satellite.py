@@ -37,7 +37,7 @@ from safeloc.expr import (
 )
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.models.satellite_parts.anchor import Anchor, carried
-from safeloc.models.satellite_parts.law import Trusted, assumption, enough, lemmas
+from safeloc.models.satellite_parts.law import Trusted, assumption, clauses, enough, lemmas
 from safeloc.models.satellite_parts.motion import confirmed, fixed, predicted, referred, reportable, solved
 from safeloc.models.satellite_parts.variables import (
     ACCEPTED,
@@ -137,7 +137,8 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
         ghosts={own.truth: ANY, own.true_speed: ANY},
         ghost_inputs=[own.next_truth, own.next_speed],
         ghost_moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
-        assumption=assumption(own, trusted),
+        assumption=assumption(own),
+        clauses=clauses(own, trusted),
         lemmas=lemmas(own, current, table, trusted),
         mode_variable=current,
         doc=(

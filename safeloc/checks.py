@@ -37,6 +37,7 @@ def input_variables(machine: Machine) -> list[Var]:
 def _terms_are_terms(machine: Machine) -> Iterator[str]:
     guards = {f"guard of {t.name!r} ({t.src})": t.when for t in machine.transitions}
     truths: dict[str, object] = {**guards, "assumption": machine.assumption, "initially": machine.initially}
+    truths |= {f"clause {name!r}": clause for name, clause in machine.clauses.items()}
     truths |= {f"lemma {name!r}": lemma for name, lemma in machine.lemmas.items()}
     for what, term in truths.items():
         if not isinstance(term, Bool):
@@ -165,6 +166,8 @@ def _reads_are_declared(machine: Machine) -> Iterator[str]:
     for var, move in machine.ghost_moves.items():
         yield from _only(f"ghost move of {var.name!r}", [move], own | ghosts, "declared variables")
     yield from _only("assumption", [machine.assumption], own | ghosts, "declared variables")
+    for name, clause in machine.clauses.items():
+        yield from _only(f"clause {name!r}", [clause], own | ghosts, "declared variables")
     yield from _only("initially", [machine.initially], state | set(machine.ghosts), "state and ghosts")
     for name, lemma in machine.lemmas.items():
         yield from _only(f"lemma {name!r}", [lemma], state | set(machine.ghosts), "state and ghosts")

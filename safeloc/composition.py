@@ -4,6 +4,7 @@ A later machine sees what an earlier one computed in the same step, so a fault a
 
 What a machine assumes of its environment is assumed of the whole, unless it is named in `owes`: then the machines
 before it have to keep it, which is proved together with the lemmas (assume-guarantee, safeloc.provers.inherited).
+A single clause of an assumption can be owed as well; the rest of it is then still assumed of the whole.
 """
 
 from __future__ import annotations
@@ -17,6 +18,14 @@ from safeloc.machine import Any_, Initial, Machine
 from safeloc.nodes import Value
 from safeloc.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
 from safeloc.terms import Sharing, Substitution, variables
+
+
+@dataclass(frozen=True, eq=False)
+class Clause:
+    """A named part of what a machine assumes."""
+
+    machine: Machine
+    name: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,20 +50,22 @@ def compose(
     wires: Mapping[Var, Expr],
     *,
     shared: Sequence[Var] = (),
-    owes: Sequence[Machine] = (),
+    owes: Sequence[Machine | Clause] = (),
 ) -> Composition:
     """Several machines as one TransitionSystem.
 
     wires   an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
             means the state after the step (so an output of theirs is written as `earlier.output("x")`)
     shared  input or ghost variables that several machines declare as the very same object, kept once
-    owes    machines whose assumption is not assumed of the whole: it is owed by the others, and proved
+    owes    machines whose assumption is not assumed of the whole: it is owed by the others, and proved; or a clause of it
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for a wire to an
     unknown input, a unit that does not fit, a wire that reads a machine that is not earlier or a variable that several
-    earlier machines have, shared state, and a shared ghost that does not start and move alike everywhere.
+    earlier machines have, shared state, a shared ghost that does not start and move alike everywhere, and what is owed
+    to a machine that is not there or has no such clause.
     """
     _check(name, machines, wires, shared)
+    _check_owed(name, machines, owes)
     lowered = [(machine, lower(machine)) for machine in machines]
     rename: dict[Machine, Substitution] = {}
     kept: dict[Var, Var] = {var: var for var in shared}
@@ -84,15 +95,16 @@ def compose(
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
         plain |= {**own, **told}
-        heard, owes_it = step.bool(_may_be_heard(system, wired)), _owed(machine in owes, system, wired)
-        part = Part(system, now, heard, step.bool(owes_it))
+        owed, assumed = _divided(machine, system, owes)
+        ghosts = in_range([var for var in wired if var in system.ghosts])
+        part = Part(system, now, step.bool(_may_be_heard(system, wired)), step.bool(all_of([ghosts, owed])))
         rename[machine] = now
         merged = replace(
             merged,
             state=_union(merged.state, [own[var] for var in system.state]),
             inputs=_union(merged.inputs, [own[var] for var in system.inputs if var not in wires]),
             init=all_of([merged.init, now.bool(system.init)]),
-            assume=all_of([merged.assume, TRUE if machine in owes else step.bool(system.assume)]),
+            assume=all_of([merged.assume, step.bool(assumed)]),
             outputs={**merged.outputs, **{f"{machine.name}.{key}": now(term) for key, term in system.outputs.items()}},
             fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
             lemmas={
@@ -113,9 +125,27 @@ def _may_be_heard(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
     return all_of([in_range([var for var in wired if var not in system.ghosts]), absent_is_canonical(optionals)])
 
 
-def _owed(owes: bool, system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
-    """Ranges of the ghosts that are wired, and the assumption, if it is owed."""
-    return all_of([in_range([var for var in wired if var in system.ghosts]), system.assume if owes else TRUE])
+def _divided(machine: Machine, system: TransitionSystem, owes: Sequence[Machine | Clause]) -> tuple[Bool, Bool]:
+    """What the machine assumes, divided into what is owed by the machines before it and what is assumed of the whole."""
+    if machine in owes:
+        return system.assume, TRUE
+    named = {one.name for one in owes if isinstance(one, Clause) and one.machine is machine}
+    if not named:
+        return TRUE, system.assume
+    owed = [term for name, term in machine.clauses.items() if name in named]
+    kept = [term for name, term in machine.clauses.items() if name not in named]
+    return all_of(owed), all_of([machine.assumption, *kept])
+
+
+def _check_owed(name: str, machines: Sequence[Machine], owes: Sequence[Machine | Clause]) -> None:
+    for one in owes:
+        machine = one.machine if isinstance(one, Clause) else one
+        if machine not in machines:
+            raise ModelError(f"composition {name!r}: {machine.name!r} is owed something and is not part of it.")
+        if isinstance(one, Clause) and one.name not in machine.clauses:
+            raise ModelError(
+                f"composition {name!r}: {machine.name!r} has no clause {one.name!r}; it has {list(machine.clauses)}."
+            )
 
 
 def _start(value: Initial) -> Value | Any_:

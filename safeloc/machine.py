@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
 from safeloc.errors import declared_at
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, members
+from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, members
 from safeloc.nodes import Value
 from safeloc.units import Enumeration
 
@@ -71,6 +71,7 @@ class Machine:
     ghost_inputs free choices of the environment, read by ghost moves and the assumption only
     ghost_moves  ghost variable -> its next value
     assumption   what the environment keeps in each step (over state before, inputs, ghosts)
+    clauses      the same, by name: what a composition can have its earlier machines keep instead, one by one
     initially    what holds of the initial values (over state and ghosts)
     lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
     definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
@@ -93,6 +94,7 @@ class Machine:
     definitions: Mapping[str, Expr] = field(default_factory=dict)
     doc: str = ""
     mode_variable: NumVar | None = None
+    clauses: Mapping[str, Bool] = field(default_factory=dict)
     src: str = field(default_factory=declared_at)
     mode: NumVar = field(init=False)
     fired_name: NumVar = field(init=False)
@@ -110,6 +112,11 @@ class Machine:
         object.__setattr__(self, "mode", mode)
         object.__setattr__(self, "fired_name", NumVar("fired", fired, 0, len(fired.members) - 1, None, self.src))
         check(self)
+
+    @property
+    def assumed(self) -> Bool:
+        """All that is assumed of the environment: the assumption, and every clause."""
+        return all_of([self.assumption, *self.clauses.values()])
 
     def fired(self, *names: str) -> Bool:
         """In a property: one of the named transitions fired in this step; KeyError for an unknown name."""

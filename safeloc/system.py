@@ -110,7 +110,7 @@ def lower(machine: Machine) -> TransitionSystem:
         inputs=(*input_variables(machine), *machine.ghost_inputs),
         init=share.bool(all_of([*_initial_terms(initial), machine.initially])),
         next={var: share(term) for var, term in moved.items()},
-        assume=share.bool(machine.assumption),
+        assume=share.bool(machine.assumed),
         outputs={name: share(term) for name, term in machine.outputs.items()},
         fired={machine.fired_name: share.num(_as_num(_chain(guards, index, Lit(0, fired))))},
         lemmas={name: share.bool(term) for name, term in machine.lemmas.items()},

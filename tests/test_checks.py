@@ -104,6 +104,7 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     "guard from a value": ({"transitions": [Transition("go", A, B, True)]}, "True is no truth-valued term; a constant"),  # type: ignore[arg-type]
     "guard from a number": ({"transitions": [Transition("go", A, B, X)]}, "x is no truth-valued term; a constant"),  # type: ignore[arg-type]
     "assumption from a value": ({"assumption": True}, "assumption: True is no truth-valued term; a constant"),
+    "clause from a number": ({"clauses": {"c": N}}, "clause 'c': n is no truth-valued term; a constant"),
     "lemma from a number": ({"lemmas": {"l": N}}, "lemma 'l': n is no truth-valued term; a constant"),
     "output from a value": ({"outputs": {"o": 3}}, "output 'o': 3 is no term; make it of state variables."),
     "ghost move from a value": ({"ghost_moves": {GHOST: 3}}, "ghost move of 'g': 3 is no term; a ghost that rests"),
@@ -112,6 +113,7 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
         {"transitions": [Transition("go", A, B, P, {N: GHOST})]},
         "reads 'g'; it may read only inputs and state.",
     ),
+    "past in a clause": ({"clauses": {"c": once(N > 0)}}, "clause 'c' uses a past operator; only properties may."),
     "past in a lemma": ({"lemmas": {"l": once(N > 0)}}, "lemma 'l' uses a past operator; only properties may."),
     "variable named like a ghost": ({"inputs": [X, P, number("g", MM, 0, 1)]}, "variable 'g' is declared twice"),
     "presence named twice": (

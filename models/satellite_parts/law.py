@@ -25,8 +25,27 @@ def enough(own: Parts) -> Bool:
     return used_count(own) >= own.unknowns + SPARE[own.config.redundancy]
 
 
-def assumption(own: Parts, trusted: Trusted) -> Bool:
-    """The movement of the vehicle and the references; and either the satellites or the odometry."""
+REFERENCE = "a reference holds the true place"
+"""The clause that an earlier machine can be made to keep, if the reference is its position."""
+
+
+def clauses(own: Parts, trusted: Trusted) -> dict[str, Bool]:
+    """What is assumed of references, and of the satellites or the odometry, by name."""
+    beside, accuracy = own.next_truth - exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
+    faster = own.next_speed - own.reference_speed.value
+    return {
+        REFERENCE: own.reference.present.implies(between(-accuracy, beside, accuracy)),
+        "a reference's speed holds the true one": own.reference_speed.present.implies(
+            between(-own.speed_accuracy, faster, own.speed_accuracy)
+        ),
+        f"what is believed of {trusted} is true": _solution_is_true(own)
+        if trusted == "satellites"
+        else _run_is_true(own),
+    }
+
+
+def assumption(own: Parts) -> Bool:
+    """The movement of the vehicle; the rest is in `clauses`."""
     config, period = own.config, Lit(own.config.period_ms, MS)
     ran = own.next_truth - own.truth - exact_to(own.true_speed * period, NM)
     sped = own.next_speed - own.true_speed
@@ -34,17 +53,8 @@ def assumption(own: Parts, trusted: Trusted) -> Bool:
         [
             between(-config.way_nm, ran, config.way_nm),
             between(-config.speed_change_um_s, sped, config.speed_change_um_s),
-            _reference_is_true(own),
-            _solution_is_true(own) if trusted == "satellites" else _run_is_true(own),
         ]
     )
-
-
-def _reference_is_true(own: Parts) -> Bool:
-    beside, accuracy = own.next_truth - exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
-    faster = own.next_speed - own.reference_speed.value
-    place = own.reference.present.implies(between(-accuracy, beside, accuracy))
-    return place & own.reference_speed.present.implies(between(-own.speed_accuracy, faster, own.speed_accuracy))
 
 
 def _solution_is_true(own: Parts) -> Bool:

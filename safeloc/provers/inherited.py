@@ -48,7 +48,7 @@ class Inherited:
 
 def contract_name(part: Part) -> str:
     """The name under which what a machine is owed is proved."""
-    return f"what {part.alone.name} assumes is kept"
+    return f"what {part.alone.name} is owed is kept"
 
 
 def contracts(system: TransitionSystem) -> dict[str, Bool]:

@@ -69,7 +69,7 @@ def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
 
 
 def _part(machine: Machine) -> dict[str, Any]:
-    assumed = {f"assume {number}": term for number, term in enumerate(_conjuncts(machine.assumption))}
+    assumed = {f"assume {number}": term for number, term in enumerate(_assumed(machine))}
     guards = {f"when {t.name}": t.when for t in machine.transitions}
     updates = {f"set {number}": update for number, update in enumerate(_updates(machine))}
     moves = {f"move {var.name}": term for var, term in machine.ghost_moves.items()}
@@ -88,6 +88,10 @@ def _part(machine: Machine) -> dict[str, Any]:
         "variables": _variables(machine, exact.texts),
         "definitions": [asdict(line) for line in exact.lines],
     }
+
+
+def _assumed(machine: Machine) -> list[Expr]:
+    return [part for term in (machine.assumption, *machine.clauses.values()) for part in _conjuncts(term)]
 
 
 def _conjuncts(term: Bool) -> Sequence[Expr]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from safeloc.composition import Composition, compose
+from safeloc.composition import Clause, Composition, compose
+from safeloc.errors import ModelError
 from safeloc.expr import Expr, NumVar, Var, number
 from safeloc.machine import ANY, Machine, Transition, modes
 from safeloc.provers.base import base
@@ -77,7 +80,7 @@ def test_what_is_owed_is_proved_and_used() -> None:
     """A follower that assumes what the source keeps: the contract is proved, and then the follower's facts."""
     chain = Chain(limit=5, assumed=5)
     known = base(chain.whole.system)
-    assert list(known.kept) == ["what follower assumes is kept"]
+    assert list(known.kept) == ["what follower is owed is kept"]
     assert {"follower: within what is assumed", "follower: the truth is low"} <= {*known.facts, *known.always}
     assert not known.refuted
 
@@ -95,7 +98,7 @@ def test_a_contract_that_is_broken_is_shown_by_a_run() -> None:
     kept = chain.whole.of(chain.follower)
     prop = always("remembered", kept.bool(chain.kept <= 5))
     findings = {one.id: one.result for one in prove(chain.whole.system, [prop], Limits(depth=8))}
-    broken = findings["chain/lemma/what follower assumes is kept"]
+    broken = findings["chain/lemma/what follower is owed is kept"]
     assert isinstance(broken, Violated)
     assert broken.trace is not None
     assert isinstance(findings["chain/property/remembered"], Violated)
@@ -105,9 +108,9 @@ def test_a_contract_that_is_kept_is_a_finding() -> None:
     """It is told like a lemma, with the text that was re-checked."""
     chain = Chain(limit=5, assumed=5)
     findings = {one.id: one.result for one in prove(chain.whole.system, [], Limits())}
-    proved = findings["chain/lemma/what follower assumes is kept"]
+    proved = findings["chain/lemma/what follower is owed is kept"]
     assert isinstance(proved, Proved)
-    assert any("assumes-is-kept" in file for file in proved.certificates)
+    assert any("is-owed-is-kept" in file for file in proved.certificates)
 
 
 def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
@@ -116,6 +119,45 @@ def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
     known = base(chain.whole.system)
     assert "what follower hears is in range" in known.refuted
     assert "range of source.level" in known.always
+
+
+def owed_by_clause(limit: int, assumed: int) -> Composition:
+    """The chain, whose follower is owed a low level; that the truth is low is still assumed."""
+    chain = Chain(limit=limit, assumed=assumed, owes=False)
+    follower = replace(
+        chain.follower, assumption=chain.next_truth <= 5, clauses={"the level is low": chain.seen <= assumed}
+    )
+    wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
+    return compose("chain", (chain.source, follower), wires, owes=[Clause(follower, "the level is low")])
+
+
+def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
+    """Only the truth's part is still assumed of the whole, and both together give the follower's facts."""
+    whole = owed_by_clause(limit=5, assumed=5)
+    known = base(whole.system)
+    assert [var.name for var in variables([whole.system.assume])] == ["follower.next_truth"]
+    assert list(known.kept) == ["what follower is owed is kept"]
+    assert "follower: within what is assumed" in known.facts
+    assert not known.refuted
+
+
+def test_a_clause_that_is_not_kept_loses_the_facts() -> None:
+    """The source goes up to 10, the clause says 5: not proved, and nothing of the follower under it is used."""
+    known = base(owed_by_clause(limit=10, assumed=5).system)
+    assert {"what follower is owed is kept", "follower: within what is assumed"} <= set(known.refuted)
+    assert not known.kept
+
+
+def test_what_cannot_be_owed_is_refused() -> None:
+    """A machine that is not part of the whole, and a clause that the machine does not have."""
+    chain = Chain(owes=False)
+    wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
+    with pytest.raises(
+        ModelError, match=r"^composition 'chain': 'follower' is owed something and is not part of it\.$"
+    ):
+        compose("chain", [chain.source], {}, owes=[chain.follower])
+    with pytest.raises(ModelError, match=r"^composition 'chain': 'follower' has no clause 'high'; it has \[\]\.$"):
+        compose("chain", [chain.source, chain.follower], wires, owes=[Clause(chain.follower, "high")])
 
 
 @pytest.mark.parametrize("limit", [4, 5])

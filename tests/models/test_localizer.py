@@ -1,0 +1,77 @@
+"""The localizer's composition: what one machine tells another is proved true, and a wrong wire is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from safeloc.composition import compose
+from safeloc.expr import TRUE, Expr, Lit, Num
+from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.provers.base import base
+from safeloc.system import TransitionSystem
+from safeloc.units import MM
+
+OWED = "what position is owed is kept"
+INSIDE = "position: the truth is inside"
+
+
+def referring(first: SourceName = "balise") -> Localizer:
+    """A localizer whose satellite position hears references of another source."""
+    return compose_machines(LocalizerConfig(sources=(first, "satellite")))
+
+
+def up_to_the_position(whole: Localizer, changed: Mapping[str, Expr]) -> TransitionSystem:
+    """Only the machines up to the satellites' position, with wires to it changed, by the input's name."""
+    first, position = whole.pieces.values()
+    wires = {**first.wires, **position.wires}
+    for name, term in changed.items():
+        [heard] = [var for var in wires if var.name == name]
+        wires[heard] = term
+    own = whole.motion.own
+    machines = (whole.motion.machine, *first.machines, *position.machines)
+    return compose("part", machines, wires, shared=[own.truth, own.true_step], owes=position.owed).system
+
+
+def told(whole: Localizer) -> Num:
+    """What the satellites' position hears as reference, whether it is trusted or not."""
+    [first, _] = whole.pieces.values()
+    return first.stated.position
+
+
+def test_a_reference_is_owed_not_assumed() -> None:
+    """What a balise tells the satellites' position is proved to be true, and then the truth is inside."""
+    known = base(up_to_the_position(referring(), {}))
+    assert OWED in known.kept
+    assert INSIDE in known.facts
+    assert not known.refuted
+
+
+def test_without_an_earlier_source_it_is_assumed() -> None:
+    """Satellites alone: references come from the environment, nothing is owed."""
+    whole = compose_machines(LocalizerConfig(sources=("satellite",)))
+    assert whole.pieces["satellite"].owed == ()
+    assert "position.reference_mm.present" in {var.name for var in whole.composition.system.inputs}
+
+
+def _no_error(_: Localizer) -> Mapping[str, Expr]:
+    return {"reference_accuracy_mm": Lit(0, MM)}
+
+
+def _untrusted(whole: Localizer) -> Mapping[str, Expr]:
+    return {"reference_mm.present": TRUE, "reference_mm": told(whole)}
+
+
+def _half(whole: Localizer) -> Mapping[str, Expr]:
+    [first, _] = whole.pieces.values()
+    return {"reference_accuracy_mm": first.stated.under}
+
+
+@pytest.mark.parametrize("wrong", [_no_error, _untrusted, _half])
+def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
+    """No accuracy, a reference that is not trusted, the margin of one side alone: owed, and not kept."""
+    whole = referring()
+    known = base(up_to_the_position(whole, wrong(whole)))
+    assert OWED in known.refuted
+    assert INSIDE not in known.facts
