@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import combinations
+from typing import get_args
 
 import pytest
 
 from safeloc.composition import compose
 from safeloc.expr import TRUE, Expr, Lit, Num
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.properties.localizer import properties
 from safeloc.provers.base import base
+from safeloc.provers.limits import Limits
+from safeloc.provers.portfolio import prove
 from safeloc.system import TransitionSystem
 from safeloc.units import MM
+from safeloc.verdict import Proved
 
+SOURCES: tuple[SourceName, ...] = get_args(SourceName)
+CHOICES = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]
 OWED = "what position is owed is kept"
 INSIDE = "position: the truth is inside"
 
@@ -75,3 +83,12 @@ def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Ex
     known = base(up_to_the_position(whole, wrong(whole)))
     assert OWED in known.refuted
     assert INSIDE not in known.facts
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sources", CHOICES, ids="+".join)
+def test_every_choice_of_sources_is_proved(sources: tuple[SourceName, ...]) -> None:
+    """Every property, lemma and contract of the whole, whichever of the 31 choices of sources a vehicle has."""
+    whole = compose_machines(LocalizerConfig(sources=sources))
+    findings = prove(whole.composition.system, properties(whole), Limits(seconds=120))
+    assert [one.id for one in findings if not isinstance(one.result, Proved)] == []
