@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from safeloc.border import Fault, Reason
 from safeloc.embedding.program import Program
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, NumVar, Var
+from safeloc.expr import NumVar, Var
 from safeloc.interpret import admitted
 from safeloc.nodes import Value
 from safeloc.streams.records import Record, TruthRecord, Unusable
-from safeloc.units import Enumeration
 
 
 def judged(program: Program, number: int, record: Record | Unusable) -> Record | Unusable | Fault:
@@ -27,19 +26,14 @@ def judged(program: Program, number: int, record: Record | Unusable) -> Record |
         known = record.channel in program.channel_names or record.channel == "truth"
         return record if known else Fault(record.channel, Reason.UNKNOWN, record.detail, number)
     for name, value in record.inputs().items():
-        if name not in program.routes:
+        named = program.named.get(name)
+        if named is None:
             return Fault(record.channel, Reason.UNKNOWN, f"no input {name}", number)
-        for var in program.routes[name]:
-            if _is_named(var):
-                refused = _refused(var, value)
-                if refused is not None:
-                    return Unusable(record.time_ms, record.channel, *refused)
+        for var in named:  # ranges of plain numbers are the cycle builder's matter
+            refused = _refused(var, value)
+            if refused is not None:
+                return Unusable(record.time_ms, record.channel, *refused)
     return record
-
-
-def _is_named(var: Var) -> bool:
-    """Truth values and members: ranges of plain numbers are the cycle builder's matter."""
-    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
 
 
 def _refused(var: Var, value: object) -> tuple[Reason, str] | None:

@@ -16,7 +16,7 @@ from safeloc.border import Channel, Fault, Reason
 from safeloc.digest import declaration_digest
 from safeloc.embedding.report import Interval, Move, Report
 from safeloc.errors import InputError
-from safeloc.expr import Num, NumVar, Var
+from safeloc.expr import BoolVar, Num, NumVar, Var
 from safeloc.machine import Machine
 from safeloc.nodes import Value
 from safeloc.system import TransitionSystem, canonical, without_ghosts
@@ -59,6 +59,9 @@ class Program:
         }
         self._at = {var: number for number, var in enumerate(self.system.inputs)}
         self._present: dict[Var, Var] = {option.value: option.present for option in self.system.optionals}
+        self._places = {
+            var: (at, self._at[self._present[var]] if var in self._present else None) for var, at in self._at.items()
+        }
         self._absent = tuple(canonical(var) if isinstance(var, NumVar) else False for var in self.system.inputs)
 
     @property
@@ -79,6 +82,11 @@ class Program:
         """Inputs by their full names, presence flags apart: these follow from the values."""
         flags = set(self._present.values())
         return {var.name: var for var in self.system.inputs if var not in flags}
+
+    @cached_property
+    def named(self) -> Mapping[str, tuple[Var, ...]]:
+        """Name in a record -> those of its inputs that are truth values or members."""
+        return {name: tuple(var for var in routed if _is_named(var)) for name, routed in self.routes.items()}
 
     @cached_property
     def needed(self) -> tuple[str, ...]:
@@ -130,12 +138,12 @@ class Program:
 
     def missing(self, values: Mapping[Var, Value]) -> list[str]:
         """Needed inputs that are not given, of machines that cannot be told nothing."""
-        return [name for name in self._always_needed if self.by_name[name] not in values]
+        return [name for name, var in self._always_needed if var not in values]
 
     @cached_property
-    def _always_needed(self) -> list[str]:
+    def _always_needed(self) -> list[tuple[str, Var]]:
         spared = {var.name for _, needed in self.silent.values() for var in needed}
-        return [name for name in self.needed if name not in spared]
+        return [(name, self.by_name[name]) for name in self.needed if name not in spared]
 
     def held(self, var: Var, value: int | str) -> Value:
         """An admitted value as the variable holds it: a member's number instead of its label."""
@@ -148,9 +156,10 @@ class Program:
         """The inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
         row = list(self._absent)
         for var, value in values.items():
-            row[self._at[var]] = value
-            if var in self._present:
-                row[self._at[self._present[var]]] = True
+            at, present_at = self._places[var]
+            row[at] = value
+            if present_at is not None:
+                row[present_at] = True
         return tuple(row)
 
     def moves(self, fired: Sequence[int], before: Row, after: Row) -> tuple[Move, ...]:
@@ -200,6 +209,10 @@ def _routes(system: TransitionSystem, said: Mapping[str, str]) -> dict[str, tupl
     for name, other in said.items():
         routes[name] = (*routes.get(name, ()), *routes[other])
     return routes
+
+
+def _is_named(var: Var) -> bool:
+    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
 
 
 def _limits(name: str, variables: Sequence[Var]) -> Channel | None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from safeloc.errors import InputError
 from safeloc.service.lines import Line, LineCutter
@@ -25,8 +25,7 @@ MARK = 4_096
 """Bytes before a position that identify the file."""
 
 
-@dataclass(frozen=True)
-class Arrived:
+class Arrived(NamedTuple):
     """A line."""
 
     origin: str

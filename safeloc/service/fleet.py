@@ -50,13 +50,14 @@ class Tally:
 class Fleet:
     """Vehicles by name. Origins are the peers that lines come from; a vehicle is of the one that spoke of it last.
 
-    own   vehicle -> program, where it is not the common one
+    own        vehicle -> program, where it is not the common one
+    withdrew   a place was withdrawn: set here, cleared by who has saved that
 
     InputError where no controller can be made of these figures.
     """
 
     def __init__(self, program: Program, ways: Ways, own: Mapping[str, Program] | None = None) -> None:
-        self.ways, self.tally = ways, Tally()
+        self.ways, self.tally, self.withdrew = ways, Tally(), False
         self.vehicles: dict[str, Vehicle] = {}
         self.origins: dict[str, str] = {}
         self._flawed: set[str] = set()
@@ -77,7 +78,7 @@ class Fleet:
             assert isinstance(message, Refused)
             if whole:
                 self._flawed.add(origin)
-            return self._counted(self._whoever(origin, line, message))
+            return self._whoever(origin, line, message)
         if name not in self.vehicles:
             refused = self._admitted(name, line, message, whole and origin not in self._flawed)
             if refused is not None:
@@ -88,7 +89,7 @@ class Fleet:
         if self.origins.setdefault(name, origin) != origin:
             self.origins[name] = origin
             vehicle.be_unsure("another peer speaks for it")
-        return self._counted(vehicle.heed(line.number, message))
+        return self._of_one(vehicle, vehicle.heed(line.number, message))
 
     def _admitted(self, name: str, line: Line, message: Message, whole: bool) -> Told | None:
         """A new vehicle; the refusal where its first line says nothing, or there are too many."""
@@ -108,18 +109,17 @@ class Fleet:
 
     def silence(self, name: str, why: str) -> list[Told]:
         """A vehicle whose cycle should be over by now."""
-        return self._counted(self.vehicles[name].silence(why))
+        vehicle = self.vehicles[name]
+        return self._of_one(vehicle, vehicle.silence(why))
 
     def finish(self) -> list[Told]:
         """Nothing more will come, from anyone."""
-        return self._counted([told for vehicle in self.vehicles.values() for told in vehicle.finish()])
+        return [told for vehicle in self.vehicles.values() for told in self._of_one(vehicle, vehicle.finish())]
 
-    def withdrew(self) -> bool:
-        """Whether a place was withdrawn since this was asked last."""
-        found = [vehicle for vehicle in self.vehicles.values() if vehicle.withdrew]
-        for vehicle in found:
-            vehicle.withdrew = False
-        return bool(found)
+    def make_ready_to_save(self) -> None:
+        """What snapshots say of the programs takes long the first time: now, and not while lines wait."""
+        for program in (self._program, *self._own.values()):
+            _controller(program, self.ways, 0).snapshot()
 
     @property
     def name(self) -> str:
@@ -155,16 +155,19 @@ class Fleet:
 
         Half a line where a peer went away is no line yet: that it went away is doubt enough, and the next number ends it.
         """
-        told: list[Told] = [{"event": "refused", "line": line.number, "reason": refused.reason}]
+        told = self._counted([{"event": "refused", "line": line.number, "reason": refused.reason}])
         why = f"line {line.number}: {refused.reason}"
-        return (
-            told
-            if line.cut
-            else [*told, *(one for name in self._of(origin) for one in self.vehicles[name].missed(why))]
-        )
+        doubted = [] if line.cut else [self.vehicles[name] for name in self._of(origin)]
+        return [*told, *(one for vehicle in doubted for one in self._of_one(vehicle, vehicle.missed(why)))]
 
     def _of(self, origin: str) -> list[str]:
         return [name for name, whose in self.origins.items() if whose == origin]
+
+    def _of_one(self, vehicle: Vehicle, told: list[Told]) -> list[Told]:
+        """What a vehicle told, counted, and noted if it withdrew a place."""
+        if vehicle.withdrew:
+            vehicle.withdrew, self.withdrew = False, True
+        return self._counted(told) if told else told
 
     def _counted(self, told: list[Told]) -> list[Told]:
         for one in told:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 LONGEST_LINE = 65_536
 """Bytes; a record takes about a hundred."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """One line without its end. `flaw` says why it cannot be read, and `text` is empty then; `cut`: its sender
     went away within it."""
 
@@ -36,9 +35,10 @@ class LineCutter:
         """The lines that are whole now. Take all of them before feeding again."""
         *ended, rest = data.split(b"\n")
         for part in ended:
-            whole = bytes(self._rest) + part
-            self._rest.clear()
-            yield self._line(whole, 1)
+            if self._rest:
+                part = bytes(self._rest) + part
+                self._rest.clear()
+            yield self._line(part, 1)
         self._keep(rest)
 
     def tail(self) -> Line | None:

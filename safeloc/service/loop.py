@@ -76,6 +76,8 @@ class Loop:
         """Until there is no more. Errors come out after what waits was saved and handed over, as far as possible."""
         parts = self._parts
         parts.feed.open(parts.selector)
+        if parts.saver is not None:
+            parts.fleet.make_ready_to_save()
         gc.collect()
         gc.freeze()  # machines are large and stay: looking through them again and again would hold reports up
         sys.setswitchinterval(TURN_S)
@@ -95,13 +97,26 @@ class Loop:
         parts = self._parts
         for key, mask in parts.selector.select(self._patience_s()):
             self._heed(key.data(mask))
+            if not self._must_save:
+                parts.outlet.flush()  # no peer waits for what the next ones say
         self._heed(parts.feed.look())
         self._watch()
-        if parts.saver is not None and parts.fleet.withdrew() and not self._replays:
-            parts.saver.save(self._content())
-        parts.outlet.flush()
+        self._hand_over()
         parts.feed.hold(parts.outlet.full)
         self._save_in_time()
+
+    @property
+    def _must_save(self) -> bool:
+        """Whether what waits withdraws a place that the snapshot on disk still has."""
+        parts = self._parts
+        return parts.fleet.withdrew and parts.saver is not None and not self._replays
+
+    def _hand_over(self) -> None:
+        parts = self._parts
+        if parts.saver is not None and self._must_save:
+            parts.saver.save(self._content())
+            parts.fleet.withdrew = False
+        parts.outlet.flush()
 
     def _patience_s(self) -> float | None:
         parts = self._parts
@@ -217,10 +232,8 @@ class Loop:
 
     def _last_words(self) -> None:
         parts = self._parts
-        if parts.saver is not None and parts.fleet.withdrew() and not self._replays:
-            parts.saver.save(self._content())
         until = time.monotonic() + LAST_WORDS_S
-        parts.outlet.flush()
+        self._hand_over()
         while parts.outlet.waiting and time.monotonic() < until:
             time.sleep(0.005)
             parts.outlet.flush()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import selectors
 import socket
 from collections.abc import Iterator
-from dataclasses import replace
 
 from safeloc.service.address import Address, bound
 from safeloc.service.feeds import AT_ONCE, Arrived, Event, Feed, Left
@@ -90,7 +89,7 @@ class Peer:
             self.ended = True
             tail = self._cutter.tail()
             if tail is not None:
-                yield Arrived(self.origin, replace(tail, cut=True))
+                yield Arrived(self.origin, tail._replace(cut=True))
             yield Left(self.origin, "the peer closed the connection")
             self._port.has_room(self)
             self.attend()

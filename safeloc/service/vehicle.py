@@ -26,7 +26,7 @@ class Vehicle(ABC):
     """Lines in, reports and events out. What the lines are is the matter of its two kinds.
 
     whole      its first line is the first one there was; else the cycle it comes in may lack something
-    withdrew   a place that was reported is reported no more: set here, cleared by who keeps snapshots
+    withdrew   a place that was reported is reported no more: set here, cleared by the fleet
     stopped    why it goes on no more; "" if it does
     """
 
@@ -45,15 +45,16 @@ class Vehicle(ABC):
     def heed(self, line: int, message: Message) -> list[Told]:
         """One line of this vehicle."""
         match message:
+            case Said() | Ended() | Step():
+                if self.stopped:
+                    self._refuse(line, f"halted: {self.stopped}")
+                else:
+                    self._counted(line, message)
             case Refused(reason=reason):
                 self._refuse(line, reason)
                 self._missed(f"line {line}: {reason}")
             case Header():
                 pass
-            case _ if self.stopped:
-                self._refuse(line, f"halted: {self.stopped}")
-            case _:
-                self._counted(line, message)
         return self._told()
 
     def missed(self, why: str) -> list[Told]:
