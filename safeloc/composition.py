@@ -97,7 +97,12 @@ def compose(
         plain |= {**own, **told}
         owed, assumed = _divided(machine, system, owes)
         ghosts = in_range([var for var in wired if var in system.ghosts])
-        part = Part(system, now, step.bool(_may_be_heard(system, wired)), step.bool(all_of([ghosts, owed])))
+        part = Part(
+            replace(system, name=f"{name} {machine.name}"),
+            now,
+            step.bool(_may_be_heard(system, wired)),
+            step.bool(all_of([ghosts, owed])),
+        )
         rename[machine] = now
         merged = replace(
             merged,
@@ -115,6 +120,7 @@ def compose(
             initial={**merged.initial, **{own[var]: value for var, value in system.initial.items()}},
             optionals=(*merged.optionals, *_kept_optionals(system, own, wires)),
             parts=(*merged.parts, part),
+            stages=(*merged.stages, frozenset(own[var] for var in system.state) - frozenset(merged.state)),
         )
     return Composition(replace(merged, next=moved), rename, after)
 

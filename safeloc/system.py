@@ -50,6 +50,11 @@ class Part:
     heard: Bool
     owed: Bool
 
+    @property
+    def name(self) -> str:
+        """The machine's name; `alone` has the whole's in front, since what is proved of it holds for this configuration."""
+        return self.alone.machines[0].name
+
 
 @dataclass(frozen=True, eq=False)
 class TransitionSystem:
@@ -66,6 +71,8 @@ class TransitionSystem:
     optionals the inputs that may be absent
     machines  the machines it was made of
     parts     of a composition: its machines, and on what terms they are part of it
+    stages    of a composition: the state variables of each machine, in the order of the step; only back ends that write
+              the step machine by machine look at it, and whatever it says, they compute what `next` says
     """
 
     name: str
@@ -82,6 +89,7 @@ class TransitionSystem:
     optionals: tuple[Optional, ...]
     machines: tuple[Machine, ...]
     parts: tuple[Part, ...] = ()
+    stages: tuple[frozenset[Var], ...] = ()
 
     def variable(self, name: str) -> Var:
         """A state or input variable by name; KeyError if there is none."""
@@ -202,6 +210,7 @@ def without_ghosts(system: TransitionSystem) -> TransitionSystem:
         ghosts=frozenset(),
         initial=initial,
         parts=(),
+        stages=tuple(members - system.ghosts for members in system.stages),
     )
 
 

@@ -83,10 +83,14 @@ def variables(roots: Iterable[Expr]) -> list[Var]:
 
 
 class Substitution:
-    """Replaces variables by terms, keeping shared sub-terms shared across all the terms it is applied to."""
+    """Replaces variables by terms, keeping shared sub-terms shared across all the terms it is applied to.
 
-    def __init__(self, replacements: Mapping[Var, Expr]) -> None:
+    whole  terms that are replaced as they stand; what is below them is not looked at
+    """
+
+    def __init__(self, replacements: Mapping[Var, Expr], whole: Iterable[tuple[Expr, Expr]] = ()) -> None:
         self._done: dict[Expr, Expr] = {var: term for var, term in replacements.items()}
+        self._done |= dict(whole)
 
     def num(self, term: Num) -> Num:
         """The numeric term after replacement."""

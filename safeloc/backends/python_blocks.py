@@ -87,10 +87,6 @@ class Blocks:
         self._written.named = outer
         return block
 
-    def test(self, condition: Expr, targets: Targets) -> Block:
-        """The targets where the condition holds; what it needs computed first is there for what follows, too."""
-        return [*self._prepared(condition, 0), Test(self.text(condition), self.ending(targets))]
-
     def either(self, condition: Expr, holds: Callable[[], Block], fails: Callable[[], Block]) -> Block:
         """What `holds` makes where the condition holds, else what `fails` makes; both end."""
         outer = dict(self._written.named)

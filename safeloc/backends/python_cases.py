@@ -33,15 +33,14 @@ from safeloc.nodes import (
     NumVar,
     Or,
     Truth,
-    Var,
     any_of,
 )
 from safeloc.system import TransitionSystem
 from safeloc.terms import in_order
 
 WORTH = 1 / 8  # a case must save this share of the work
-LONGEST = 3  # all cases together may have so many times the work written out
-MOST_LOOKED_AT = 6_000  # nodes, while a condition is chosen
+LONGEST = 5  # all cases together may have so many times the work written out
+MOST_LOOKED_AT = 4_000  # nodes, while a condition is chosen
 
 
 @dataclass(frozen=True)
@@ -81,38 +80,52 @@ class _Decided:
     saved: float
 
 
-def moves(system: TransitionSystem, names: Mapping[Var, str], blocks: Blocks) -> Block:
-    """Statements that compute the state after a step (`next_...`), then the fired transitions (`fired_...`)."""
-    moved = [(f"next_{names[var]}", system.next[var]) for var in system.state]
-    fired = [(f"fired_{number}", term) for number, term in enumerate(system.fired.values())]
-    whole = _Case([*moved, *fired], 0).under({})
-    room, modes = whole.work * LONGEST, _modes(system)
+@dataclass(frozen=True)
+class _Split:
+    """What is left of a case in some modes, each apart, and in all others; what that saves, all modes equally likely."""
+
+    mode: NumVar
+    apart: Mapping[int, _Case]
+    rest: _Case
+    saved: float
+
+    @property
+    def written(self) -> int:
+        """The work that is written out."""
+        return self.rest.work + sum(case.work for case in self.apart.values())
+
+
+def moves(system: TransitionSystem, targets: Targets, blocks: Blocks) -> Block:
+    """Statements that compute the targets: of the system's moves, all or those of one stage."""
+    whole = _Case(targets, 0).under({})
+    room, modes = whole.work * LONGEST, _modes(system, whole)
     events, quiet = _quiet(system, whole)
     if not events:
         return _by_mode(modes, whole, blocks, room)
-    return [*blocks.test(any_of(events), whole.targets), *_by_mode(modes, quiet, blocks, room - whole.work)]
+    return blocks.either(
+        any_of(events),
+        lambda: _by_mode(modes, whole, blocks, room / 2),
+        lambda: _by_mode(modes, quiet, blocks, room / 2),
+    )
 
 
-def _modes(system: TransitionSystem) -> list[NumVar]:
-    """The machines' modes, under whatever name the system holds them."""
-    units = {id(machine.mode.unit) for machine in system.machines}
-    return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units]
+def _modes(system: TransitionSystem, whole: _Case) -> list[NumVar]:
+    """The machines' modes that are looked at, under whatever name the system holds them."""
+    units, read = {id(machine.mode.unit) for machine in system.machines}, set(whole.nodes())
+    return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units and var in read]
 
 
 def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
     """What makes a step a busy one, and what is left to do where nothing does."""
     events: list[Bool] = []
     quiet = whole
-    for found in (_messages(system, whole), _faults(whole)):
-        case = quiet.under({part: known for event in found for part, known in _none(event)})
+    heard = [*_records(system, whole), *_messages(system, whole)]
+    for find in (lambda _: heard, _faults):
+        found = find(quiet)
+        case = quiet.under({part: known for event in found for part, known in implied(event, False).items()})
         if case.work <= quiet.work * (1 - WORTH):
             events, quiet = [*events, *found], case
     return events, quiet
-
-
-def _none(event: Bool) -> list[tuple[Expr, Expr]]:
-    """The facts where an event did not happen."""
-    return [(event, FALSE), *([(event.inner, TRUE)] if isinstance(event, Not) else [])]
 
 
 def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
@@ -121,6 +134,14 @@ def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
     worth = whole.work * WORTH
     likely = dict.fromkeys(flag for flag, branch in _guarded(whole) if flag in flags and work([branch]) >= worth)
     return [flag for flag in likely if whole.under({flag: FALSE}).work <= whole.work - worth]
+
+
+def _records(system: TransitionSystem, whole: _Case) -> list[Bool]:
+    """Whether any field is there of a record of several, for the records that make much of the work."""
+    flags = {option.present for option in system.optionals}
+    found = [node for node in whole.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
+    worth = whole.work * (1 - WORTH)
+    return [node for node in found if whole.under(implied(node, False)).work <= worth]
 
 
 def _faults(whole: _Case) -> list[Bool]:
@@ -148,17 +169,16 @@ def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
 
 def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float) -> Block:
     """The moves mode by mode, for the machine where that saves most; as they are where it saves too little."""
-    tried = {mode: _cases(mode, whole) for mode in modes}
-    written = {mode: sum(case.work for case in cases) for mode, cases in tried.items()}
-    worth = [mode for mode in modes if written[mode] <= room and _saved(written[mode], mode, whole) >= WORTH]
+    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= WORTH]
     if not worth:
         return _by_condition(whole, blocks, room)
-    best = max(worth, key=lambda mode: _saved(written[mode], mode, whole))
-    others, block = [mode for mode in modes if mode is not best], list[Statement]()
-    for value, case in enumerate(tried[best], best.low):
-        inner = _by_mode(others, case, blocks, room * case.work / max(1, written[best]))
-        block += [Test(blocks.text(best.eq(value)), inner)] if value < best.high else inner
-    return block
+    best = max(worth, key=lambda split: split.saved)
+    others, block = [mode for mode in modes if mode is not best.mode], list[Statement]()
+    share = room / max(1, best.written)
+    for value, case in best.apart.items():
+        inner = _by_mode(others, case, blocks, share * case.work)
+        block.append(Test(blocks.text(best.mode.eq(value)), inner))
+    return [*block, *_by_mode(others, best.rest, blocks, share * best.rest.work)]
 
 
 def _by_condition(whole: _Case, blocks: Blocks, room: float) -> Block:
@@ -217,19 +237,34 @@ def _is_true(term: Expr) -> bool:
     return isinstance(term, Truth) and term.value
 
 
-def _saved(written: int, mode: NumVar, whole: _Case) -> float:
-    """The share of the work that is saved, all modes being equally likely."""
-    return 1 - written / (mode.high - mode.low + 1) / max(1, whole.work)
+def _split(mode: NumVar, whole: _Case, room: float) -> _Split:
+    """As many modes apart as there is room for, those with the least to do first."""
+    tests = _tests(mode, whole)
+    cases = {value: whole.under(_told(tests, [value])) for value in range(mode.low, mode.high + 1)}
+    order = sorted(cases, key=lambda value: cases[value].work)
+    written, count = whole.work, 0
+    while count < len(order) - 1 and written + cases[order[count]].work <= room:
+        written += cases[order[count]].work
+        count += 1
+    apart, others = sorted(order[:count]), order[count:]
+    rest = whole.under(_told(tests, others)) if apart else whole
+    left = sum(cases[value].work for value in apart) + len(others) * rest.work
+    return _Split(mode, {value: cases[value] for value in apart}, rest, 1 - left / len(cases) / max(1, whole.work))
 
 
-def _cases(mode: NumVar, whole: _Case) -> list[_Case]:
-    """What is left in every mode."""
-    tests = {
+def _tests(mode: NumVar, whole: _Case) -> dict[Expr, int]:
+    """Where it is looked whether the machine is in a mode, and in which."""
+    return {
         node: node.right.value
         for node in whole.nodes()
         if isinstance(node, Compare) and node.op == "==" and node.left is mode and isinstance(node.right, Lit)
     }
-    return [
-        whole.under({test: TRUE if value == named else FALSE for test, named in tests.items()})
-        for value in range(mode.low, mode.high + 1)
-    ]
+
+
+def _told(tests: Mapping[Expr, int], values: Sequence[int]) -> dict[Expr, Expr]:
+    """What is known of the tests where the mode is one of the values."""
+    return {
+        test: TRUE if [value] == list(values) else FALSE
+        for test, value in tests.items()
+        if value not in values or len(values) == 1
+    }

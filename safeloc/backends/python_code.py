@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
 from safeloc.backends.python_blocks import Bind, Block, Blocks, Choice, End, Test
 from safeloc.backends.python_cases import moves
 from safeloc.backends.python_terms import PythonTerms
+from safeloc.backends.stages import Stage, stages
 from safeloc.errors import InputError
 from safeloc.nodes import Past, Var
 from safeloc.system import TransitionSystem
@@ -21,7 +22,7 @@ def to_python(system: TransitionSystem) -> str:
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
     names = _names(system)
     held, read = [names[var] for var in system.state], [names[var] for var in system.inputs]
-    body = moves(system, names, Blocks(PythonTerms(names)))
+    body = _Body(system, names)
     shown = Blocks(PythonTerms(names)).ending(
         [(f"out_{number}", term) for number, term in enumerate(system.outputs.values())]
     )
@@ -29,12 +30,12 @@ def to_python(system: TransitionSystem) -> str:
     return (
         f'"""Generated from machine {system.name}; do not edit."""\n\n\n'
         f"def step(state, inputs):\n    {state} = state\n    {_tuple(read)} = inputs\n"
-        f"{_lines(body, _Returned(held), '    ')}\n\n"
+        f"{body.text(_Returned(held, body.at_once), '    ')}\n\n"
         f"def begin(state):\n    {state} = state\n\n    def tick({', '.join(read)}):\n"
-        f"{_nonlocal(held)}{_lines(body, _Ticked(held), '        ')}\n"
+        f"{_nonlocal(held)}{body.text(_Ticked(held), '        ')}\n"
         f"    def now():\n        return {state}\n\n    return tick, now\n\n\n"
         f"def run(rows, state):\n    {state} = state\n    for row in rows:\n        {_tuple(read)} = row\n"
-        f"{_lines(body, _Moved(held), '        ')}    return {state}\n\n\n"
+        f"{body.text(_Moved(held), '        ')}    return {state}\n\n\n"
         "def history(rows, state):\n    tick, now = begin(state)\n    states = []\n    for row in rows:\n"
         "        tick(*row)\n        states.append(now())\n    return states\n\n\n"
         f"def outputs(state):\n    {state} = state\n{_lines(shown, _shown, '    ')}"
@@ -43,6 +44,47 @@ def to_python(system: TransitionSystem) -> str:
 
 Leaf = Callable[[Sequence[str]], list[str]]
 """The statements at the end of a branch, from the targets' values."""
+
+
+class _Body:
+    """The moves of a system, stage by stage; what a stage moves has moved for the stages behind it."""
+
+    def __init__(self, system: TransitionSystem, names: Mapping[Var, str]) -> None:
+        self._names = names
+        self._fired = {var: f"fired_{number}" for number, var in enumerate(system.fired)}
+        self._stages = [(stage, self._block(system, stage)) for stage in stages(system)]
+        self._state = [names[var] for var in system.state]
+
+    @property
+    def at_once(self) -> bool:
+        """All variables move at the end of the step; else stage by stage."""
+        return len(self._stages) == 1
+
+    def text(self, leaf: Leaf, indent: str) -> str:
+        """The statements; `leaf` says what is done with the state after the step and the fired numbers."""
+        if self.at_once:
+            return _lines(self._stages[0][1], leaf, indent)
+        kept = {var: self._before(var) for stage, _ in self._stages for var in stage.before.values()}
+        text = "".join(f"{indent}{name} = {self._names[var]}\n" for var, name in kept.items())
+        for stage, block in self._stages:
+            text += f"{indent}while True:  # {stage.name}\n{_lines(block, _Left(self._given(stage)), indent + '    ')}"
+        return text + "".join(f"{indent}{line}\n" for line in leaf([*self._state, *self._fired.values()]))
+
+    def _given(self, stage: Stage) -> list[str]:
+        return [*(self._names[var] for var in stage.moved), *(self._fired[var] for var in stage.fired)]
+
+    def _block(self, system: TransitionSystem, stage: Stage) -> Block:
+        names = {
+            **self._names,
+            **{later: self._names[var] for later, var in stage.after.items()},
+            **{earlier: self._before(var) for earlier, var in stage.before.items()},
+        }
+        moved = [(f"next_{names[var]}", term) for var, term in stage.moved.items()]
+        fired = [(f"next_{self._fired[var]}", term) for var, term in stage.fired.items()]
+        return moves(system, [*moved, *fired], Blocks(PythonTerms(names)))
+
+    def _before(self, var: Var) -> str:
+        return f"before_{self._names[var]}"
 
 
 def _lines(block: Block, leaf: Leaf, indent: str) -> str:
@@ -67,14 +109,28 @@ def _lines(block: Block, leaf: Leaf, indent: str) -> str:
 
 @dataclass(frozen=True)
 class _Returned:
-    """The state after and the fired numbers are the result; a state that stays as it was is not built again."""
+    """The state after and the fired numbers are the result; a state that stays as it was is not built again.
+
+    kept  the names still have their values from before the step
+    """
 
     held: list[str]
+    kept: bool
 
     def __call__(self, values: Sequence[str]) -> list[str]:
         count = len(self.held)
-        state = "state" if list(values[:count]) == self.held else _tuple(values[:count])
+        state = "state" if self.kept and list(values[:count]) == self.held else _tuple(values[:count])
         return [f"return {state}, {_tuple(values[count:])}"]
+
+
+@dataclass(frozen=True)
+class _Left:
+    """The values get their names, all at once, and the stage is left."""
+
+    names: list[str]
+
+    def __call__(self, values: Sequence[str]) -> list[str]:
+        return [*_assigned(self.names, values), "break"]
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class Inherited:
 
 def contract_name(part: Part) -> str:
     """The name under which what a machine is owed is proved."""
-    return f"what {part.alone.name} is owed is kept"
+    return f"what {part.name} is owed is kept"
 
 
 def contracts(system: TransitionSystem) -> dict[str, Bool]:
@@ -72,7 +72,7 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds)
         found.certificates |= own.certificates
-        heard = proof.confirm(f"what {part.alone.name} hears is in range", part.heard, found, always=True)
+        heard = proof.confirm(f"what {part.name} hears is in range", part.heard, found, always=True)
         if heard:
             found.always |= _renamed(part, own.always)
         name = contract_name(part)
@@ -86,7 +86,7 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
 def _renamed(part: Part, facts: Mapping[str, Bool]) -> dict[str, Bool]:
     """Facts of a machine, as the whole names them."""
     ranges = {f"range of {var.name}": _twin(part, var) for var in part.alone.state if isinstance(var, NumVar)}
-    named = {name: f"range of {ranges[name]}" if name in ranges else f"{part.alone.name}: {name}" for name in facts}
+    named = {name: f"range of {ranges[name]}" if name in ranges else f"{part.name}: {name}" for name in facts}
     return {named[name]: part.into.bool(term) for name, term in facts.items()}
 
 

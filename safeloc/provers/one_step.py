@@ -194,7 +194,7 @@ def _through_wires(system: TransitionSystem) -> Iterator[tuple[str, Expr, frozen
             told = part.into(var)
             if not isinstance(told, Var):
                 heard = _where(part.into.bool(present[var]), told) if var in present else told
-                yield f"{part.alone.name}.{var.name}", heard, frozenset(variables([heard]))
+                yield f"{part.name}.{var.name}", heard, frozenset(variables([heard]))
 
 
 def _where(present: Bool, told: Expr) -> Expr:
