@@ -1,26 +1,34 @@
-"""Controllers: steps a second, and memory over many steps: python -m benchmarks.bench_embedding [millions of steps]
+"""Controllers: cycles a second, and memory over many of them.
 
-Speed is of whole cycles, as a host makes them: records (four distances, now and then a marker) or inputs in, a report out.
-Memory is resident memory while one controller steps on and on; 0.2 million steps unless told, 10 take some ten minutes.
+    python -m benchmarks.bench_embedding [millions of cycles [machine [bare]]]
+
+Speed is of whole cycles, as a host makes them: records (four distances, now and then a marker) or inputs in, a report out;
+beside it stands the compiled step alone, with rows made ready. Memory is resident memory while one controller (or, with
+`bare`, the compiled step) goes on and on: 0.2 million cycles unless told, 10 take some minutes. Machines are `odometry`, and
+`localizer` on the inputs of its shipped journeys, one after the other.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import cycle as forever
+from itertools import islice
 from pathlib import Path
 
-from safeloc.embedding import Controller, Program
+from safeloc.embedding import Controller, Program, localizer_program
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runs.sampled import recorded_run
 from safeloc.shipped import ENTRIES
 from safeloc.streams.records import DistanceRecord, End, MarkerRecord, Record
 
 PERIOD_MS, STEP_MM, MARKER_EVERY = 100, 1_200, 200
 ENDS: tuple[End, End] = ("front", "rear")
-STEPS = 20_000
+CYCLES = 20_000
 LOOKS = 10
 FLAT_KB = 512
+Inputs = Sequence[Mapping[str, object]]
 
 
 def drive(first: int, cycles: int) -> Iterator[list[Record]]:
@@ -43,6 +51,16 @@ def drive(first: int, cycles: int) -> Iterator[list[Record]]:
         yield said
 
 
+def driven_inputs() -> Inputs:
+    """The inputs that those records stand for."""
+    return [{k: v for record in said for k, v in record.inputs().items()} for said in drive(1, CYCLES)]
+
+
+def journeys(program: Program) -> Inputs:
+    """The inputs of all shipped journeys of the program's target."""
+    return [step for path in program.target.streams for step in recorded_run(program.system, path, CYCLES).steps]
+
+
 def resident_kb() -> int:
     """Memory of this process that is in use."""
     status = Path("/proc/self/status").read_text(encoding="utf-8")
@@ -57,41 +75,58 @@ def speed(step: Callable[[object], object], said: Sequence[object]) -> float:
     return len(said) / (time.process_time() - begin)
 
 
-def speeds(program: Program) -> dict[str, float]:
+def speeds(program: Program, inputs: Inputs) -> dict[str, float]:
     """By way of stepping."""
-    said = list(drive(1, STEPS))
-    inputs = [{name: value for record in one for name, value in record.inputs().items()} for one in said]
-    by_records, by_inputs = Controller(program), Controller(program)
-    bare = program.code
-    rows = [bare.read(one) for one in inputs]
-    tick, _ = bare.begin(bare.first())
-    return {
-        "compiled step alone": speed(lambda row: tick(*row), rows),
-        "Controller.step_inputs": speed(by_inputs.step_inputs, inputs),
-        "Controller.step, records": speed(by_records.step, said),
+    rows = [program.code.read(one) for one in inputs]
+    tick, _ = program.code.begin(program.code.first())
+    found = {
+        "compiled step alone": speed(lambda row: tick(*row), rows),  # type: ignore[misc] # a row
+        "Controller.step_inputs": speed(Controller(program).step_inputs, inputs),  # type: ignore[arg-type] # inputs
     }
-
-
-def memory(program: Program, steps: int) -> list[int]:
-    """Resident kB after each tenth."""
-    controller, found = Controller(program), []
-    for look in range(LOOKS):
-        for said in drive(1 + look * (steps // LOOKS), steps // LOOKS):
-            controller.step(said)
-        found.append(resident_kb())
+    if program.name == "odometry":
+        said = list(drive(1, CYCLES))
+        found["Controller.step, records"] = speed(Controller(program).step, said)  # type: ignore[arg-type] # records
     return found
+
+
+def endless(program: Program, inputs: Inputs, *, bare: bool) -> Iterable[object]:
+    """One cycle after the other."""
+    if bare:
+        rows = [program.code.read(one) for one in inputs]
+        tick, _ = program.code.begin(program.code.first())
+        return (tick(*row) for row in forever(rows))
+    controller = Controller(program)
+    if program.name == "odometry":
+        return (controller.step(said) for said in drive(1, sys.maxsize - 1))
+    return (controller.step_inputs(one) for one in forever(inputs))
+
+
+def memory(cycles: Iterable[object], count: int) -> Iterator[int]:
+    """Resident kB after each tenth."""
+    steps = iter(cycles)
+    for _ in range(LOOKS):
+        for _ in islice(steps, count // LOOKS):
+            pass
+        yield resident_kb()
 
 
 def main() -> None:
     """Measures and prints."""
-    program = Program(ENTRIES["odometry"].make(OdometryConfig(trust_first_marker=True)))
-    for name, found in speeds(program).items():
+    millions, machine, way = (*sys.argv[1:], *("0.2", "odometry", "controller")[len(sys.argv) - 1 :])
+    odometry = machine == "odometry"
+    entry = ENTRIES["odometry"]
+    program = Program(entry.make(OdometryConfig(trust_first_marker=True))) if odometry else localizer_program()
+    inputs = driven_inputs() if odometry else journeys(program)
+    for name, found in speeds(program, inputs).items():
         print(f"{name:26}{found:12,.0f} cycles/s")
-    steps = int(float(sys.argv[1]) * 1_000_000) if len(sys.argv) > 1 else 200_000
-    resident = memory(program, steps)
-    print(f"resident kB over {steps:,} steps: {' '.join(map(str, resident))}")
+    count = int(float(millions) * 1_000_000)
+    print(f"resident kB over {count:,} cycles of {machine}, {way}:", end="", flush=True)
+    resident = []
+    for found_kb in memory(endless(program, inputs, bare=way == "bare"), count):
+        resident.append(found_kb)
+        print(f" {found_kb}", end="", flush=True)
     grown = resident[-1] - resident[0]
-    print(f"{'flat' if grown <= FLAT_KB else 'GROWING'}: {grown} kB more after the last tenth than after the first")
+    print(f"\n{'flat' if grown <= FLAT_KB else 'GROWING'}: {grown} kB more after the last tenth than after the first")
 
 
 if __name__ == "__main__":
