@@ -65,6 +65,11 @@ def stages(system: TransitionSystem) -> list[Stage]:
     return found
 
 
+def at_once(system: TransitionSystem) -> Stage:
+    """The whole as one stage."""
+    return Stage(system.name, system.next, system.fired, {}, {})
+
+
 def _groups(system: TransitionSystem) -> list[tuple[str, list[Var], list[NumVar]]]:
     """Name, state variables and fired variables of each stage; what is of no machine comes last."""
     fired = list(system.fired)
