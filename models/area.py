@@ -16,101 +16,42 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from safeloc.config import Config, quantity
 from safeloc.expr import (
     FALSE,
     TRUE,
     Bool,
-    BoolVar,
     Expr,
     Lit,
     Num,
-    NumVar,
     Var,
     abs_,
     all_of,
     any_of,
     as_num,
     between,
-    boolean,
     exact_to,
     ite,
     maximum,
     minimum,
-    number,
 )
 from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.models.area_parts.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Reach, Slot, slot
+from safeloc.models.area_parts.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
+from safeloc.models.area_parts.variables import AreaConfig, Parts, parts
 from safeloc.units import COUNT, MM, UM
 
+__all__ = [
+    "Area",
+    "AreaConfig",
+    "Parts",
+    "build",
+    "machine",
+    "moves_clause",
+    "parts",
+    "report_law",
+    "reports_clause",
+    "um",
+]
 TRACE = ("FVA-9",)
-
-
-class AreaConfig(Config):
-    """What the area machine depends on."""
-
-    trains: int = quantity(3, "count", 1, 16, "[D] trains at a time in 10 to 40 km")
-    period_ms: int = quantity(1_000, "ms", 10, 10_000, "[S] Wiesmeyr 2020: one position a second")
-    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
-    report_age_limit_ms: int = quantity(1_000, "ms", 0, 60_000, "[S] EUG 22E126: no data older than 1 s")
-    count_limit: int = quantity(3_600, "cycles", 1, 1_000_000, "[D] how far waiting times are counted")
-    limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km to either side")
-
-    @property
-    def reach(self) -> Reach:
-        """How far anything gets."""
-        cycle = -(-self.max_speed_mm_s * self.period_ms // 1_000)
-        return Reach(cycle, self.max_speed_mm_s, self.report_age_limit_ms, self.limit_mm)
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """The variables of the machine.
-
-    low_end, high_end  the axle counters, mm: fixed, any two places
-    healthy, clear     the axle counters: undisturbed; no axle is counted in
-    loose_low, loose_high  where loose vehicles may be, rear to front
-    loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area, and where, um
-    """
-
-    config: AreaConfig
-    slots: tuple[Slot, ...]
-    low_end: NumVar
-    high_end: NumVar
-    healthy: BoolVar
-    clear: BoolVar
-    loose_low: NumVar
-    loose_high: NumVar
-    rejected: NumVar
-    loose: BoolVar
-    loose_rear: NumVar
-    loose_front: NumVar
-    next_loose: BoolVar
-    next_loose_rear: NumVar
-    next_loose_front: NumVar
-
-
-def parts(config: AreaConfig) -> Parts:
-    """Fresh variables for one machine."""
-    limit, reach = config.limit_mm, config.reach
-    far, step = limit * 1_000, reach.cycle_mm * 1_000
-    return Parts(
-        config,
-        tuple(slot(n, reach, config.count_limit) for n in range(1, config.trains + 1)),
-        number("low_end_mm", MM, -limit, limit),
-        number("high_end_mm", MM, -limit, limit),
-        boolean("counters_healthy"),
-        boolean("counters_clear"),
-        number("loose_low_mm", MM, -limit, limit),
-        number("loose_high_mm", MM, -limit, limit),
-        number("rejected_events", COUNT, 0, config.trains),
-        boolean("loose_there"),
-        number("loose_rear_um", UM, -far, far),
-        number("loose_front_um", UM, -far, far),
-        boolean("next_loose_there"),
-        number("next_loose_rear_um", UM, -far - step, far + step),
-        number("next_loose_front_um", UM, -far - step, far + step),
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +86,8 @@ def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
         ghosts=ghosts,
         ghost_inputs=_choices(own),
         ghost_moves=moves,
-        assumption=_assumption(own, kept),
+        assumption=_on_the_line(own, own.next_loose_rear, own.next_loose_front),
+        clauses=_clauses(own, kept),
         lemmas=_lemmas(own, current, table),
         initially=_ends_in_order(own),
         mode_variable=current,
@@ -306,32 +248,46 @@ def um(term: Num) -> Num:
     return exact_to(term, UM)
 
 
-def _assumption(own: Parts, kept: Sequence[Slot]) -> Bool:
+def moves_clause(one: Slot) -> str:
+    """The name of the clause that its train moves as a train does."""
+    return f"train {one.number} moves as one"
+
+
+def reports_clause(one: Slot) -> str:
+    """The name of the clause that its train's reports are true."""
+    return f"reports of train {one.number} are true"
+
+
+def _clauses(own: Parts, kept: Sequence[Slot]) -> dict[str, Bool]:
+    """What is assumed of trains, by name; of uncounted vehicles: `_loose_law`."""
+    moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
+    counted = {f"train {one.number} is counted": _counting_law(own, one) for one in own.slots}
+    reports = {reports_clause(one): report_law(one) for one in own.slots if one not in kept}
+    return {**moves, **counted, **reports, "uncounted vehicles": _loose_law(own)}
+
+
+def _on_the_line(own: Parts, *places: Num) -> Bool:
     far = own.config.limit_mm * 1_000
-    world = [
-        between(-far, var, far)
-        for var in (
-            own.next_loose_rear,
-            own.next_loose_front,
-            *(v for one in own.slots for v in (one.next_rear, one.next_front)),
-        )
-    ]
-    reports = [report_law(one) for one in own.slots if one not in kept]
-    return all_of([*world, *(_train_law(own, one) for one in own.slots), *reports, _loose_law(own)])
+    return all_of(between(-far, place, far) for place in places)
 
 
-def _train_law(own: Parts, one: Slot) -> Bool:
-    """What holds of a train that is there."""
+def _movement_law(own: Parts, one: Slot) -> Bool:
+    """A train is on the line, and where it is there its ends run no faster than the top speed."""
     step, known = own.config.reach.cycle_mm * 1_000, one.there | one.enters
     rear, front = one.next_rear, one.next_front
     runs = (abs_(front - one.true_front) <= step) & (abs_(rear - one.true_rear) <= step)
+    return all_of([_on_the_line(own, rear, front), known.implies(rear <= front), one.there.implies(runs)])
+
+
+def _counting_law(own: Parts, one: Slot) -> Bool:
+    """What undisturbed counters tell of a train."""
+    step = own.config.reach.cycle_mm * 1_000
+    rear, front = one.next_rear, one.next_front
     at_low, at_high = front <= um(own.low_end) + step, rear >= um(own.high_end) - step
     out_low, out_high = front < um(own.low_end), rear > um(own.high_end)
     return all_of(
         [
             one.enters.implies(~one.there),
-            known.implies(rear <= front),
-            one.there.implies(runs),
             one.event.eq(ENTERS_LOW).implies(at_low),
             one.event.eq(ENTERS_HIGH).implies(at_high),
             (one.there & own.healthy & one.event.eq(LEAVES_LOW)).implies(out_low),
