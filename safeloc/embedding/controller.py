@@ -23,13 +23,13 @@ from safeloc.backends.compiled import Row
 from safeloc.backends.runtime import Follower
 from safeloc.border import Deliveries, Fault, Reason
 from safeloc.embedding import memory
+from safeloc.embedding.entries import Told
 from safeloc.embedding.judging import judged, stated
 from safeloc.embedding.listeners import Listeners
 from safeloc.embedding.period import configured_period_ms
 from safeloc.embedding.program import Program
 from safeloc.embedding.report import Report
 from safeloc.errors import InputError
-from safeloc.expr import Var
 from safeloc.nodes import Value
 from safeloc.streams.cycles import Cycle, CycleBuilder
 from safeloc.streams.records import Record, Unusable
@@ -94,8 +94,8 @@ class Controller:
                 else:
                     self._builder.take(number, known)
             cycle = self._builder.close()
-            values = {} if lost else self._values(cycle.inputs)
-            return self._moved(cycle, values, _with_loss(cycle.faults, lost))
+            told = {} if lost else self._told(cycle.inputs)
+            return self._moved(cycle, told, _with_loss(cycle.faults, lost), cycle.remarks.get("truth_mm"))
 
     def step_inputs(self, inputs: Mapping[str, object], *, lost: str = "", truth_mm: int | None = None) -> Report:
         """One cycle with the machine's inputs by name, for a host that judges its measurements itself.
@@ -108,10 +108,9 @@ class Controller:
         """
         self.program.require_known(inputs)
         with self._alone():
-            values, faults = stated(self.program, inputs)
-            told = _with_loss(tuple(faults), lost)
-            remarks = {} if truth_mm is None else {"truth_mm": truth_mm}
-            return self._moved(replace(self._builder.close(), remarks=remarks), {} if told else values, told)
+            told, faults = stated(self.program, inputs)
+            refused = _with_loss(tuple(faults), lost)
+            return self._moved(self._builder.close(), {} if refused else told, refused, truth_mm)
 
     def begin_anew(self, reason: str, start_ms: int | None = None) -> Report:
         """Forget the place, as after a start; `start_ms` is when the next cycle begins, by default at once.
@@ -215,20 +214,19 @@ class Controller:
             deliveries=deliveries,
         )  # fmt: skip
 
-    def _values(self, inputs: Mapping[str, int | str]) -> dict[Var, Value]:
-        """By variable; a name in a record may stand for inputs of several machines."""
+    def _told(self, inputs: Mapping[str, int | str]) -> Told:
+        """By place; a name in a record may stand for inputs of several machines."""
         routes = self.program.routes
-        return {var: self.program.held(var, value) for name, value in inputs.items() for var in routes[name]}
+        return {entry.at: entry.held(value) for name, value in inputs.items() for entry in routes[name]}
 
-    def _moved(self, cycle: Cycle, values: Mapping[Var, Value], faults: tuple[Fault, ...]) -> Report:
-        values, unheard = self.program.heard(values)
+    def _moved(self, cycle: Cycle, told: Told, faults: tuple[Fault, ...], truth_mm: int | None) -> Report:
+        told, unheard = self.program.heard(told)
         faults = (*faults, *unheard)
-        needed = self.program.missing(values)
+        needed = self.program.missing(told)
         if needed:
             return self._without(cycle, faults, f"input {needed[0]} is missing")
-        after, fired = self.program.code.step(self._state, self.program.row(values))
+        after, fired = self.program.code.step(self._state, self.program.row(told))
         moves = self.program.moves(fired, self._state, after)
-        truth_mm = cycle.remarks.get("truth_mm")
         report = self.program.report(after, moves, cycle.number, cycle.end_ms, faults, "", truth_mm)
         return self._become(after, report)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from safeloc.border import Fault, Reason
+from safeloc.embedding.entries import Told
 from safeloc.embedding.program import Program
 from safeloc.errors import InputError
 from safeloc.expr import NumVar, Var
@@ -29,8 +30,8 @@ def judged(program: Program, number: int, record: Record | Unusable) -> Record |
         named = program.named.get(name)
         if named is None:
             return Fault(record.channel, Reason.UNKNOWN, f"no input {name}", number)
-        for var in named:  # ranges of plain numbers are the cycle builder's matter
-            refused = _refused(var, value)
+        for entry in named:  # ranges of plain numbers are the cycle builder's matter
+            refused = _refused(entry.var, value)
             if refused is not None:
                 return Unusable(record.time_ms, record.channel, *refused)
     return record
@@ -52,16 +53,18 @@ def reason_for(var: Var, value: object) -> Reason:
     return Reason.OUT_OF_RANGE if is_number and isinstance(var, NumVar) else Reason.WRONG_TYPE
 
 
-def stated(program: Program, inputs: Mapping[str, object]) -> tuple[dict[Var, Value], list[Fault]]:
-    """Inputs by variable, and a fault for each value that its variable cannot hold. Names are known ones."""
-    values: dict[Var, Value] = {}
+def stated(program: Program, inputs: Mapping[str, object]) -> tuple[Told, list[Fault]]:
+    """Inputs by their places, and a fault for each value that its input cannot hold. Names are known ones."""
+    told: dict[int, Value] = {}
     faults: list[Fault] = []
+    entries = program.entries
     for name, value in inputs.items():
-        if value is None:
-            continue
-        var = program.by_name[name]
-        try:
-            values[var] = admitted(var, value)
-        except InputError as error:
-            faults.append(Fault(name, reason_for(var, value), str(error)))
-    return values, faults
+        var, at, _, kind, low, high = entries[name]
+        if type(value) is kind and low <= value <= high:  # type: ignore[operator] # an int or a bool
+            told[at] = value  # type: ignore[assignment]
+        elif value is not None:
+            try:
+                told[at] = admitted(var, value)
+            except InputError as error:
+                faults.append(Fault(name, reason_for(var, value), str(error)))
+    return told, faults

@@ -14,9 +14,10 @@ from typing import Any
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.border import Channel, Fault, Reason
 from safeloc.digest import declaration_digest
+from safeloc.embedding.entries import Entry, Told, beginnings, entries_of, limits, routes_of
 from safeloc.embedding.report import Interval, Move, Report
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Num, NumVar, Var
+from safeloc.expr import Num, NumVar
 from safeloc.machine import Machine
 from safeloc.nodes import Value
 from safeloc.system import TransitionSystem, canonical, without_ghosts
@@ -26,17 +27,16 @@ from safeloc.units import Enumeration
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One machine of the program: where its mode stands in the state, and its labels."""
+    """One machine of the program: where its mode stands in the state, its labels, and its moves.
+
+    moves   number of a transition (from 1), mode before, mode after -> what is told of it
+    """
 
     machine: Machine
     name: str
     mode_at: int
     modes: tuple[str, ...]
     moves: Mapping[tuple[int, int, int], Move]
-
-    def move(self, fired: int, before: Row, after: Row) -> Move:
-        """The transition of that number (from 1), with the modes it went between."""
-        return self.moves[fired, int(before[self.mode_at]), int(after[self.mode_at])]
 
 
 class Program:
@@ -46,22 +46,22 @@ class Program:
         self.target = target
         self.system: TransitionSystem = without_ghosts(target.system)
         self.code: Compiled = compile_system(self.system)
-        self.routes: Mapping[str, tuple[Var, ...]] = _routes(self.system, target.said)
+        self.entries: Mapping[str, Entry] = entries_of(self.system)
+        self.routes: Mapping[str, tuple[Entry, ...]] = routes_of(self.entries, target.said)
+        self.named: Mapping[str, tuple[Entry, ...]] = {
+            name: tuple(entry for entry in routed if entry.is_named) for name, routed in self.routes.items()
+        }
         self.channels: Sequence[Channel] = [
-            limit for name, variables in self.routes.items() if (limit := _limits(name, variables)) is not None
+            limit for name, routed in self.routes.items() if (limit := limits(name, routed)) is not None
         ]
-        self.channel_names = frozenset(part for name in self.routes for part in _beginnings(name))
+        self.channel_names = frozenset(part for name in self.routes for part in beginnings(name))
         self.parts = tuple(_part(self.system, machine) for machine in self.system.machines)
         self.labels: Mapping[str, tuple[str, ...]] = {
             name: term.unit.members
             for name, term in self.system.outputs.items()
             if isinstance(term, Num) and isinstance(term.unit, Enumeration)
         }
-        self._at = {var: number for number, var in enumerate(self.system.inputs)}
-        self._present: dict[Var, Var] = {option.value: option.present for option in self.system.optionals}
-        self._places = {
-            var: (at, self._at[self._present[var]] if var in self._present else None) for var, at in self._at.items()
-        }
+        self._flags = {entry.at: entry.present_at for entry in self.entries.values()}
         self._absent = tuple(canonical(var) if isinstance(var, NumVar) else False for var in self.system.inputs)
 
     @property
@@ -78,20 +78,9 @@ class Program:
         return self.code.first()
 
     @cached_property
-    def by_name(self) -> Mapping[str, Var]:
-        """Inputs by their full names, presence flags apart: these follow from the values."""
-        flags = set(self._present.values())
-        return {var.name: var for var in self.system.inputs if var not in flags}
-
-    @cached_property
-    def named(self) -> Mapping[str, tuple[Var, ...]]:
-        """Name in a record -> those of its inputs that are truth values or members."""
-        return {name: tuple(var for var in routed if _is_named(var)) for name, routed in self.routes.items()}
-
-    @cached_property
     def needed(self) -> tuple[str, ...]:
         """Inputs that must be there in every cycle: the machine has no way of being told that they are missing."""
-        return tuple(name for name, var in self.by_name.items() if var not in self._present)
+        return tuple(name for name, entry in self.entries.items() if entry.present_at is None)
 
     @cached_property
     def fingerprint(self) -> str:
@@ -104,67 +93,68 @@ class Program:
         return {} if self.target.config is None else self.target.config.model_dump(mode="json")
 
     @cached_property
-    def silent(self) -> Mapping[str, tuple[frozenset[Var], frozenset[Var]]]:
-        """Machine that may be told nothing -> its inputs, and those of them that cannot be absent one by one."""
-        needed = {self.by_name[name] for name in self.needed}
+    def silent(self) -> Mapping[str, tuple[frozenset[int], frozenset[int]]]:
+        """Machine that may be told nothing -> places of its inputs, and of those that cannot be absent one by one."""
+        needed = {self.entries[name].at for name in self.needed}
         several = len(self.system.machines) > 1
         own = {
-            name: frozenset(var for var in self._at if not several or var.name.startswith(f"{name}."))
+            name: frozenset(
+                entry.at for full, entry in self.entries.items() if not several or full.startswith(f"{name}.")
+            )
             for name in self.target.silent
         }
         return {name: (inputs, inputs & needed) for name, inputs in own.items() if inputs & needed}
 
-    def heard(self, values: Mapping[Var, Value]) -> tuple[Mapping[Var, Value], tuple[Fault, ...]]:
+    def heard(self, told: Told) -> tuple[Told, tuple[Fault, ...]]:
         """Without the machines of which something needed is missing, where they may be told nothing.
 
         A fault tells of each that was told something, and not enough; of one that was told nothing there is nothing to tell.
         """
         faults: list[Fault] = []
         for name, (inputs, needed) in self.silent.items():
-            missing = [var.name for var in needed if var not in values]
-            told = [var for var in inputs if var in values]
-            if missing and told:
-                faults.append(Fault(name, Reason.MISSING, f"{min(missing)}; nothing else of {name} is used"))
-                values = {var: value for var, value in values.items() if var not in inputs}
-        return values, tuple(faults)
+            if not needed <= told.keys() and not inputs.isdisjoint(told):
+                lacking = min(self.system.inputs[at].name for at in needed if at not in told)
+                faults.append(Fault(name, Reason.MISSING, f"{lacking}; nothing else of {name} is used"))
+                told = {at: value for at, value in told.items() if at not in inputs}
+        return told, tuple(faults)
 
     def require_known(self, inputs: Iterable[str]) -> None:
         """InputError for a name that is no input."""
-        unknown = [name for name in inputs if name not in self.by_name]
+        unknown = [name for name in inputs if name not in self.entries]
         if unknown:
-            close = difflib.get_close_matches(str(unknown[0]), self.by_name, 1)
+            close = difflib.get_close_matches(str(unknown[0]), self.entries, 1)
             hint = f" Did you mean {close[0]!r}?" if close else ""
-            raise InputError(f"{self.name} has no input {unknown[0]!r}; it has {', '.join(self.by_name)}.{hint}")
+            raise InputError(f"{self.name} has no input {unknown[0]!r}; it has {', '.join(self.entries)}.{hint}")
 
-    def missing(self, values: Mapping[Var, Value]) -> list[str]:
+    def missing(self, told: Told) -> list[str]:
         """Needed inputs that are not given, of machines that cannot be told nothing."""
-        return [name for name, var in self._always_needed if var not in values]
+        return [name for name, at in self._always_needed if at not in told]
 
     @cached_property
-    def _always_needed(self) -> list[tuple[str, Var]]:
-        spared = {var.name for _, needed in self.silent.values() for var in needed}
-        return [(name, self.by_name[name]) for name in self.needed if name not in spared]
+    def _always_needed(self) -> list[tuple[str, int]]:
+        spared = {at for _, needed in self.silent.values() for at in needed}
+        places = [(name, self.entries[name].at) for name in self.needed]
+        return [(name, at) for name, at in places if at not in spared]
 
-    def held(self, var: Var, value: int | str) -> Value:
-        """An admitted value as the variable holds it: a member's number instead of its label."""
-        if isinstance(value, str):
-            assert isinstance(var, NumVar) and isinstance(var.unit, Enumeration)
-            return var.unit.index(value)
-        return value
-
-    def row(self, values: Mapping[Var, Value]) -> Row:
+    def row(self, told: Told) -> Row:
         """The inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
-        row = list(self._absent)
-        for var, value in values.items():
-            at, present_at = self._places[var]
+        row, flags = list(self._absent), self._flags
+        for at, value in told.items():
             row[at] = value
+            present_at = flags[at]
             if present_at is not None:
                 row[present_at] = True
         return tuple(row)
 
     def moves(self, fired: Sequence[int], before: Row, after: Row) -> tuple[Move, ...]:
         """The transitions that fired."""
-        return tuple(part.move(number, before, after) for part, number in zip(self.parts, fired, strict=True) if number)
+        return tuple(
+            [
+                part.moves[number, before[part.mode_at], after[part.mode_at]]
+                for part, number in zip(self.parts, fired, strict=True)
+                if number
+            ]
+        )
 
     def modes(self, state: Row) -> dict[str, str]:
         """Machine -> label of its mode."""
@@ -193,43 +183,6 @@ class Program:
             self.name, number, end_ms, self.modes(state), moves, values, self.labels, self.interval(values), faults,
             anew, standing,
         )  # fmt: skip
-
-
-def _routes(system: TransitionSystem, said: Mapping[str, str]) -> dict[str, tuple[Var, ...]]:
-    """Name in a record -> inputs: its own, or in a composition those of every machine that has one of that name.
-
-    said   further names for inputs
-    """
-    flags = {option.present for option in system.optionals}
-    routes: dict[str, tuple[Var, ...]] = {}
-    for var in system.inputs:
-        if var not in flags:
-            for name in dict.fromkeys((var.name, var.name.rpartition(".")[2])):
-                routes[name] = (*routes.get(name, ()), var)
-    for name, other in said.items():
-        routes[name] = (*routes.get(name, ()), *routes[other])
-    return routes
-
-
-def _is_named(var: Var) -> bool:
-    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
-
-
-def _limits(name: str, variables: Sequence[Var]) -> Channel | None:
-    """The range that all of these inputs have in common; None where they are no plain numbers."""
-    numbers = [var for var in variables if isinstance(var, NumVar) and not isinstance(var.unit, Enumeration)]
-    if len(numbers) < len(variables):
-        return None
-    low, high = max(var.low for var in numbers), min(var.high for var in numbers)
-    if low > high or not all(var.unit.same(numbers[0].unit) for var in numbers):
-        raise InputError(f"inputs {[var.name for var in variables]} share the name {name!r} but no range and unit.")
-    return Channel(name, numbers[0].unit.name, low, high, 0)
-
-
-def _beginnings(name: str) -> list[str]:
-    """`front_marker_since_mm` is said by the channel of that name, or by front_marker_since, front_marker, front."""
-    parts = name.split("_")
-    return ["_".join(parts[:count]) for count in range(1, len(parts) + 1)]
 
 
 def _part(system: TransitionSystem, machine: Machine) -> Part:

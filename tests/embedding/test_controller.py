@@ -56,7 +56,7 @@ def test_steps_are_the_interpreters(name: str) -> None:
     kept = {var.name for var in program.system.state}
     first = {name: value for name, value in stream.first.items() if name in kept}
     controller = Controller(program, period_ms=None if periods(target.config) else PERIOD_MS, first=first)
-    inputs = [{key: value for key, value in step.items() if key in program.by_name} for step in stream.steps]
+    inputs = [{key: value for key, value in step.items() if key in program.entries} for step in stream.steps]
     expected = run(program.system, inputs, first=first).steps
     assert len(expected) > 10
     for step, wanted in zip(inputs, expected, strict=True):
