@@ -101,12 +101,9 @@ class Reader:
         """Never raises: what cannot be read is Refused, with the reason."""
         if line.flaw:
             return Refused(line.flaw)
-        try:
-            fields = _object(line.text)
-        except InputError as error:
-            return Refused(str(error))
         vehicle: str | None = None
         try:
+            fields = _object(line.text)
             vehicle = _vehicle(fields)
             number = _count(fields, "number")
             if self._numbered and number is None:
@@ -149,13 +146,12 @@ class Reader:
 def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
     fields.pop("vehicle", None)
     fields.pop("number", None)
-    row = fields
-    if row.get("kind") == "cycle":
-        time_ms = row.get("time_ms")
-        if type(time_ms) is not int or time_ms < 0 or len(row) > 2:
-            raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {row}")
-        return Ended(envelope, time_ms)
-    return Said(envelope, record_or_fault(row))
+    if fields.get("kind") != "cycle":
+        return Said(envelope, record_or_fault(fields))
+    time_ms = fields.get("time_ms")
+    if type(time_ms) is not int or time_ms < 0 or len(fields) > 2:
+        raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {fields}")
+    return Ended(envelope, time_ms)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
