@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.backends.known import Known
-from safeloc.backends.shapes import is_magnitude, merged
+from safeloc.backends.shapes import is_magnitude, merged, operands, operations
 from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
 from safeloc.nodes import (
     Add,
@@ -28,7 +28,6 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
-from safeloc.terms import children, in_order
 
 Array = NDArray[Any]
 Function = Callable[..., tuple[list[Array], ...]]
@@ -63,7 +62,7 @@ def load(source: str, name: str) -> Function:
 
 
 def _statements(names: dict[Expr, str], results: Sequence[Expr]) -> list[str]:
-    order = _needed(results)
+    order = operations(results)
     last = _last_uses(order, results)
     lines: list[str] = []
     for number, node in enumerate(order):
@@ -72,25 +71,10 @@ def _statements(names: dict[Expr, str], results: Sequence[Expr]) -> list[str]:
             continue
         names[node] = f"x{number}"
         lines.append(f"x{number} = {_call(node, names)}")
-        spent = [names[part] for part in dict.fromkeys(_parts(node)) if last.get(part) == number]
+        spent = [names[part] for part in dict.fromkeys(operands(node)) if last.get(part) == number]
         if spent:
             lines.append(f"del {', '.join(spent)}")
     return lines
-
-
-def _needed(results: Sequence[Expr]) -> list[Node]:
-    """What has to be computed or written, parts before wholes."""
-    wanted = set(results)
-    order = in_order(results)
-    for node in reversed(order):
-        if node in wanted:
-            wanted.update(_parts(node))
-    return [node for node in order if node in wanted and not isinstance(node, (NumVar, BoolVar))]
-
-
-def _parts(node: Expr) -> tuple[Expr, ...]:
-    """The terms that the node's call reads."""
-    return children(node)[:1] if is_magnitude(node) else children(node)
 
 
 def _array(term: Expr, names: Mapping[Expr, str], length: str) -> str:
@@ -102,7 +86,7 @@ def _last_uses(order: Sequence[Node], results: Sequence[Expr]) -> dict[Expr, int
     """Position of the last use of every computed term that is not itself a result: its memory is given back there."""
     last: dict[Expr, int] = {}
     for number, node in enumerate(order):
-        for part in _parts(node):
+        for part in operands(node):
             if not isinstance(part, (Lit, Truth, NumVar, BoolVar)):
                 last[part] = number
     for term in results:

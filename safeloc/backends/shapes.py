@@ -19,6 +19,7 @@ from safeloc.nodes import (
     FALSE,
     TRUE,
     Bool,
+    BoolVar,
     Choose,
     ChooseBool,
     Expr,
@@ -26,6 +27,7 @@ from safeloc.nodes import (
     Max,
     Node,
     Num,
+    NumVar,
     Sub,
     Truth,
     all_of,
@@ -43,6 +45,21 @@ def is_magnitude(term: Expr) -> bool:
             return a is b
         case _:
             return False
+
+
+def operations(results: Sequence[Expr]) -> list[Node]:
+    """What straight-line code has to compute or write, parts before wholes; variables are there already."""
+    wanted = set(results)
+    order = in_order(results)
+    for node in reversed(order):
+        if node in wanted:
+            wanted.update(operands(node))
+    return [node for node in order if node in wanted and not isinstance(node, (NumVar, BoolVar))]
+
+
+def operands(node: Expr) -> tuple[Expr, ...]:
+    """The terms that the node's operation reads: of a magnitude, only what it is the magnitude of."""
+    return children(node)[:1] if is_magnitude(node) else children(node)
 
 
 def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:

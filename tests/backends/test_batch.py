@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ ODOMETER = EXAMPLES[0].system
 TIMER = next(example.system for example in EXAMPLES if example.name == "timer")
 
 
-def arrays(system: TransitionSystem, streams: Sequence[Sequence[Record]]) -> dict[str, NDArray[Any]]:
+def arrays(system: TransitionSystem, streams: Sequence[Sequence[Mapping[str, object]]]) -> dict[str, NDArray[Any]]:
     """Streams of equal length, one a run, as arrays [step, run]."""
     admitted = [[read_inputs(system, record) for record in stream] for stream in streams]
     return {
