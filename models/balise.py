@@ -80,6 +80,7 @@ def build(own: Parts) -> Balise:
         ghost_inputs=choices,
         ghost_moves=moves,
         assumption=_assumption(own, judged),
+        clauses={ODOMETER: _odometer_law(own)},
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         mode_variable=current,
@@ -232,18 +233,28 @@ def _world(own: Parts) -> tuple[dict[Var, Initial], dict[Var, Expr], list[Var]]:
 
 
 def _wander_after(own: Parts) -> Num:
-    return ite(own.odometer.admitted, own.world.next_wander, own.world.wander)
+    """Of a distance that comes judged it may move in every cycle: whatever it does is charged."""
+    told = TRUE if own.config.told_distance else own.odometer.admitted
+    return ite(told, own.world.next_wander, own.world.wander)
+
+
+ODOMETER = "the odometer keeps its law"
+"""The clause that an earlier machine can be made to keep, if it judges the distance."""
+
+
+def _odometer_law(own: Parts) -> Bool:
+    """What a cycle is charged covers what its distance misses."""
+    world, odometer = own.world, own.odometer
+    error = world.true_step - exact_to(odometer.distance, NM) - (_wander_after(own) - world.wander)
+    return between(-odometer.growth, error, odometer.growth)
 
 
 def _assumption(own: Parts, cycle: Judged) -> Bool:
-    """The odometer's law, the truth of telegrams that can be believed, and the vehicle staying on the line."""
-    world, odometer = own.world, own.odometer
+    """The truth of telegrams that can be believed, and the vehicle staying on the line; the odometer is a clause."""
+    world = own.world
     after = world.truth + world.true_step
-    error = world.true_step - exact_to(odometer.step.value, NM) - (world.next_wander - world.wander)
-    law = odometer.admitted.implies(between(-odometer.most_error, error, odometer.most_error))
     return all_of(
         [
-            law,
             believable(cycle).implies(_read_truly(own, cycle, after)),
             between(world.truth.low, after, world.truth.high),
         ]

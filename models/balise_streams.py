@@ -205,10 +205,11 @@ class _Run:
                 "odometer_next_wander_nm": self._wander, "truth_mm": truth // NM_PER_MM}  # fmt: skip
 
     def _odometer(self, number: int) -> dict[str, Cell]:
-        if not self._distances.present[number]:
-            return {}
+        told: dict[str, Cell] = {"odometer_more_nm": self._distances.more(number)} if self._config.told_distance else {}
         self._wander = int(self._distances.wander_nm[number])
-        return {"odometer_mm": int(self._distances.step_mm[number])}
+        if not self._distances.present[number]:
+            return told
+        return {**told, "odometer_mm": int(self._distances.step_mm[number])}
 
     def _announcement(self) -> dict[str, Cell]:
         """The next group ahead, as soon as the machine has room for it."""

@@ -18,8 +18,8 @@ whole, but owed by those, and proved.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from pydantic import model_validator
@@ -45,6 +45,7 @@ from safeloc.models.arbitration_parts.variables import parts as arbitration_part
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.balise_parts.variables import parts as balise_parts
 from safeloc.models.motion import Motion, MotionConfig
+from safeloc.models.odometry_parts.error_law import RADAR
 from safeloc.models.odometry_parts.variables import (
     CONTRADICTION,
     LOCATED,
@@ -65,15 +66,23 @@ from safeloc.models.verification import VerificationConfig
 SourceName = Literal["odometry", "balise", "reflector", "satellite", "fibre"]
 
 
+CHECKED = MotionConfig(check=RADAR)
+"""An odometer that a Doppler radar checks."""
+
+
 class LocalizerConfig(Config):
-    """One vehicle with all its ways of locating; what they share is said once, in `motion`, and must be the same in each."""
+    """One vehicle with all its ways of locating; what they share is said once, in `motion`, and must be the same in each.
+
+    Where `motion` has a check unit it is odometry's second unit at the front, and balises and reflectors hear of a distance
+    what it is worth (`told_distance`, with the law `motion.told`).
+    """
 
     sources: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
-    motion: MotionConfig = MotionConfig()
+    motion: MotionConfig = CHECKED
     odometry: OdometryConfig = OdometryConfig()
-    balise: BaliseConfig = BaliseConfig()
-    reflector: ReflectorConfig = ReflectorConfig()
+    balise: BaliseConfig = BaliseConfig(odometer=CHECKED.told, told_distance=True, tolerance_mm=45_000)
+    reflector: ReflectorConfig = ReflectorConfig(odometer=CHECKED.told, told_distance=True)
     satellite: SatelliteConfig = SatelliteConfig(period_ms=100, coast_limit_cycles=20)
     fibre: VerificationConfig = VerificationConfig(
         period_ms=100, margin_limit_mm=300_000, reference_age_limit_cycles=20, currency_cycles=50
@@ -102,13 +111,17 @@ class LocalizerConfig(Config):
     def _one_vehicle(self) -> LocalizerConfig:
         if not self.sources or len(set(self.sources)) != len(self.sources):
             raise ValueError(f"sources {list(self.sources)} must be at least one of {list(SOURCES)}, each once.")
+        checked = self.motion.check is not None
         wanted = {
             "period_ms": self.motion.period_ms,
             "position_limit_mm": self.motion.position_limit_mm,
             "max_speed_mm_s": self.motion.max_speed_mm_s,
-            "odometer": self.motion.odometer,
+            "odometer": self.motion.told,
+            "told_distance": checked,
             "first_unit": self.motion.odometer,
         }
+        if checked:
+            wanted |= {"second_unit": self.motion.check, "measuring_step_mm": self.motion.measuring_step_mm}
         for name, config in self.used.items():
             for figure, value in wanted.items():
                 slack = name == "fibre" and figure == "max_speed_mm_s"
@@ -183,13 +196,35 @@ class Localizer:
         return self.composition.system.machines
 
 
-def compose_machines(config: LocalizerConfig | None = None) -> Localizer:
-    """The localizer of a vehicle: its sources in declared order, then what counts, then what is done with it."""
+@dataclass(frozen=True, eq=False)
+class More:
+    """What a composition adds behind a localizer's own machines, as for `compose`."""
+
+    machines: tuple[Machine, ...] = ()
+    wires: Mapping[Var, Expr] = field(default_factory=dict)
+    shared: tuple[Var, ...] = ()
+    owes: tuple[Machine | Clause, ...] = ()
+
+
+def _no_more(_: Motion, __: Machine, ___: Transmission) -> More:
+    return More()
+
+
+def compose_machines(
+    config: LocalizerConfig | None = None,
+    *,
+    name: str = "localizer",
+    behind: Callable[[Motion, Machine, Transmission], More] = _no_more,
+) -> Localizer:
+    """The localizer of a vehicle: its sources in declared order, then what counts, then what is done with it.
+
+    behind   from the movement, the restrictive state and the uplink: what another composition adds
+    """
     config = config or LocalizerConfig()
     moves = motion.build(motion.parts(config.motion))
     pieces: dict[str, Piece] = {}
-    for name in config.arbitration.sources:
-        pieces[name] = _PIECES[name](config, moves, pieces)
+    for source in config.arbitration.sources:
+        pieces[source] = _PIECES[source](config, moves, pieces)
     downlink, link_wires = _downlink(config, moves, pieces)
     counts = arbitration.build(arbitration_parts(config.arbitration))
     guard = delocalized.machine(
@@ -198,22 +233,25 @@ def compose_machines(config: LocalizerConfig | None = None) -> Localizer:
         )
     )
     uplink = _link("uplink", config.uplink, moves)
+    more = behind(moves, guard, uplink)
     wires = {
         **{var: term for piece in pieces.values() for var, term in piece.wires.items()},
         **link_wires,
         **_into_arbitration(counts, moves, _all_stated(pieces, downlink)),
         **_into_guard(guard, counts, moves),
         **_into_uplink(uplink, guard, moves),
+        **more.wires,
     }
     sources = [machine for piece in pieces.values() for machine in piece.machines]
     links = [downlink.machine] if downlink else []
-    machines = (moves.machine, *sources, *links, counts.machine, guard, uplink.machine)
+    machines = (moves.machine, *sources, *links, counts.machine, guard, uplink.machine, *more.machines)
+    owed = [one for piece in pieces.values() for one in piece.owed]
     whole = compose(
-        "localizer",
+        name,
         machines,
         wires,
-        shared=[moves.own.truth, moves.own.true_step],
-        owes=[*(one for piece in pieces.values() for one in piece.owed), *links, counts.machine, guard, uplink.machine],
+        shared=[*moves.shared, *more.shared],
+        owes=[*owed, *links, counts.machine, guard, uplink.machine, *more.owes],
     )
     return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
 
@@ -221,24 +259,41 @@ def compose_machines(config: LocalizerConfig | None = None) -> Localizer:
 # ------------------------------------------------------------------ the sources
 
 
-def _same_distance(step: Optional, moves: Motion) -> dict[Var, Expr]:
-    """An odometer input that hears the vehicle's odometer."""
-    own = moves.own.odometer.step
-    return {step.value: own.value, step.present: own.present}
+def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
+    """An odometer input that hears a unit of the vehicle."""
+    return {step.value: heard.value, step.present: heard.present}
+
+
+def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
+    """An odometer input that hears what is told of the vehicle's odometer."""
+    if moves.own.check is None or more is None:
+        return _same_distance(step, moves.own.odometer.step)
+    says = moves.machine
+    return {step.value: says.output("distance_mm"), step.present: moves.told, more: says.output("more_nm")}
 
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    own = odometry_parts(config.odometry)
+    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe)
     own = replace(own, truth=moves.own.truth, true_step=moves.own.true_step)
     model = odometry.build(own)
-    return Piece((model.machine,), _same_distance(own.units[0].step, moves), _plainly(model.machine))
+    wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
+    return Piece((model.machine,), {var: term for one in wires for var, term in one.items()}, _plainly(model.machine))
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     own = balise_parts(config.balise)
-    own = replace(own, world=replace(own.world, truth=moves.own.truth, true_step=moves.own.true_step))
-    model = balise.build(own)
-    return Piece((model.machine,), _same_distance(own.odometer.step, moves), _plainly(model.machine))
+    world = replace(own.world, truth=moves.own.truth, true_step=moves.own.true_step)
+    if moves.own.check is not None:
+        world = replace(world, wander=moves.own.check.wander, next_wander=moves.own.check.next_wander)
+    own = replace(own, world=world)
+    machine = balise.build(own).machine
+    wires = _told_distance(own.odometer.step, own.odometer.more, moves)
+    return Piece((machine,), wires, _plainly(machine), _owed_law(Clause(machine, balise.ODOMETER), moves))
+
+
+def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
+    """With a check unit the law of the distance is owed by `motion`."""
+    return () if moves.own.check is None else (law,)
 
 
 def _plainly(machine: Machine) -> Stated:
@@ -255,7 +310,10 @@ def _plainly(machine: Machine) -> Stated:
 
 def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     own = reflecting.parts(config.reflector)
-    own = replace(own, ghosts=replace(own.ghosts, truth=moves.own.truth, true_step=moves.own.true_step))
+    ghosts = replace(own.ghosts, truth=moves.own.truth, true_step=moves.own.true_step)
+    if moves.own.check is not None:
+        ghosts = replace(ghosts, wander=moves.own.check.wander, next_wander=moves.own.check.next_wander)
+    own = replace(own, ghosts=ghosts)
     machine = reflector.build(own).machine
     error = machine.output("error")
     why = ite(error.eq(reflecting.TOLERANCE), TOLERANCE, CONTRADICTION)
@@ -269,7 +327,8 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
-    return Piece((machine,), _same_distance(own.odometer.step, moves), stated)
+    wires = _told_distance(own.odometer.step, own.odometer.more, moves)
+    return Piece((machine,), wires, stated, _owed_law(Clause(machine, reflector.ODOMETER), moves))
 
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
@@ -283,10 +342,12 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
     wires[own.next_truth] = moves.own.truth
     trusted = next((earlier[name].stated for name in ("balise", "odometry", "reflector") if name in earlier), None)
     if trusted is not None:
+        accuracy = maximum(trusted.under, trusted.over)
+        heard = trusted.reference & (accuracy <= own.accuracy.high)
         wires |= {
-            own.reference.present: trusted.reference,
-            own.reference.value: ite(trusted.reference, trusted.position, 0),
-            own.accuracy: ite(trusted.reference, maximum(trusted.under, trusted.over), 0),
+            own.reference.present: heard,
+            own.reference.value: ite(heard, trusted.position, 0),
+            own.accuracy: ite(heard, accuracy, 0),
         }
     why = machine.output("reason")
     reason = ite(why.eq(satellite_words.TOLERANCE), TOLERANCE, NO_REFERENCE)
@@ -368,7 +429,7 @@ def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> d
 def _into_arbitration(counts: Arbitration, moves: Motion, stated: Mapping[str, Stated]) -> dict[Var, Expr]:
     wires: dict[Var, Expr] = {
         counts.own.distance.value: moves.machine.output("distance_mm"),
-        counts.own.distance.present: moves.machine.output("measured").eq(motion.ADMITTED),
+        counts.own.distance.present: moves.told,
         counts.own.next_truth: moves.own.truth,
     }
     for source in counts.own.sources:

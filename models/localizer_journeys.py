@@ -76,13 +76,9 @@ SPOOFED = (
     "all solutions are drawn away together, by less in a cycle than the prediction allows: as long as the drift is within "
     "what the other sources leave open, nothing on board differs from a true run"
 )
-SLID = (
-    "balises and reflectors hear one odometer and assume its law; a wheel that slides within the law's one-off constant is "
-    "like one that does not, and beyond it nothing on those ways of locating measures the distance a second time before the "
-    "next absolute reference"
-)
 _BALISE_UNREAD = ("balise: expected group missed",)
-_SILENT = ("motion: silent too long", "balise: tolerance exceeded")
+_SILENT = ("motion: silent too long", "balise: sensors failed")
+_SLIDES = ("motion: units disagree", "balise: sensors failed")
 
 
 def _metro(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
@@ -102,9 +98,8 @@ def _freight(
 CASES: tuple[Case, ...] = (
     _metro("odometer silent", (*_SILENT, "reflector: nothing to rely on", "odometry: hand over to rear device"),
            "balises and reflectors, which hear that odometer, withdraw; odometry goes on with the other device and radar"),
-    _metro("odometer slides", (*_SILENT[1:], "reflector: balise contradicts"),
-           "the wheel measures a quarter too little: the next balise contradicts, and odometry charges what it misses",
-           undetectable=SLID),
+    _metro("odometer slides", (*_SLIDES, "reflector: odometer failed"),
+           "the wheel measures a quarter too little: refused as it begins, then charged what the radar measures more"),
     _metro("radar blind", ("reflector: reference reflector not found",), "the radar's self-test fails: it is not used"),
     _metro("radar shifted", ("reflector: reference reflector not found",),
            "60 m too far: the self-test against the reference reflector fails, the radar is not used"),
@@ -115,8 +110,7 @@ CASES: tuple[Case, ...] = (
     _metro("balise displaced", _BALISE_UNREAD, "a group that lies 40 m further is found outside its window", group=4),
     _metro("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
     _main("odometer silent", _SILENT, "satellites and odometry's radar go on; balises withdraw"),
-    _main("odometer slides", _SILENT[1:], "odometry charges what the wheel misses; balises withdraw; satellites go on",
-          undetectable=SLID),
+    _main("odometer slides", _SLIDES, "both units' difference is charged; balises withdraw; satellites go on"),
     _main("satellites lost", ("selection: no satellite is usable",), "odometry leads until satellites are back"),
     _main("multipath", ("selection: satellites are selected",), "the one channel is excluded; the others locate on"),
     _main("spoofing", ("position: tolerance exceeded",), "solutions that no more meet the prediction are refused",
@@ -127,8 +121,7 @@ CASES: tuple[Case, ...] = (
     _main("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; others lead", group=7),
     _main("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
     _freight("odometer silent", _SILENT, "satellites and the fibre go on; balises withdraw"),
-    _freight("odometer slides", _SILENT[1:], "balises withdraw; satellites and the fibre go on",
-             undetectable=SLID),
+    _freight("odometer slides", _SLIDES, "both units' difference is charged; balises withdraw; satellites and the fibre go on"),
     _freight("satellites lost", ("arbitration: fibre takes over",), "fibre and balises lead, whichever is narrower"),
     _freight("multipath", ("selection: satellites are selected",), "the one channel is excluded; the others locate on"),
     _freight("spoofing", ("position: tolerance exceeded", "arbitration: fibre stands in"),

@@ -20,7 +20,10 @@ from safeloc.models import balise_streams, odometry_streams, reflector_streams
 from safeloc.models.balise_parts.groups import Group
 from safeloc.models.balise_streams import GroupFault, GroupFaultKind
 from safeloc.models.localizer import LocalizerConfig, compose_machines
+from safeloc.models.motion_streams import told
+from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.reflector_streams import Disturbance, Scene
+from safeloc.models.running.unit_check import ODOMETER_LAWFUL
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.models.verification import VerificationConfig
 from safeloc.nodes import Value
@@ -31,7 +34,11 @@ from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 NM_PER_MM = 1_000_000
-WIRED = ("front_wheel_mm", "odometer_mm", "step_mm", "truth_mm", "true_step_nm")
+WIRED = (
+    "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
+)  # fmt: skip
+CHECKED = ("odometer_next_wander_nm", "next_wander_nm")
+"""Wired as well, or shared, where a check unit makes the odometer's law owed."""
 TroubleKind = Literal[
     "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
     "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
@@ -99,13 +106,22 @@ class Journey:
         return next((one for one in self.troubles if one.kind == kind and one.active(cycle)), None)
 
 
+@dataclass(frozen=True)
+class Measured:
+    """What the units of the vehicle measured, and what those hear who share the odometer."""
+
+    odometer: Distances
+    check: Distances | None
+    told: Distances
+
+
 def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
     """The journey as steps: inputs, and where nothing breaks the law the ghosts; and the remark `truth_mm`."""
     rng = np.random.default_rng(seed)
     motion = motion_of(config, journey)
-    wheel = _wheel(config, journey, motion, rng)
-    parts = [_common(motion, wheel), _links(config, journey, len(motion.position_nm))]
-    parts += [_SOURCES[name](config, journey, motion, wheel, seed) for name in config.arbitration.sources]
+    measured = _measured(config, journey, motion, rng)
+    parts = [_common(motion, measured), _links(config, journey, len(motion.position_nm))]
+    parts += [_SOURCES[name](config, journey, motion, measured, seed) for name in config.arbitration.sources]
     steps: Steps = [{key: cell for part in row for key, cell in part.items()} for row in zip(*parts, strict=True)]
     if journey.lawful:
         return steps
@@ -124,6 +140,8 @@ def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
     """What is open at the start: where the vehicle is, how fast, and what train it is."""
     motion = motion_of(config, journey)
     used: dict[str, Value] = {"truth_nm": motion.start_nm}
+    if config.motion.check is not None:
+        used |= {"odometer_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value}
     open_: dict[str, dict[str, Value]] = {
         "satellite": {"position.true_speed_um_s": int(_speeds_um_s(motion)[0])},
         "fibre": {"verification.true_axles": journey.axles, "verification.true_length_um": journey.length_mm * 1_000},
@@ -145,20 +163,27 @@ def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
 # ------------------------------------------------------------------ what all sources share
 
 
-def _wheel(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np.random.Generator) -> Distances:
-    law = config.motion.odometer
+def _measured(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np.random.Generator) -> Measured:
     kinds: dict[TroubleKind, FaultKind] = {"odometer silent": "drop-out", "odometer slides": "slide"}
     faults = [Fault("wheel", kinds[one.kind], one.begin, one.end) for one in journey.troubles if one.kind in kinds]
-    numbers = Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
-    return measure("wheel", motion, numbers, rng, faults=faults)
+    odometer, check = measure("wheel", motion, _law(config.motion.odometer), rng, faults=faults), None
+    if config.motion.check is not None:
+        check = measure("check", motion, _law(config.motion.check), rng)
+    return Measured(odometer, check, told(config.motion, odometer, check))
 
 
-def _common(motion: Motion, wheel: Distances) -> Steps:
+def _law(law: ErrorLaw) -> Law:
+    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
+
+
+def _common(motion: Motion, measured: Measured) -> Steps:
     true, steps = motion.step_nm, list[dict[str, Cell]]()
+    units = {"motion.odometer_mm": measured.odometer, "motion.check_mm": measured.check}
     for cycle, place in enumerate(motion.position_nm):
         step: dict[str, Cell] = {"true_step_nm": int(true[cycle]), "truth_mm": int(place) // NM_PER_MM}
-        if wheel.present[cycle]:
-            step["motion.odometer_mm"] = int(wheel.step_mm[cycle])
+        step |= {name: int(one.step_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
+        if measured.check is not None:
+            step["odometer_next_wander_nm"] = int(measured.odometer.wander_nm[cycle])
         steps.append(step)
     return steps
 
@@ -177,27 +202,40 @@ def _links(config: LocalizerConfig, journey: Journey, cycles: int) -> Steps:
     return steps
 
 
-def _named(machine: str, steps: Sequence[Mapping[str, Cell]]) -> Steps:
+def _named(machine: str, steps: Sequence[Mapping[str, Cell]], heard: Sequence[str] = ()) -> Steps:
     """A machine's own steps under the names of the whole, without what it hears from others."""
-    return [{f"{machine}.{key}": cell for key, cell in step.items() if key not in WIRED} for step in steps]
+    known = (*WIRED, *heard)
+    return [{f"{machine}.{key}": cell for key, cell in step.items() if key not in known} for step in steps]
+
+
+def _units_heard(config: LocalizerConfig) -> tuple[str, ...]:
+    """Odometry's inputs that hear the vehicle's own units."""
+    first, second = (f"front_{unit.kind}_mm" for unit in (config.odometry.first_unit, config.odometry.second_unit))
+    return (first,) if config.motion.check is None else (first, second)
+
+
+def _owed(measured: Measured) -> tuple[str, ...]:
+    """Ghosts that all share who hear a checked odometer."""
+    return CHECKED if measured.check is not None else ()
 
 
 # ------------------------------------------------------------------ on-board sources with a simulation of their own
 
 
-def _odometry(config: LocalizerConfig, journey: Journey, motion: Motion, wheel: Distances, seed: int) -> Steps:
+def _odometry(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
     wrong = [one for one in journey.troubles if one.kind == "marker misplaced"]
     faults = [ReaderFault("front_marker", "misplaced", one.begin, one.end, reach=1) for one in wrong]
     return _named(
         "odometry",
         odometry_streams.simulate(
             config.odometry, seed=seed, motion=motion, markers=journey.markers, dropout=0, missed=0, foreign=0,
-            faults=faults, first_unit=wheel,
+            faults=faults, first_unit=measured.odometer, second_unit=measured.check,
         ),
+        _units_heard(config),
     )  # fmt: skip
 
 
-def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, wheel: Distances, seed: int) -> Steps:
+def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
     kinds: dict[TroubleKind, GroupFaultKind] = {
         "balise corrupted": "corrupted", "balise missed": "missed", "balise displaced": "late"
     }  # fmt: skip
@@ -206,19 +244,21 @@ def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, wheel: Di
         "balise",
         balise_streams.simulate(
             config.balise, seed=seed, motion=motion, groups=journey.groups, missed=0, foreign=0, faults=faults,
-            measured=wheel,
+            measured=measured.told,
         ),
+        _owed(measured),
     )  # fmt: skip
 
 
-def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, wheel: Distances, seed: int) -> Steps:
+def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
     kinds: dict[TroubleKind, str] = {"radar blind": "blind", "radar shifted": "shift"}
     wrong = [one for one in journey.troubles if one.kind in kinds]
     disturbed = tuple(Disturbance(kinds[one.kind], one.begin, one.end, by_mm=SHIFTED_MM) for one in wrong)
     scene = Scene(journey.reflectors, pauses=0, dropout=0, disturbances=disturbed)
     return _named(
         "reflector",
-        reflector_streams.simulate(config.reflector, seed=seed, scene=scene, motion=motion, measured=wheel),
+        reflector_streams.simulate(config.reflector, seed=seed, scene=scene, motion=motion, measured=measured.told),
+        _owed(measured),
     )
 
 
@@ -231,7 +271,7 @@ def _speeds_um_s(motion: Motion) -> NDArray[np.int64]:
     return np.asarray((step[:-1] + step[1:]) // (2 * motion.period_ms), dtype=np.int64)
 
 
-def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Distances, seed: int) -> Steps:
+def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measured, seed: int) -> Steps:
     rng, speeds = np.random.default_rng(seed + 1), _speeds_um_s(motion)
     heard, drawn, steps = 0, 0, list[dict[str, Cell]]()
     for cycle, place in enumerate(motion.position_nm):
@@ -296,7 +336,7 @@ def _solution(
 # ------------------------------------------------------------------ the fibre, as its front end and the counter tell
 
 
-def _fibre(config: LocalizerConfig, journey: Journey, motion: Motion, _: Distances, seed: int) -> Steps:
+def _fibre(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measured, seed: int) -> Steps:
     rng, steps, before = np.random.default_rng(seed + 2), list[dict[str, Cell]](), False
     for cycle, place in enumerate(motion.position_nm):
         front = int(place) // NM_PER_MM

@@ -41,6 +41,7 @@ def simulate(
     motion: Motion | None = None,
     faults: Sequence[Fault | ReaderFault] = (),
     first_unit: Distances | None = None,
+    second_unit: Distances | None = None,
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
@@ -49,7 +50,7 @@ def simulate(
     motion   how the vehicle runs; instead of it legs to drive, a random service by default
     faults   named faults of `front_wheel`, `front_radar`, ... (Fault) and of `front_marker`, `rear_marker` (ReaderFault);
              while one is active the assumption may be broken
-    first_unit  what the front end's first unit measured, where others hear the same one; its faults are in it already
+    first_unit, second_unit  what the front end's units measured, where others hear the same; their faults are in it already
     """
     rng = np.random.default_rng(seed)
     vehicle = vehicle_of(config)
@@ -67,8 +68,9 @@ def simulate(
         for end in ends
         for law in laws
     ]
-    if first_unit is not None:
-        distances[0] = replace(first_unit, name=names[0])
+    for index, heard in enumerate((first_unit, second_unit)):
+        if heard is not None:
+            distances[index] = replace(heard, name=names[index])
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
     readings: list[Reading] = []
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):

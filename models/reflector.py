@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite, members
+from safeloc.expr import TRUE, Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite, members
 from safeloc.machine import ANY, Initial, Machine, current_mode, modes
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.reflector_parts.cycle import Judged, Zones, judge
@@ -61,7 +61,7 @@ def build(own: Parts) -> ReflectorMachine:
         name="reflector",
         modes=mode,
         inputs=[
-            own.odometer.step,
+            *own.odometer.inputs,
             own.frame,
             *(var for slot in own.slots for var in slot.inputs),
             *own.balise.inputs,
@@ -80,9 +80,10 @@ def build(own: Parts) -> ReflectorMachine:
         ],
         ghost_moves={
             own.ghosts.truth: own.ghosts.truth + own.ghosts.true_step,
-            own.ghosts.wander: ite(own.odometer.admitted, own.ghosts.next_wander, own.ghosts.wander),
+            own.ghosts.wander: _wander_after(own),
         },
         assumption=assumption(own, judged),
+        clauses={ODOMETER: _odometer_law(own)},
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         mode_variable=current,
@@ -183,14 +184,29 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
 # ------------------------------------------------------------------ the environment, and what helps to prove
 
 
+ODOMETER = "the odometer keeps its law"
+"""The clause that an earlier machine can be made to keep, if it judges the distance."""
+
+
+def _wander_after(own: Parts) -> Num:
+    """Of a distance that comes judged it may move in every cycle: whatever it does is charged."""
+    told = TRUE if own.config.told_distance else own.odometer.admitted
+    return ite(told, own.ghosts.next_wander, own.ghosts.wander)
+
+
+def _odometer_law(own: Parts) -> Bool:
+    """What a cycle is charged covers what its distance misses."""
+    ghosts, odometer = own.ghosts, own.odometer
+    error = ghosts.true_step - exact_to(odometer.moved, NM) - (_wander_after(own) - ghosts.wander)
+    return between(-odometer.growth, error, odometer.growth)
+
+
 def assumption(own: Parts, cycle: Judged) -> Bool:
-    """Error laws of odometer, balise and radar, the layout rules of the map, and what clutter does not do."""
+    """Error laws of balise and radar, the layout rules of the map, and what clutter does not do; the odometer is a clause."""
     after = own.ghosts.truth + own.ghosts.true_step
-    error = own.ghosts.true_step - exact_to(own.odometer.step.value, NM) - (own.ghosts.next_wander - own.ghosts.wander)
-    odometry = own.odometer.admitted.implies(between(-own.odometer.growth, error, own.odometer.growth))
     balise = (own.balise.read & ~cycle.balise_contradicts).implies(cycle.balise.holds(after))
     on_line = between(own.ghosts.truth.low, after, own.ghosts.truth.high)
-    return all_of([odometry, balise, on_line, *_radar_law(own, cycle, after)])
+    return all_of([balise, on_line, *_radar_law(own, cycle, after)])
 
 
 def _radar_law(own: Parts, cycle: Judged, after: Num) -> Iterator[Bool]:

@@ -200,10 +200,11 @@ class _Run:
         return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}}
 
     def _measured(self, cycle: int) -> dict[str, Cell]:
+        told: dict[str, Cell] = {"step_more_nm": self._odometer.more(cycle)} if self._config.told_distance else {}
         if not self._odometer.present[cycle]:
-            return {}
+            return told
         self._wander = int(self._odometer.wander_nm[cycle])
-        return {"step_mm": int(self._odometer.step_mm[cycle])}
+        return {**told, "step_mm": int(self._odometer.step_mm[cycle])}
 
     def _passed(self, before: int, now: int) -> Balise | None:
         low, high = sorted((before, now))

@@ -114,6 +114,7 @@ class BaliseConfig(Config):
     last_group_identity: int = quantity(16_777_216, "count", 1, 1_000_000_000, "[S] NID_C 10 bits, NID_BG 14 bits")
     trust_first_group: bool = False
     free_references: bool = False
+    told_distance: bool = False
 
     @model_validator(mode="after")
     def _can_locate(self) -> BaliseConfig:
@@ -251,10 +252,10 @@ class Parts:
     world: World
 
     @property
-    def inputs(self) -> list[Optional]:
-        """All inputs; each may be absent."""
+    def inputs(self) -> list[Var | Optional]:
+        """All inputs; each may be absent, but for what a judged distance is charged."""
         offered = self.linking.offered.inputs
-        return [self.odometer.step, *self.read.inputs, *offered, self.national.received]
+        return [*self.odometer.inputs, *self.read.inputs, *offered, self.national.received]
 
     def state(self) -> dict[Var, Initial]:
         """State variables with initial values."""
@@ -279,7 +280,7 @@ def parts(config: BaliseConfig) -> Parts:
     lines = {"last_identity": config.last_group_identity, "position_limit_mm": config.position_limit_mm}
     return Parts(
         config,
-        odometer(config.odometer, limits),
+        odometer(config.odometer, limits, told=config.told_distance),
         Heading(boolean("backwards"), number("rolled_mm", MM, 0, config.reversal_mm), config.reversal_mm),
         _held(config),
         telegram(

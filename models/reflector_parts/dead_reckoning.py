@@ -122,7 +122,10 @@ def track(position: str, margin: str, limit_mm: int, tolerance_nm: int) -> Track
 @dataclass(frozen=True, eq=False)
 class Odometer:
     """The distance measured in a cycle. A distance that is missing or faster than the vehicle can run is not used:
-    the position then rests, and the highest speed x period is charged on both sides."""
+    the position then rests, and the highest speed x period is charged on both sides.
+
+    more    where the distance comes judged (safeloc.models.motion): what the cycle is charged beyond the law, nm
+    """
 
     step: Optional
     gap: NumVar
@@ -131,6 +134,12 @@ class Odometer:
     max_step_mm: int
     blind_nm: int
     gap_limit: int
+    more: NumVar | None = None
+
+    @property
+    def inputs(self) -> list[Var | Optional]:
+        """The measured distance, and what comes with it."""
+        return [self.step] if self.more is None else [self.step, self.more]
 
     @property
     def admitted(self) -> Bool:
@@ -149,8 +158,10 @@ class Odometer:
 
     @property
     def growth(self) -> Num:
-        """What an admitted cycle adds to the error, nm."""
-        return self.law.growth_nm(abs_(self.step.value), as_num(0, COUNT), self.period_ms)
+        """What the cycle adds to the error, nm."""
+        measured = self.law.growth_nm(abs_(self.step.value), as_num(0, COUNT), self.period_ms)
+        charge = ite(self.admitted, measured, self.blind_nm)
+        return charge if self.more is None else charge + self.more
 
     @property
     def constant_nm(self) -> int:
@@ -159,16 +170,15 @@ class Odometer:
 
     def run_on(self, interval: Interval) -> Interval:
         """The interval after this cycle; its one-off constant is charged already."""
-        charge = ite(self.admitted, self.growth, self.blind_nm)
         moved = Interval(interval.position + self.moved, interval.over, interval.under)
-        return moved.widened(charge)
+        return moved.widened(self.growth)
 
     def lag(self, share_ppm: int) -> tuple[Num, Num]:
         """What the vehicle may have run (forwards, backwards) in the last `share` of the cycle, nm."""
         blind = as_num(-(-self.blind_nm * share_ppm // NM_PER_MM), NM)
-        share = Lit(share_ppm, PPM)
-        forward = maximum(self.step.value, 0) * share
-        backward = maximum(-self.step.value, 0) * share
+        share, more = Lit(share_ppm, PPM), as_num(0, NM) if self.more is None else self.more
+        forward = maximum(self.step.value, 0) * share + more
+        backward = maximum(-self.step.value, 0) * share + more
         return ite(self.admitted, forward, blind), ite(self.admitted, backward, blind)
 
     def listen(self) -> dict[Var, Expr]:

@@ -13,6 +13,7 @@ from safeloc.models.reflector_parts.balise_reading import BaliseReading, balise_
 from safeloc.models.reflector_parts.dead_reckoning import Odometer, Track, track
 from safeloc.models.reflector_parts.echo import LATERAL_LIMIT_MM, MAX_ERROR_MM, RadarLaw, Slot, slot
 from safeloc.models.reflector_parts.map_data import NextReflector, Target, next_reflector, target
+from safeloc.models.running.odometer import most_told_nm
 from safeloc.units import COUNT, MM, NM
 
 ERROR = members(
@@ -70,6 +71,7 @@ class ReflectorConfig(Config):
     balise_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m; overridden per balise")
     balise_latency_ms: int = quantity(12, "ms", 0, 1_000, "[S] balise reader 10 +- 2 ms")
     last_balise_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
+    told_distance: bool = False
 
     @model_validator(mode="after")
     def _can_locate(self) -> ReflectorConfig:
@@ -218,6 +220,7 @@ def _odometer(config: ReflectorConfig) -> Odometer:
         config.max_step_mm,
         config.blind_nm,
         config.gap_limit_cycles,
+        number("step_more_nm", NM, 0, most_told_nm(config.max_step_mm)) if config.told_distance else None,
     )
 
 

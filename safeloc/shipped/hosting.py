@@ -32,17 +32,18 @@ SILENT: Mapping[str, tuple[str, ...]] = {
 }
 """Target -> machines of it that may be told nothing."""
 
-ODOMETERS: Mapping[str, str] = {
-    "balise": "odometer_mm",
-    "route": "odometer_mm",
-    "localizer": "motion.odometer_mm",
+UNITS: Mapping[str, Mapping[str, str]] = {
+    "balise": {"front_wheel_mm": "odometer_mm"},
+    "route": {"front_wheel_mm": "odometer_mm"},
+    "localizer": {"front_wheel_mm": "motion.odometer_mm", "front_radar_mm": "motion.check_mm"},
 }
-"""Target -> its one odometer. In records it is the wheel at the front (docs/records.md)."""
+"""Target -> unit in records -> the odometer's input, or that of the unit which checks it, if there is one (docs/records.md)."""
 
 
 def for_hosts(target: Target) -> Target:
     """A shipped target with what a host has to know of it."""
     names = {machine.name for machine in target.machines}
     silent = tuple(name for name in SILENT.get(target.name, ()) if name in names)
-    said = {"front_wheel_mm": ODOMETERS[target.name]} if target.name in ODOMETERS else {}
+    inputs = {var.name for var in target.system.inputs}
+    said = {unit: name for unit, name in UNITS.get(target.name, {}).items() if name in inputs}
     return replace(target, silent=silent, said=said)

@@ -52,12 +52,20 @@ class Fault:
 
 @dataclass(frozen=True)
 class Distances:
-    """What a unit measured: mm a cycle, present or not, and the wander (nm) after every cycle. Shapes [cycles]."""
+    """What a unit measured: mm a cycle, present or not, and the wander (nm) after every cycle. Shapes [cycles].
+
+    more_nm   where the distance comes judged: what each cycle is charged beyond the unit's law
+    """
 
     name: str
     step_mm: NDArray[np.int64]
     present: NDArray[np.bool_]
     wander_nm: NDArray[np.int64]
+    more_nm: NDArray[np.int64] | None = None
+
+    def more(self, cycle: int) -> int:
+        """What a cycle is charged beyond the law, nm; none where nothing was told of it."""
+        return 0 if self.more_nm is None else int(self.more_nm[cycle])
 
 
 @dataclass(frozen=True)

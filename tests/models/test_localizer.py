@@ -9,7 +9,7 @@ from typing import get_args
 import pytest
 
 from safeloc.composition import compose
-from safeloc.expr import TRUE, Expr, Lit, Num
+from safeloc.expr import TRUE, Expr, Lit, Num, minimum
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
 from safeloc.properties.localizer import properties
 from safeloc.provers.base import base
@@ -39,7 +39,7 @@ def up_to_the_position(whole: Localizer, changed: Mapping[str, Expr]) -> Transit
         wires[heard] = term
     own = whole.motion.own
     machines = (whole.motion.machine, *first.machines, *position.machines)
-    return compose("part", machines, wires, shared=[own.truth, own.true_step], owes=position.owed).system
+    return compose("part", machines, wires, shared=whole.motion.shared, owes=[*first.owed, *position.owed]).system
 
 
 def told(whole: Localizer) -> Num:
@@ -73,7 +73,7 @@ def _untrusted(whole: Localizer) -> Mapping[str, Expr]:
 
 def _half(whole: Localizer) -> Mapping[str, Expr]:
     [first, _] = whole.pieces.values()
-    return {"reference_accuracy_mm": first.stated.under}
+    return {"reference_accuracy_mm": minimum(first.stated.under, whole.config.satellite.tolerance_mm)}
 
 
 @pytest.mark.parametrize("wrong", [_no_error, _untrusted, _half])
