@@ -1,6 +1,6 @@
 """A controller in an asyncio host: records come over a stream, a host object follows the modes.
 
-    python docs/examples/asyncio_controller.py records.jsonl
+    python docs/examples/asyncio_controller.py [records.jsonl]
 
 A step takes some 25 microseconds, so it runs in the loop itself; a host with many vehicles, or with slow callbacks, gives
 each controller a thread of its own (`asyncio.to_thread`): calls are taken one after the other.
@@ -76,4 +76,4 @@ async def main(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(main(Path(sys.argv[1])))
+    asyncio.run(main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_name("records.jsonl")))

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
-from safeloc.service.messages import Ended, Said, Step
+from safeloc.service.messages import TRUTH, Ended, Said, Step
 from safeloc.service.vehicle import Told, Vehicle
 
 
 class StepsVehicle(Vehicle):
     """With cycle numbers a lost line is a gap, and every cycle of it a step without inputs. Without them a line that
-    cannot be read is such a step, and a loss of unknown length ends in beginning anew."""
+    cannot be read is such a step, and a loss of unknown length ends in beginning anew.
+
+    A stream may leave out what is as it was in the step before (`begin_stream`). After a step that was lost, what is
+    left out is not known, and steps are not used until they say it again.
+    """
 
     _numbered = False
+    _kept: tuple[str, ...] = ()
+    _before: Mapping[str, Any] = MappingProxyType({})
+
+    def begin_stream(self, kept: tuple[str, ...]) -> None:
+        """What comes now is a stream that leaves out what is as it was in the step before, of these names."""
+        self._kept, self._before = kept, {}
 
     def finish(self) -> list[Told]:
         """Nothing waits for an end."""
@@ -33,15 +44,32 @@ class StepsVehicle(Vehicle):
             self._go_on()
         elif not self._reached(line, cycle * period_ms):
             return
-        if not self.stopped:
+        whole = None if self.stopped else self._filled(line, message)
+        if whole is not None:
             self._lost = self._lost_until_heard = ""
-            step = self._guarded(lambda one: one.step_inputs(message.inputs, truth_mm=message.truth_mm))
+            step = self._guarded(lambda one: one.step_inputs(whole.inputs, truth_mm=whole.truth_mm))
             self._tell(step, {})
+
+    def _filled(self, line: int, message: Step) -> Step | None:
+        """The step with what it leaves out; None, and a step that is not used, where the one before is not known."""
+        if not self._kept:
+            return message
+        said = {**message.inputs, **({} if message.truth_mm is None else {TRUTH: message.truth_mm})}
+        unknown = [name for name in self._kept if name not in said and name not in self._before]
+        if unknown:
+            self._lost = f"{unknown[0]} is left out as kept, and the step before does not say what it is"
+            self._refuse(line, self._lost)
+            self._close()
+            return None
+        self._before = {**{name: self._before[name] for name in self._kept if name not in said}, **said}
+        inputs = {name: value for name, value in self._before.items() if name != TRUTH}
+        return message._replace(inputs=inputs, truth_mm=self._before.get(TRUTH))
 
     def _go_on(self) -> None:
         """The next step, if the last line is known to have been the one before."""
         assert self.controller is not None
         if self._lost_until_heard:
+            self._before = {}
             self._anew(self._lost_until_heard, self.controller.next_end_ms - self._pace.period_ms)
 
     def _reached(self, line: int, end_ms: int) -> bool:
@@ -63,14 +91,16 @@ class StepsVehicle(Vehicle):
             self._close()
 
     def _close(self) -> None:
-        lost, self._lost = self._lost, ""
+        lost, self._lost, self._before = self._lost, "", {}
         self._tell(self._guarded(lambda one: one.step_inputs({}, lost=lost)), {})
 
     def _anything_open(self) -> bool:
         return False
 
     def _own(self) -> Mapping[str, Any]:
-        return {"numbered": self._numbered}
+        return {"numbered": self._numbered, "kept": list(self._kept), "before": dict(self._before)}
 
     def _restore_own(self, kept: Mapping[str, Any]) -> None:
         self._numbered = kept["numbered"]
+        self.begin_stream(tuple(kept.get("kept", ())))
+        self._before = dict(kept.get("before", {}))

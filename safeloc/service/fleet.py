@@ -12,7 +12,7 @@ from safeloc.nodes import Value
 from safeloc.service.by_records import RecordsVehicle
 from safeloc.service.by_steps import StepsVehicle
 from safeloc.service.lines import Line
-from safeloc.service.messages import Header, Message, Reader, Refused
+from safeloc.service.messages import ALONE, Header, Message, Reader, Refused
 from safeloc.service.pace import LONGEST_GAP_MS, Pace
 from safeloc.service.vehicle import Told, Vehicle
 
@@ -72,7 +72,7 @@ class Fleet:
         self.tally.lines += 1
         message = self._reader.read(line)
         if isinstance(message, Header):
-            return []
+            return self._begun(message, whole and origin not in self._flawed)
         name = message.vehicle if isinstance(message, Refused) else message.envelope.vehicle
         if name is None:
             assert isinstance(message, Refused)
@@ -90,6 +90,15 @@ class Fleet:
             self.origins[name] = origin
             vehicle.be_unsure("another peer speaks for it")
         return self._of_one(vehicle, vehicle.heed(line.number, message))
+
+    def _begun(self, header: Header, whole: bool) -> list[Told]:
+        """A step stream of the vehicle that needs no name."""
+        if header.kept and ALONE not in self.vehicles:
+            self.vehicles[ALONE] = self._made(ALONE, whole)
+        vehicle = self.vehicles.get(ALONE)
+        if isinstance(vehicle, StepsVehicle):
+            vehicle.begin_stream(header.kept)
+        return []
 
     def _admitted(self, name: str, line: Line, message: Message, whole: bool) -> Told | None:
         """A new vehicle; the refusal where its first line says nothing, or there are too many."""

@@ -27,6 +27,9 @@ from safeloc.streams.steps import SCHEMA
 ALONE = "1"
 """The vehicle of lines that name none."""
 
+TRUTH = "truth_mm"
+"""Of a step: where the vehicle really is, no input but a remark."""
+
 VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 
 
@@ -62,7 +65,12 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class Header:
-    """The first line of a step stream: nothing to do."""
+    """The first line of a step stream, of the vehicle that needs no name.
+
+    kept   inputs that stand in a step only where they are not what they were in the step before
+    """
+
+    kept: tuple[str, ...] = ()
 
 
 class Refused(NamedTuple):
@@ -120,7 +128,7 @@ class Reader:
         cycle = _count(fields, "cycle")
         if cycle is None and named:
             raise InputError("no cycle: with vehicles named, a lost line shows only if each step has its number")
-        truth_mm = fields.pop("truth_mm", None)
+        truth_mm = fields.pop(TRUTH, None)
         if truth_mm is not None and type(truth_mm) is not int:
             raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out")
         envelope_names = ("vehicle", "number", "cycle")
@@ -140,13 +148,22 @@ class Reader:
         board = {name: value for name, value in first.items() if name not in self._ghosts}
         if board != self._first:
             raise InputError(f"the stream begins with {board}, the machine here with {dict(self._first)}; give --first")
-        return Header()
+        return Header(self._kept(fields.get("kept", [])))
+
+    def _kept(self, names: object) -> tuple[str, ...]:
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise InputError("`kept` must be a list of inputs that are in every step")
+        kept = [name for name in names if name not in self._ghosts]
+        self._program.require_known(name for name in kept if name != TRUTH)
+        return tuple(kept)
 
 
 def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
     fields.pop("vehicle", None)
     fields.pop("number", None)
-    if fields.get("kind") != "cycle":
+    if "kind" not in fields:
+        raise InputError("no kind: not a record; lines that are the inputs of steps are read with --inputs")
+    if fields["kind"] != "cycle":
         return Said(envelope, record_or_fault(fields))
     time_ms = fields.get("time_ms")
     if type(time_ms) is not int or time_ms < 0 or len(fields) > 2:

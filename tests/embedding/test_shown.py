@@ -5,14 +5,15 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import re
+import shlex
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-from safeloc.streams.record_files import write_records
-from tests.embedding.driving import drive
+from tests.service.processes import ROOT, read
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -28,12 +29,9 @@ def example(name: str) -> ModuleType:
     return module
 
 
-def test_an_asyncio_host(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_asyncio_host(capsys: pytest.CaptureFixture[str]) -> None:
     """The interlock opens with the place and closes with its loss."""
-    path = tmp_path / "records.jsonl"
-    silent = [*range(10, 25)]
-    write_records(path, [record for n, records in enumerate(drive(40)) if n not in silent for record in records])
-    asyncio.run(example("asyncio_controller").main(path))
+    asyncio.run(example("asyncio_controller").main(DOCS / "examples" / "records.jsonl"))
     first, second, last = capsys.readouterr().out.splitlines()
     assert first.startswith("200 ms: released, 244.794 m to 255.970 m")
     assert re.fullmatch(r"1\d00 ms: restricted, SENSOR_FAILURE", second)
@@ -60,3 +58,16 @@ def test_the_first_lines_of_the_page(capsys: pytest.CaptureFixture[str]) -> None
     exec(compile(code, "embedding.md", "exec"), {})
     (said,) = re.findall(r"# (cycle 1 .*)\n", code)
     assert capsys.readouterr().out.strip() == said
+
+
+def test_the_first_command_of_the_page() -> None:
+    """As it stands there, it locates the vehicle of the records that are shipped, loses it in their silence, and says so."""
+    text = (DOCS / "embedding.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"^safeloc run (odometry --config \S+) < (\S+)$", text, re.MULTILINE)
+    arguments = [sys.executable, "-c", "from safeloc.cli import main; main()", "run", *shlex.split(command[0])]
+    with (ROOT / command[1]).open("rb") as records:
+        done = subprocess.run(arguments, stdin=records, capture_output=True, cwd=ROOT, check=True, timeout=60)
+    modes = [one["mode"]["odometry"] for one in read(done.stdout)]
+    assert len(modes) == 40
+    assert set(modes) == {"DELOCALIZED", "FRONT"}
+    assert modes[-1] == "DELOCALIZED"

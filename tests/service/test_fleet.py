@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -351,6 +352,42 @@ def test_the_truth_beside_a_step_is_compared() -> None:
     (report,) = told.say(json.dumps({"truth_mm": 0}))
     assert report["truth"] == "WRONG"
     assert told.fleet.wrong == 1
+
+
+def short_stream() -> tuple[list[str], list[Data]]:
+    """A stream that leaves out distances that are as they were before, and its steps in full."""
+    whole = [inputs(records) for records in drive(12)]
+    for number, step in enumerate(whole):
+        step |= {"front_wheel_mm": 1200 + number // 5, "truth_mm": number * 1200}
+    kept = ["front_wheel_mm", "front_radar_mm", "rear_wheel_mm", "rear_radar_mm", "truth_mm"]
+    short = [
+        {name: value for name, value in step.items() if name not in kept or value != before.get(name)}
+        for before, step in pairwise([{}, *whole])
+    ]
+    header = {"schema": "safeloc-stream/1", "machine": "odometry", "kept": kept}
+    return [json.dumps(header), *map(json.dumps, short)], whole
+
+
+def test_a_stream_may_leave_out_what_is_as_before() -> None:
+    """As recordings are shipped: reports are those of the steps in full, also behind a restart."""
+    said, whole = short_stream()
+    expected = steps().say(*map(json.dumps, whole))
+    told, again = steps(), steps()
+    first = told.say(*said[:6])
+    again.fleet.restore(json.loads(json.dumps(told.fleet.freeze()())))
+    assert [*first, *again.say(*said[6:])] == expected
+    assert expected[5]["interval_mm"] is not None
+
+
+def test_what_is_left_out_behind_a_lost_step_is_not_known() -> None:
+    """Nothing of such a step is used, until one says everything again."""
+    said, whole = short_stream()
+    answers = steps().say(*said[:5], "{", *said[6:8], json.dumps(whole[7]), said[9])
+    refused = [answer for answer in answers if answer.get("event") == "refused"]
+    assert [answer["line"] for answer in refused] == [6, 7, 8]
+    assert "is left out as kept, and the step before does not say what it is" in refused[1]["reason"]
+    told = reports(answers)
+    assert [doubted(one) for one in told] == [False] * 4 + [True] * 3 + [False] * 2
 
 
 # ------------------------------------------------------------------ remembered

@@ -147,6 +147,8 @@ def test_steps() -> None:
         ({"schema": "safeloc-stream/1", "machine": "balise"}, "a stream of machine 'balise'; here runs 'odometry'"),
         ({"schema": "safeloc-stream/1", "first": {"mode": 2}}, "the stream begins with {'mode': 2}"),
         ({"schema": "safeloc-stream/1", "first": 5}, "`first` must be an object"),
+        ({"schema": "safeloc-stream/1", "kept": "front_wheel_mm"}, "`kept` must be a list of inputs"),
+        ({"schema": "safeloc-stream/1", "kept": ["front_whel_mm"]}, "odometry has no input 'front_whel_mm'"),
     ],
 )
 def test_steps_that_say_nothing(fields: dict[str, Any], reason: str) -> None:
