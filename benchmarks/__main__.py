@@ -8,9 +8,10 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from benchmarks import contenders, whole_odometry
+from benchmarks import contenders
 from benchmarks.odometer import expected
 from benchmarks.turns import judged, race, table
+from benchmarks.whole_machines import UNIT, WHOLE
 
 
 def main() -> None:
@@ -19,9 +20,10 @@ def main() -> None:
         small = race(contenders.contenders(Path(folder)), expected)
     print(*table("Small odometer, 3 state variables", small, contenders.UNIT), "", sep="\n")
     print(*(judged(target, small) for target in contenders.TARGETS), "", sep="\n")
-    whole = race(whole_odometry.contenders(), whole_odometry.expected)
-    print(*table("Odometry with two devices, 46 state variables", whole, whole_odometry.UNIT), "", sep="\n")
-    print(*(judged(target, whole) for target in whole_odometry.TARGETS), sep="\n")
+    for one in WHOLE:
+        whole = race(one.contenders(), one.expected)
+        print(*table(one.title, whole, UNIT), "", sep="\n")
+        print(*(judged(target, whole) for target in one.targets), "", sep="\n")
 
 
 if __name__ == "__main__":

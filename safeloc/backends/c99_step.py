@@ -18,9 +18,11 @@ from safeloc.backends.c99_terms import CTerms, constant
 from safeloc.backends.known import Known
 from safeloc.backends.live import live
 from safeloc.backends.python_blocks import Block, Blocks, End, Test
+from safeloc.backends.python_cases import moves
 from safeloc.backends.stages import Stage, at_once, stages
 from safeloc.nodes import Var
 
+LONGEST = 3  # cases: compilers have most of the work with long functions, and so have readers
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -64,7 +66,7 @@ def _moving(layout: Layout, name: str, stage: Stage) -> str:
     ]
     terms = [*stage.moved.values(), *stage.fired.values()]
     targets = [(f"next_{slot.field.name}", known(term)) for slot, term in zip(slots, terms, strict=True)]
-    body = _writing(live(blocks(layout, stage.after).ending(targets)), slots)
+    body = _writing(live(moves(layout.system, targets, blocks(layout, stage.after), LONGEST)), slots)
     return (
         f"{_head(layout, name)}{locals_of(body, layout.state, 'state')}"
         f"{locals_of(body, layout.inputs, 'inputs')}{_unused(body)}{body}}}\n"

@@ -39,7 +39,7 @@ from safeloc.system import TransitionSystem
 from safeloc.terms import in_order
 
 WORTH = 1 / 8  # a case must save this share of the work
-LONGEST = 5  # all cases together may have so many times the work written out
+LONGEST = 5
 MOST_LOOKED_AT = 4_000  # nodes, while a condition is chosen
 
 
@@ -95,10 +95,13 @@ class _Split:
         return self.rest.work + sum(case.work for case in self.apart.values())
 
 
-def moves(system: TransitionSystem, targets: Targets, blocks: Blocks) -> Block:
-    """Statements that compute the targets: of the system's moves, all or those of one stage."""
+def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = LONGEST) -> Block:
+    """Statements that compute the targets: of the system's moves, all or those of one stage.
+
+    longest  all cases together may have so many times the work written out
+    """
     whole = _Case(targets, 0).under({})
-    room, modes = whole.work * LONGEST, _modes(system, whole)
+    room, modes = whole.work * longest, _modes(system, whole)
     events, quiet = _quiet(system, whole)
     if not events:
         return _by_mode(modes, whole, blocks, room)

@@ -230,7 +230,7 @@ def test_names_that_mean_something_in_c_stay_apart(tmp_path: Path) -> None:
 
 
 def test_the_text_reads_like_the_table() -> None:
-    """Locals for what is read, one ladder of rows, constants by name; values are written last."""
+    """Locals for what is read, mode by mode, constants by name; values are written last."""
     text = library_texts(layout_of(without_ghosts(example("doors").system)))["doors.c"]
     assert text[text.index("static inline void advance") : text.index("static inline void show")] == STEP_OF_DOORS
 
@@ -241,32 +241,37 @@ STEP_OF_DOORS = """static inline void advance(doors_state *state, const doors_in
     const int64_t command = inputs->command;
     const bool obstructed = inputs->obstructed != 0;
     const int64_t speed = inputs->speed;
-    const bool t1 = mode == DOORS_MODE_MOVING;
-    if (t1 && obstructed) {
+    if (mode == DOORS_MODE_CLOSED) {
+        if (command == DOORS_COMMAND_TO_OPEN && speed == 0) {
+            state->mode = DOORS_MODE_MOVING;
+            state->warned = true;
+            outputs->fired = DOORS_FIRED_OPEN;
+            return;
+        }
+        outputs->fired = DOORS_FIRED__STAY;
+        return;
+    }
+    if (mode == DOORS_MODE_OPEN) {
+        if (command == DOORS_COMMAND_TO_CLOSE) {
+            state->mode = DOORS_MODE_MOVING;
+            outputs->fired = DOORS_FIRED_CLOSE;
+            return;
+        }
+        outputs->fired = DOORS_FIRED__STAY;
+        return;
+    }
+    if (obstructed) {
         state->mode = DOORS_MODE_OPEN;
         state->warned = true;
         outputs->fired = DOORS_FIRED_OBSTRUCTED;
         return;
     }
-    const bool t2 = command == DOORS_COMMAND_TO_OPEN && speed == 0;
-    if (mode == DOORS_MODE_CLOSED && t2) {
-        state->mode = DOORS_MODE_MOVING;
-        state->warned = true;
-        outputs->fired = DOORS_FIRED_OPEN;
-        return;
-    }
-    if (t1 && t2) {
+    if (command == DOORS_COMMAND_TO_OPEN && speed == 0) {
         state->mode = DOORS_MODE_OPEN;
         outputs->fired = DOORS_FIRED_OPENED;
         return;
     }
-    const bool t3 = command == DOORS_COMMAND_TO_CLOSE;
-    if (mode == DOORS_MODE_OPEN && t3) {
-        state->mode = DOORS_MODE_MOVING;
-        outputs->fired = DOORS_FIRED_CLOSE;
-        return;
-    }
-    if (t1 && (t3 || command == DOORS_COMMAND_NOTHING)) {
+    if (command == DOORS_COMMAND_TO_CLOSE || command == DOORS_COMMAND_NOTHING) {
         state->mode = DOORS_MODE_CLOSED;
         state->warned = obstructed;
         outputs->fired = DOORS_FIRED_CLOSED;

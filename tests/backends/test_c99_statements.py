@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.backends.c99_layout import Field
-from safeloc.backends.c99_source import _Slot, _writing
+from safeloc.backends.c99_step import _Slot, _writing
 from safeloc.backends.c99_statements import given, given_names, statements
 from safeloc.backends.python_blocks import Bind, Block, Choice, End
 from safeloc.backends.python_blocks import Test as Branch

@@ -9,9 +9,10 @@ import pytest
 pytest.importorskip("sismic", reason="the benchmarks' packages are an extra")
 pytest.importorskip("statemachine", reason="the benchmarks' packages are an extra")
 
-from benchmarks import contenders, whole_odometry
+from benchmarks import contenders
 from benchmarks.odometer import expected
 from benchmarks.turns import Target, judged, race, table
+from benchmarks.whole_machines import WHOLE, Whole
 
 FEW = 250
 
@@ -22,10 +23,11 @@ def test_every_way_to_run_the_odometer_ends_alike(tmp_path: Path) -> None:
         assert expected(FEW) == contender.prepare(FEW)(), contender.name
 
 
-def test_every_way_to_run_the_whole_machine_ends_alike() -> None:
-    """The same for the odometry machine, over the first seconds of a simulated service."""
-    for contender in whole_odometry.contenders():
-        assert whole_odometry.expected(20) == contender.prepare(20)(), contender.name
+@pytest.mark.parametrize("whole", [WHOLE[0], pytest.param(WHOLE[1], marks=pytest.mark.slow)], ids=lambda one: one.title)
+def test_every_way_to_run_a_whole_machine_ends_alike(whole: Whole) -> None:
+    """The same for shipped machines, over the first seconds of a service."""
+    for contender in whole.contenders():
+        assert whole.expected(20) == contender.prepare(20)(), contender.name
 
 
 def test_a_contender_that_computes_something_else_is_found(tmp_path: Path) -> None:
