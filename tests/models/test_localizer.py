@@ -37,7 +37,6 @@ def up_to_the_position(whole: Localizer, changed: Mapping[str, Expr]) -> Transit
     for name, term in changed.items():
         [heard] = [var for var in wires if var.name == name]
         wires[heard] = term
-    own = whole.motion.own
     machines = (whole.motion.machine, *first.machines, *position.machines)
     return compose("part", machines, wires, shared=whole.motion.shared, owes=[*first.owed, *position.owed]).system
 

@@ -1,0 +1,223 @@
+"""Motion with a check unit: whichever unit breaks its law, what is told of the distance covers its error, in every run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from safeloc.composition import compose
+from safeloc.expr import Expr, Var, as_num, maximum
+from safeloc.interpret import run
+from safeloc.models.balise_parts.variables import BaliseConfig
+from safeloc.models.localizer import CHECKED, Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.models.motion import MotionConfig, build, parts
+from safeloc.models.motion_streams import told
+from safeloc.models.odometry_parts.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
+from safeloc.provers.base import base
+from safeloc.provers.limits import Limits
+from safeloc.provers.obligations import obligations
+from safeloc.simulation.motion import Leg, VehicleConfig, move
+from safeloc.simulation.motion import Motion as Drive
+from safeloc.simulation.sensors import Distances, Fault, FaultKind, Law, measure
+from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.units import NM
+from safeloc.verdict import Proved
+
+KINDS: tuple[FaultKind, ...] = ("stuck", "runaway", "slip", "slide", "freeze", "drop-out")
+DRIVE = move(
+    VehicleConfig(max_speed_mm_s=40_000, acceleration_mm_s2=1_000),
+    [Leg(0, 3), Leg(25_000, 35), Leg(0, 40), Leg(12_000, 20), Leg(0, 30)],
+    100,
+)
+
+
+# ------------------------------------------------------------------ proved
+
+
+def test_motion_keeps_its_obligations() -> None:
+    """Ranges, overflow, every transition fires: with a check unit and without one."""
+    for config in (CHECKED, MotionConfig()):
+        findings = obligations(lower(build(parts(config)).machine), Limits(seconds=60))
+        assert [one.id for one in findings if not isinstance(one.result, Proved)] == []
+
+
+@pytest.mark.parametrize("source", ["balise", "reflector"])
+def test_the_law_is_owed_and_kept(source: SourceName) -> None:
+    """What a user of the distance assumes of it is proved for either unit at fault, and with it that its interval is true."""
+    known = base(one_user(compose_machines(LocalizerConfig(sources=(source,))), {}))
+    assert f"what {source} is owed is kept" in known.kept
+    assert not known.refuted
+
+
+def _no_charge(_: Localizer) -> Mapping[str, Expr]:
+    return {"odometer_more_nm": as_num(0, NM)}
+
+
+def _a_little_less(whole: Localizer) -> Mapping[str, Expr]:
+    return {"odometer_more_nm": maximum(whole.motion.machine.output("more_nm") - 1, 0)}
+
+
+def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
+    step = whole.motion.own.odometer.step
+    return {"odometer_mm": step.value, "odometer_mm.present": step.present}
+
+
+@pytest.mark.parametrize("wrong", [_no_charge, _a_little_less, _as_measured])
+def test_a_smaller_charge_is_not_enough(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
+    """No charge, one nm less, or the odometer as it measured: owed, and not kept."""
+    whole = compose_machines(LocalizerConfig(sources=("balise",)))
+    assert "what balise is owed is kept" in base(one_user(whole, wrong(whole))).refuted
+
+
+def one_user(whole: Localizer, changed: Mapping[str, Expr]) -> TransitionSystem:
+    """Motion and the one source that hears it, with wires changed, by the input's name."""
+    [piece] = whole.pieces.values()
+    wires: dict[Var, Expr] = dict(piece.wires)
+    for name, term in changed.items():
+        [heard] = [var for var in wires if var.name == name]
+        wires[heard] = term
+    return compose(
+        "part", (whole.motion.machine, *piece.machines), wires, shared=whole.motion.shared, owes=piece.owed
+    ).system
+
+
+# ------------------------------------------------------------------ along runs
+
+
+def measured(seed: int, faulty: str, kind: FaultKind | None) -> tuple[Distances, Distances]:
+    """Both units along the drive; of the faulty one, a fault from its start to its end for a third of the time."""
+    rng = np.random.default_rng(seed)
+    begin = int(rng.integers(20, 500))
+    faults = [Fault(faulty, kind, begin, begin + 400)] if kind else []
+    assert CHECKED.check is not None
+    return _unit("odometer", CHECKED.odometer, rng, faults), _unit("check", CHECKED.check, rng, faults)
+
+
+def _unit(name: str, law: ErrorLaw, rng: np.random.Generator, faults: list[Fault]) -> Distances:
+    numbers = Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
+    return measure(name, DRIVE, numbers, rng, faults=faults, severity=1.0, dropout=0.02)
+
+
+def uncovered_nm(said: Distances, drive: Drive = DRIVE) -> int:
+    """The most by which the error of a run, whenever it began, exceeds the charges of its cycles; nm, to either side."""
+    law, worst = CHECKED.told, 0
+    error = drive.step_nm - np.where(said.present, said.step_mm, 0) * 1_000_000
+    own = np.abs(said.step_mm) * law.rate_ppm
+    charge = np.where(said.present, own, CHECKED.limits.blind_nm) + _more(said)
+    for side in (error, -error):
+        left = 0
+        for one in side - charge:
+            left = max(0, left + int(one))
+            worst = max(worst, left)
+    return worst
+
+
+def _more(said: Distances) -> NDArray[np.int64]:
+    return np.zeros_like(said.step_mm) if said.more_nm is None else said.more_nm
+
+
+@pytest.mark.parametrize("kind", [None, *KINDS])
+@pytest.mark.parametrize("faulty", ["odometer", "check"])
+def test_every_run_is_covered(faulty: str, kind: FaultKind | None) -> None:
+    """Whichever unit fails, and however: beyond its charges no run errs by more than the one-off constant."""
+    for seed in range(5):
+        said = told(CHECKED, *measured(seed, faulty, kind))
+        assert uncovered_nm(said) <= CHECKED.told.constant_mm * 1_000_000
+
+
+def test_unchecked_runs_are_not_covered() -> None:
+    """The same wheel, sliding, taken as it measures: a run errs by far more than the constant."""
+    assert uncovered_nm(measured(1, "odometer", "slide")[0]) > 5 * CHECKED.told.constant_mm * 1_000_000
+
+
+def test_lawful_units_are_never_refused() -> None:
+    """However far apart both laws let them be: what both measured is told."""
+    for seed in range(10):
+        odometer, check = measured(seed, "odometer", None)
+        both = odometer.present & check.present
+        assert (told(CHECKED, odometer, check).present == both).all()
+
+
+# ------------------------------------------------------------------ cycles
+
+
+def cycles(*measures: tuple[int | None, int | None]) -> list[dict[str, object]]:
+    """What is said in each of them: distance or None, charge in nm, and the transition."""
+    system = without_ghosts(lower(build(parts(CHECKED)).machine))
+    steps = [
+        {name: value for name, value in (("odometer_mm", one), ("check_mm", other)) if value is not None}
+        for one, other in measures
+    ]
+    return [
+        {"distance": one.outputs["distance_mm"] if one.outputs["told"] else None, "more": one.outputs["more_nm"],
+         "fired": next(iter(one.fired.values()))}
+        for one in run(system, steps).steps
+    ]  # fmt: skip
+
+
+def test_units_that_agree_cost_what_the_worse_law_is() -> None:
+    """At 15 m/s the wheel's law is the worse one and nothing is told beyond it; at 5 m/s the radar's floor is."""
+    fast, slow = cycles((1_500, 1_500))[0], cycles((500, 500))[0]
+    assert (fast["distance"], fast["more"]) == (1_500, 0)
+    assert slow["more"] == 55_600_000 - 25_000_000
+
+
+def test_jitter_within_the_band_costs_nothing() -> None:
+    """Differences that come back are not charged."""
+    said = cycles(*[(1_500, 1_500 + (12 if number % 2 else -12)) for number in range(20)])
+    assert {one["more"] for one in said} == {0}
+
+
+def test_a_slide_is_told_halfway_and_charged() -> None:
+    """Once the band is used up: a quarter of 2 m is missing; half of it is told, either unit's case is charged."""
+    *_, last = cycles(*[(1_500, 2_000)] * 3)
+    assert last["fired"] == "units disagree"
+    assert last["distance"] == 1_752
+    assert isinstance(last["more"], int) and 240_000_000 < last["more"] < 241_000_000
+
+
+def test_a_vehicle_that_stands_is_charged_nothing() -> None:
+    """The radar says no more than its floor while no pulse comes."""
+    assert {one["more"] for one in cycles(*[(0, 50)] * 50)} == {0}
+    assert cycles((0, 60))[0]["more"] != 0
+
+
+def test_a_distance_that_comes_alone_is_not_told() -> None:
+    """Neither of them; and when nothing was told for longer than permitted, it is said so."""
+    said = cycles((1_000, 1_000), *[(1_000, None)] * 6, (None, 1_000), (1_000, 1_000))
+    assert [one["distance"] for one in said] == [1_000, *[None] * 7, 1_000]
+    assert [one["fired"] for one in said[1:8]] == [
+        *["distance without its check"] * 5,
+        "silent too long",
+        "still silent",
+    ]
+
+
+def test_the_constant_covers_either_unit_and_the_band() -> None:
+    """5 m of the wheel; 6 m of the radar and 0.1 m to either side; 2 m of an eddy current unit."""
+    assert CHECKED.told.constant_mm == 6_200
+    assert MotionConfig(check=EDDY_CURRENT).told.constant_mm == 5_000
+    assert MotionConfig().told == CHECKED.odometer
+
+
+def test_a_unit_that_measures_no_distance_is_refused() -> None:
+    """One that drifts with time, and one whose floor is beyond the highest speed."""
+    for law in (ACCELEROMETER, with_a_high_floor(RADAR)):
+        with pytest.raises(ValidationError, match="check"):
+            MotionConfig(check=law, max_speed_mm_s=5_000)
+
+
+def with_a_high_floor(law: ErrorLaw) -> ErrorLaw:
+    """The same law with a floor of 10 m/s."""
+    return law.model_copy(update={"floor_mm_s": 10_000})
+
+
+def test_a_vehicle_has_one_odometer() -> None:
+    """A source that assumes another law than what is told, or does not hear the charge, is refused."""
+    for balise in (BaliseConfig(), BaliseConfig(odometer=CHECKED.told), BaliseConfig(told_distance=True)):
+        with pytest.raises(ValidationError, match="balise"):
+            LocalizerConfig(balise=balise)
