@@ -8,10 +8,12 @@ from functools import partial
 
 from pydantic import BaseModel
 
-from safeloc.models import arbitration, localizer, localizer_picture, transmission
+from safeloc.models import arbitration, localizer, localizer_picture, localizer_sections, transmission
 from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer_sections import LocalizerSectionsConfig
 from safeloc.properties import arbitration as arbitration_properties
 from safeloc.properties import localizer as localizer_properties
+from safeloc.properties import localizer_sections as localizer_sections_properties
 from safeloc.properties import transmission as transmission_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import recorded, single
@@ -63,8 +65,44 @@ def _simulated(config: LocalizerConfig, seed: int) -> Sequence[Mapping[str, Cell
     return simulated(config, seed)
 
 
+def _localizer_sections(config: BaseModel) -> Target:
+    assert isinstance(config, LocalizerSectionsConfig)
+    whole = localizer_sections.compose_machines(config)
+    doc = (
+        "A vehicle that locates itself, and the virtual sections that it runs through, in one step: the position that is "
+        "passed on on board goes by radio, its age charged, to the line area that follows the train."
+    )
+    properties = tuple(localizer_sections_properties.properties(whole))
+    system, streams = whole.composition.system, recorded(localizer_sections.NAME)
+    return Target(
+        localizer_sections.NAME, system.machines, system, properties, config, doc, streams, localizer_picture.PASSED_ON,
+        partial(_simulated_sections, config), (localizer_picture.picture(config.localizer, _says_of_sections),),
+    )  # fmt: skip
+
+
+def _says_of_sections(recording: str) -> str:
+    """What is to come of a shipped recording; empty for another one."""
+    from safeloc.models.localizer_sections_streams import SCENES  # numpy is loaded only where a picture is drawn
+
+    scene = SCENES.get(recording.removeprefix(f"{localizer_sections.NAME}-"))
+    return scene.says if scene else ""
+
+
+def _simulated_sections(config: LocalizerSectionsConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    """A train that runs through its sections, the sensors' errors by the seed."""
+    from safeloc.models.localizer_sections_streams import simulated  # numpy is loaded only where something is simulated
+
+    return simulated(config, seed)
+
+
 ENTRIES = (
     Entry("arbitration", "what several positions have in common", arbitration.ArbitrationConfig, _arbitration),
     Entry("transmission", "a position on its way; its age is charged", transmission.TransmissionConfig, _transmission),
     Entry("localizer", "all ways of locating together, and which of them counts", LocalizerConfig, _localizer),
+    Entry(
+        "localizer_sections",
+        "the located train in virtual sections: one truth on board and trackside",
+        LocalizerSectionsConfig,
+        _localizer_sections,
+    ),
 )

@@ -1,0 +1,146 @@
+"""What must hold of a train that is located on board and followed in virtual sections (RFL-13, RFL-14, FVA-9, FVA-18).
+
+All that holds of the localizer and of the sections holds here, and what the area assumes of this train's reports is proved.
+Beside it stands what only the whole can keep: that both views hold one truth, and that a section which is reported clear does
+not hold any part of this train.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from safeloc.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
+from safeloc.models.area_parts.slot import ACCEPTED
+from safeloc.models.localizer_sections import LocalizerSections
+from safeloc.models.sections import Section
+from safeloc.properties import localizer as localizer_properties
+from safeloc.properties import sections as sections_properties
+from safeloc.spec import Property, always, earlier_bool, earlier_num
+from safeloc.units import NM
+
+LAW = (
+    "each source's own law; a train confirmed to be whole has its length, and nothing of it is ahead of its front end; "
+    "undisturbed counters count every vehicle; reports of other trains are true; top speed; no vehicle passes another"
+)
+TRACE = ("RFL-14", "FVA-9", "FVA-18")
+
+
+def properties(whole: LocalizerSections) -> list[Property]:
+    """Every property of the localizer and of the sections, and those of both together."""
+    parts = [
+        *localizer_properties.properties(whole.localizer),
+        *sections_properties.properties(whole.area_and_sections),
+    ]
+    found = [replace(prop, assumption=LAW) if prop.assumption else prop for prop in parts]
+    found += [*_one_truth(whole), *_radio(whole)]
+    for one in whole.sections:
+        found += [*_this_train(whole, one)]
+    return found
+
+
+def _on_board(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
+    guard = whole.localizer.guard
+    of = whole.composition.of(guard)
+    position, under, over = (of.num(guard.output(f"{what}_mm")) for what in ("position", "under", "over"))
+    return ~of.bool(guard.flag("restrictive")), position - under, position + over
+
+
+def _by_radio(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
+    machine = whole.localizer.uplink.machine
+    of = whole.composition.of(machine)
+    position, under, over = (of.num(machine.output(f"{what}_mm")) for what in ("position", "under", "over"))
+    return of.bool(machine.flag("valid")), position - under, position + over
+
+
+def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
+    (here, low, high), (there, seen_low, seen_high) = _on_board(whole), _by_radio(whole)
+    yield always(
+        "both views agree",
+        (here & there).implies((low <= seen_high) & (seen_low <= high)),
+        statement="where the vehicle passes on a position and the trackside sees one, both intervals have the true place in common",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    machine, own = whole.far_uplink.machine, whole.far_uplink.own
+    of = whole.composition.of(machine)
+    position, under, over = (of.num(machine.output(f"{what}_mm")) for what in ("position", "under", "over"))
+    yield always(
+        "the far end is held",
+        of.bool(machine.flag("valid")).implies(
+            between(exact_to(position - under, NM), of.num(own.truth), exact_to(position + over, NM))
+        ),
+        statement="what the trackside is told of the train's far end holds it, its age charged",
+        trace=TRACE,
+        assumption=LAW,
+    )
+
+
+def _radio(whole: LocalizerSections) -> Iterator[Property]:
+    uplink, of = whole.localizer.uplink, whole.composition.of(whole.localizer.uplink.machine)
+    guard = whole.composition.of(whole.localizer.guard)
+    landed, valid = of.bool(uplink.machine.fired("report arrives")), of.bool(uplink.machine.flag("valid"))
+    flying, held = uplink.own.flying, uplink.own.held
+    alike, kept, widened = list[Bool](), list[Bool](), list[Bool]()
+    for what in ("position", "under", "over"):
+        sent, way, arrived = (
+            guard.num(whole.localizer.guard.output(f"{what}_mm")),
+            getattr(flying, what),
+            getattr(held, what),
+        )
+        alike.append(of.bool(uplink.own.sent).implies(of.num(way).eq(sent)))
+        kept.append(landed.implies(of.num(arrived).eq(earlier_num(of.num(way)))))
+        kept.append((valid & ~landed).implies(of.num(arrived).eq(earlier_num(of.num(arrived)))))
+    for what in ("under", "over"):
+        widened.append(valid.implies(of.num(uplink.machine.output(f"{what}_mm")) >= of.num(getattr(held, what))))
+    yield always(
+        "the trackside's view is never the narrower one",
+        all_of([*alike, *kept, *widened]),
+        statement="what is sent is what is passed on on board; it arrives as it was sent, and is given out no narrower",
+        trace=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "a report counts once",
+        _counted_once(whole),
+        statement="the area is told of a train only in a cycle in which a report arrives: one that is held says nothing more",
+        trace=TRACE,
+        unconditional=True,
+    )
+
+
+def _counted_once(whole: LocalizerSections) -> Bool:
+    """The trackside is told something only by a report that arrives; with what it remembers of the cycle before."""
+    uplink, seen = whole.localizer.uplink.machine, whole.trackside
+    link, side = whole.composition.of(uplink), whole.composition.of(seen.machine)
+    remembers = side.bool(seen.own.known).iff(link.bool(uplink.flag("valid")))
+    age = side.num(seen.own.known_age).eq(link.num(uplink.output("age_ms")))
+    return side.bool(seen.machine.flag("told")).implies(link.bool(uplink.fired("report arrives"))) & remembers & age
+
+
+def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
+    name, slots = one.machine.name, whole.area.own.slots
+    of, there = whole.composition.of(one.machine), whole.composition.of(whole.area.machine)
+    free = of.bool(one.machine.flag("clear"))
+    truth, far = whole.localizer.motion.own.truth, whole.composition.of(whole.ends.machine).num(whole.ends.own.far)
+    start, end = exact_to(of.num(one.start), NM), exact_to(of.num(one.end), NM)
+    inside = (minimum(truth, far) <= end) & (maximum(truth, far) >= start)
+    yield always(
+        f"{name} is never clear with this train in it",
+        (free & there.bool(slots[0].there)).implies(~inside),
+        statement="no part of the train that the localizer locates, counted into the area, is in a section that is reported clear",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    link = whole.localizer.uplink.machine
+    landed = whole.composition.of(link).bool(link.fired("report arrives"))
+    others = all_of(there.bool(train.judged.ne(ACCEPTED)) for train in slots[1:])
+    counted = all_of(~there.bool(train.leaves) for train in slots)
+    swept = there.bool(whole.area.machine.fired("counters are clear", "everything loose is pushed out"))
+    yield always(
+        f"{name} is not cleared by a silent uplink",
+        (~landed & others & counted & ~swept & ~earlier_bool(free)).implies(~free),
+        statement="while no report of this train arrives, nothing but what counters and other trains tell makes a section clear",
+        trace=TRACE,
+        unconditional=True,
+    )
