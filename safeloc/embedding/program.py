@@ -6,7 +6,7 @@ A program holds no state: any number of controllers, in any threads, share one.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -62,6 +62,7 @@ class Program:
             if isinstance(term, Num) and isinstance(term.unit, Enumeration)
         }
         self._flags = {entry.at: entry.present_at for entry in self.entries.values()}
+        self._names = frozenset(self.entries)
         self._absent = tuple(canonical(var) if isinstance(var, NumVar) else False for var in self.system.inputs)
 
     @property
@@ -118,8 +119,10 @@ class Program:
                 told = {at: value for at, value in told.items() if at not in inputs}
         return told, tuple(faults)
 
-    def require_known(self, inputs: Iterable[str]) -> None:
+    def require_known(self, inputs: Collection[str]) -> None:
         """InputError for a name that is no input."""
+        if self._names.issuperset(inputs):
+            return
         unknown = [name for name in inputs if name not in self.entries]
         if unknown:
             close = difflib.get_close_matches(str(unknown[0]), self.entries, 1)

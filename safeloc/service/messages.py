@@ -154,7 +154,7 @@ class Reader:
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
             raise InputError("`kept` must be a list of inputs that are in every step")
         kept = [name for name in names if name not in self._ghosts]
-        self._program.require_known(name for name in kept if name != TRUTH)
+        self._program.require_known([name for name in kept if name != TRUTH])
         return tuple(kept)
 
 
