@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 
-from safeloc.expr import TRUE
+from safeloc.expr import FALSE, TRUE
 from safeloc.interpret import run
 from safeloc.models.train_order import TrainOrder, TrainOrderConfig, build, parts
 from safeloc.properties.train_order import properties
@@ -76,12 +76,25 @@ def test_everything_is_proved() -> None:
     assert unproved_of(made().machine, properties(made())) == {}
 
 
-def test_a_broken_row_is_noticed() -> None:
-    """Patterns that belong to trains whatever their number, and an order that is not kept up, lose proofs."""
+@pytest.mark.parametrize(
+    ("row", "fields", "broken"),
+    [
+        ("patterns belong to trains", {"when": TRUE}, "another number of patterns belongs to nobody"),
+        ("patterns belong to trains", {"set": "belongs only"}, "a pattern holds its train"),
+        ("patterns belong to trains", {"set": "belongs only"}, "the order follows: in at the low end"),
+        ("patterns belong to nobody", {"set": {}}, "the order follows: out at the high end"),
+        ("area is empty", {"when": TRUE}, "an order begins with an empty area"),
+        ("area is empty", {"set": {}}, "an order begins with an empty area"),
+        ("impossible event", {"when": FALSE}, "two events at once ends the order"),
+        ("impossible event", {"when": FALSE}, "a train that is not there ends the order"),
+        ("impossible event", {"when": FALSE}, "a train that is there already ends the order"),
+        ("order lost", {"when": FALSE}, "a fault ends the order"),
+    ],
+)
+def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
+    """A row without its guard, or an order that is not kept up, loses a proof."""
     own = made().own
-    for fields, broken in (
-        ({"when": TRUE}, "another number of patterns belongs to nobody"),
-        ({"set": dict(zip(own.belongs, own.after, strict=True))}, "a pattern holds its train"),
-    ):
-        wrong = replace(made(), machine=changed(made().machine, "patterns belong to trains", **fields))
-        assert not_kept(wrong.machine, next(one for one in properties(wrong) if one.name == broken))
+    given = {name: dict(zip(own.belongs, own.after, strict=True)) if isinstance(value, str) else value
+             for name, value in fields.items()}  # fmt: skip
+    wrong = replace(made(), machine=changed(made().machine, row, **given))
+    assert not_kept(wrong.machine, next(one for one in properties(wrong) if one.name == broken))
