@@ -24,7 +24,7 @@ ROOMS = {
         "safeloc/backends/numpy_code.py",
         "safeloc/signals/",
         "safeloc/simulation/",
-        "models/localizer_streams.py",
+        "models/motion_streams.py",
         "models/odometry_streams.py",
         "models/balise_streams.py",
         "models/fibre_scenes/",
