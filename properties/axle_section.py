@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from safeloc.expr import before, was
+from safeloc.expr import Bool, before, was
 from safeloc.models.axle_section import ACCEPTED, AxleSection
-from safeloc.properties.step import guard
 from safeloc.spec import Property, always, reachable
 
 TRACE = ("FVA-4", "FVA-5")
@@ -43,7 +42,7 @@ def properties(model: AxleSection) -> list[Property]:
         always(
             "clear after a reset needs a sweep",
             (is_clear & ~before_.one_of(clear, occupied)).implies(
-                machine.fired("swept") & guard(machine, own.through) & own.reported_clear
+                machine.fired("swept") & _ran_through(model) & own.reported_clear
             ),
             statement="unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and "
             "out and reported it free",
@@ -79,6 +78,13 @@ def properties(model: AxleSection) -> list[Property]:
             unconditional=True,
         ),
         always(
+            "a damped head is occupied",
+            own.damped.implies(~is_clear),
+            statement="while a wheel stands on a counting head the section is not clear, whatever is counted",
+            trace=TRACE,
+            unconditional=True,
+        ),
+        always(
             "an impossible count is disturbed",
             (before_.one_of(clear, occupied, sweeping) & (before(own.count) + own.change < 0)).implies(
                 mode.eq(disturbed)
@@ -110,3 +116,9 @@ def properties(model: AxleSection) -> list[Property]:
         ),
         reachable("clear", is_clear, statement="a section can become clear", trace=TRACE),
     ]
+
+
+def _ran_through(model: AxleSection) -> Bool:
+    """Since the reset axles came in at one end only, and went out at the other only."""
+    (in_low, in_high), (out_low, out_high) = map(was, model.own.swept_from), map(was, model.own.swept_to)
+    return (in_low & ~in_high & ~out_low & out_high) | (in_high & ~in_low & ~out_high & out_low)

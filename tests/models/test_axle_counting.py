@@ -206,6 +206,18 @@ def test_a_reset_is_refused(before: tuple[dict[str, Cell], ...], cells: dict[str
     assert mode_labels(section().machine, trace)[-1] != "SWEEPING"
 
 
+@pytest.mark.parametrize(
+    "cells",
+    [(*READY, {"head_damped": True}), (*READY[:5], {"sweep_reported_clear": True, "head_damped": True}),
+     (*READY, {"axles_in_low": 4}, {"axles_out_low": 4, "head_damped": True})],
+    ids=["clear", "swept", "counted out"],
+)  # fmt: skip
+def test_a_damped_head_is_occupied(cells: tuple[dict[str, Cell], ...]) -> None:
+    """A wheel on a head occupies, whatever is counted; the section is clear again when it is gone."""
+    assert mode_labels(section().machine, cycles(*cells))[-1] != "CLEAR"
+    assert mode_labels(section().machine, cycles(*cells, {"sweep_reported_clear": True}))[-1] == "CLEAR"
+
+
 def test_a_sweep_that_backs_out_does_not_clear() -> None:
     """A sweep has to run through: what stands beyond where it turned was not seen."""
     trace = cycles(*READY[:4], {"axles_out_low": 8}, {"sweep_reported_clear": True})
@@ -239,6 +251,9 @@ def test_everything_is_proved() -> None:
         ("count cannot be believed", {"when": FALSE}, "a fault is occupied"),
         ("stay disturbed", {"target": "CLEAR"}, "a fault is not forgotten"),
         ("axles counted in", {"when": FALSE}, "clear is clear"),
+        ("axles counted in", {"when": FALSE}, "a damped head is occupied"),
+        ("all axles counted out", {"when": TRUE}, "a damped head is occupied"),
+        ("swept", {"when": TRUE}, "a damped head is occupied"),
     ],
 )
 def test_a_broken_section_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
