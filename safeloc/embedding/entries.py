@@ -19,7 +19,8 @@ Told = Mapping[int, Value]
 class Entry(NamedTuple):
     """An input: its place in the row, and that of its presence flag (None: it cannot be absent).
 
-    A value whose type is `kind`, from `low` to `high`, is one that the input holds as it is; others need a look.
+    A value whose type is `kind`, from `low` to `high`, is one that the input holds as it is, and a label in `members` one
+    that stands for a number; others need a look.
     """
 
     var: Var
@@ -28,24 +29,16 @@ class Entry(NamedTuple):
     kind: type
     low: int
     high: int
+    members: Mapping[str, int]
 
     @property
     def is_named(self) -> bool:
         """A truth value or a member, not a plain number."""
-        return self.kind is bool or self.labels is not None
-
-    @property
-    def labels(self) -> Enumeration | None:
-        """The enumeration of which it is a member."""
-        unit = self.var.unit if isinstance(self.var, NumVar) else None
-        return unit if isinstance(unit, Enumeration) else None
+        return self.kind is bool or bool(self.members)
 
     def held(self, value: int | str) -> Value:
         """An admitted value as the input holds it: a member's number instead of its label."""
-        if isinstance(value, str):
-            assert self.labels is not None
-            return self.labels.index(value)
-        return value
+        return self.members[value] if isinstance(value, str) else value
 
 
 def entries_of(system: TransitionSystem) -> dict[str, Entry]:
@@ -58,8 +51,9 @@ def entries_of(system: TransitionSystem) -> dict[str, Entry]:
 
 def _entry(var: Var, at: int, present_at: int | None) -> Entry:
     if isinstance(var, BoolVar):
-        return Entry(var, at, present_at, bool, False, True)
-    return Entry(var, at, present_at, int, var.low, var.high)
+        return Entry(var, at, present_at, bool, False, True, {})
+    labels = var.unit.members if isinstance(var.unit, Enumeration) else ()
+    return Entry(var, at, present_at, int, var.low, var.high, {label: n for n, label in enumerate(labels)})
 
 
 def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str, tuple[Entry, ...]]:

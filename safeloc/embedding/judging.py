@@ -59,9 +59,11 @@ def stated(program: Program, inputs: Mapping[str, object]) -> tuple[Told, list[F
     faults: list[Fault] = []
     entries = program.entries
     for name, value in inputs.items():
-        var, at, _, kind, low, high = entries[name]
+        var, at, _, kind, low, high, members = entries[name]
         if type(value) is kind and low <= value <= high:  # type: ignore[operator] # an int or a bool
             told[at] = value  # type: ignore[assignment]
+        elif type(value) is str and value in members:
+            told[at] = members[value]
         elif value is not None:
             try:
                 told[at] = admitted(var, value)
