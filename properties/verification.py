@@ -8,6 +8,7 @@ from safeloc.expr import all_of, any_of, before, between, exact_to, was
 from safeloc.models.verification import Verification
 from safeloc.models.verification_parts import variables as v
 from safeloc.properties.step import guard
+from safeloc.properties.verification_mismatch import properties as mismatch_properties
 from safeloc.spec import Property, always, reachable
 from safeloc.units import NM, UM
 
@@ -23,7 +24,15 @@ EMITTER = ("FVA-8", "FVA-17")
 
 def properties(model: Verification) -> list[Property]:
     """Only what is verified is given out; a mismatch withholds at once and until another accepted reference."""
-    return [*_truth(model), *_latch(model), *_inputs(model), *_entry(model), *_course(model), *_reached(model)]
+    return [
+        *_truth(model),
+        *_latch(model),
+        *_inputs(model),
+        *_entry(model),
+        *mismatch_properties(model),
+        *_course(model),
+        *_reached(model),
+    ]
 
 
 def _truth(model: Verification) -> Iterator[Property]:

@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE
+from safeloc.expr import FALSE, TRUE, any_of
 from safeloc.models.fibre_streams import Stay, simulate_stay
 from safeloc.models.verification import Verification, VerificationConfig, build, parts
 from safeloc.monitor import check_all
@@ -222,3 +222,26 @@ def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: st
     wrong = replace(made(), machine=changed(made().machine, row, **given))
     prop = next(one for one in properties(wrong) if one.name == broken)
     assert not_kept(wrong.machine, prop)
+
+
+@pytest.mark.parametrize(
+    ("reason", "broken"),
+    [
+        ("REFERENCE_CONTRADICTS", "another record of the same stay is withheld"),
+        ("LENGTH", "another length is withheld"),
+        ("ENDS_APART", "ends too far apart are withheld"),
+        ("SPEED_AT_ENTRY", "another speed at the counter is withheld"),
+        ("PLACE_AT_ENTRY", "another place at the counter is withheld"),
+        ("CONTROL_COUNT", "control data do not repair"),
+        ("CONTROL_LENGTH", "another length by train control is withheld"),
+        ("LENGTH_CHANGED", "a length that changes withholds"),
+        ("SPEED_CHANGED", "a speed that no train changes withholds"),
+        ("JUMP", "a jump withholds"),
+    ],
+)
+def test_a_comparison_that_is_left_out_is_noticed(reason: str, broken: str) -> None:
+    """A mismatch that does not count loses the proof of what it is there for."""
+    known, flaws = made().judged.known, made().judged.flaws
+    counted = any_of(flaw for flaw, why in flaws if why.label != reason)
+    wrong = replace(made(), machine=changed(made().machine, "mismatch", when=(made().own.due | known) & counted))
+    assert not_kept(wrong.machine, next(one for one in properties(wrong) if one.name == broken))
