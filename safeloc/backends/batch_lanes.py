@@ -94,7 +94,9 @@ def compile_lanes(
     if threads is not None and threads < 1:
         raise InputError(f"threads is {threads}; at least 1.")
     soundly_64_bits(system)
-    source = to_lanes(system, [keepable(system, name) for name in keep])
+    for name in keep:
+        keepable(system, name)
+    source = to_lanes(system, keep)
     library = _library(source, folder, compiler(cc))
     return LanesBatch(system, tuple(keep), threads or os.cpu_count() or 1, library)
 
