@@ -12,18 +12,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from safeloc.backends import lanes_code
+from safeloc.backends import batch_lanes, lanes_code
 from safeloc.backends.batch import BatchTrace, simulate
 from safeloc.backends.batch_lanes import LanesBatch, compile_lanes
 from safeloc.backends.c99_build import compiler
+from safeloc.backends.lanes_code import to_lanes
 from safeloc.errors import EngineError, InputError
 from safeloc.expr import Bool, Num, Var, ceil_div, floor_div, ite, maximum, number, product
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.nodes import INT64_MAX, INT64_MIN
-from safeloc.runs.sampled import sampled_runs
+from safeloc.runs.sampled import drawn_run, sampled_runs
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.system import TransitionSystem, canonical, lower, without_ghosts
 from safeloc.units import COUNT, MM
 from tests.backends.c_folder import needs_compiler
 from tests.backends.test_batch import (
@@ -163,7 +164,7 @@ def test_libraries_are_kept_for_their_processor(tmp_path: Path) -> None:
     compile_lanes(ODOMETER, folder=tmp_path / "kept")
     assert len(list((tmp_path / "kept").iterdir())) == 1
     cc = other_compiler(tmp_path, 'exec {cc} "$@" -DANOTHER_PROCESSOR')
-    source = lanes_code.to_lanes(ODOMETER, [])
+    source = to_lanes(ODOMETER, [])
     assert source.count("run_lanes(") == 1
     compile_lanes(ODOMETER, folder=tmp_path / "kept", cc=cc)
     assert len(list((tmp_path / "kept").iterdir())) == 2
@@ -306,3 +307,43 @@ def test_a_wrong_generator_is_noticed(right: str, wrong: str, tmp_path: Path, mo
     monkeypatch.setattr(lanes_code, "_TOP", lanes_code._TOP.replace(right, wrong))
     with pytest.raises(AssertionError):
         test_whole_range_of_64_bits(tmp_path)
+
+
+# ------------------------------------------------------------------ steps without messages
+
+
+def balise_runs(system: TransitionSystem) -> dict[str, NDArray[Any]]:
+    """Twenty-four runs of drawn rows, each from another place on: messages come to some of them, to none or to all."""
+    inputs = arrays(system, [drawn_run(system, 3, 80, lawful=False).steps])
+    places = np.arange(50)[:, None] + np.arange(24) // 8
+    heard = np.arange(50)[:, None] % 5 < np.array([0] * 8 + [1] * 4 + [4] * 4 + [1] * 8)
+    found = {name: array[places, 0] for name, array in inputs.items()}
+    for option in system.optionals:
+        present = found[option.present.name] & heard
+        found[option.present.name] = present
+        found[option.value.name] = np.where(present, found[option.value.name], canonical(option.value))
+    return found
+
+
+def same_as_numpy(system: TransitionSystem, batch: LanesBatch) -> bool:
+    """Whether everything of every step is what numpy computes."""
+    inputs = balise_runs(system)
+    expected, found = simulate(system, inputs, keep=batch.keep), simulate(batch, inputs)
+    return all((expected.kept[name] == found.kept[name]).all() for name in batch.keep)
+
+
+def test_steps_without_messages_are_written_apart(tmp_path: Path) -> None:
+    """Where messages make much of the work, they are looked for first, and nothing else comes of it."""
+    system = without_ghosts(ENTRIES["balise"].make(ENTRIES["balise"].config()).system)
+    source = to_lanes(system, [])
+    assert "move_0_calm(state, fired, inputs, place);" in source
+    assert "_calm" not in to_lanes(ODOMETER, [])
+    assert same_as_numpy(system, compiled(system, tmp_path))
+
+
+@pytest.mark.parametrize("wrong", [") * 0 == 0) {", ") % 256 == 0) {"], ids=["no message", "the first run's only"])
+def test_a_message_that_is_overlooked_is_noticed(wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If flags were not looked at, or not those of all runs, messages would be lost, and the comparison tells."""
+    system = without_ghosts(ENTRIES["balise"].make(ENTRIES["balise"].config()).system)
+    monkeypatch.setattr(batch_lanes, "to_lanes", lambda *given: to_lanes(*given).replace(") == 0) {", wrong))
+    assert not same_as_numpy(system, compiled(system, tmp_path))
