@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import abs_, all_of, as_num, before, between, exact_to, ite, was
+from safeloc.expr import abs_, all_of, as_num, before, between, exact_to, ite, was, with_unit
 from safeloc.models.fibre import CHECKED, CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre_parts import variables as v
 from safeloc.properties.step import guard
 from safeloc.spec import Property, always, reachable
 from safeloc.units import COUNT, NM
 
+NM_PER_MM, NM_PER_UM = 1_000_000, 1_000
 LAW = "the detector's bounds, true references, and a code in which near sections differ"
 
 
 def properties(model: Fibre) -> list[Property]:
     """Containment, counting, the code, and the error signal."""
-    return [*_place(model), *_counting(model), *_code(model), *_error(model), *_reached(model)]
+    return [*_place(model), *_charged(model), *_counting(model), *_code(model), *_error(model), *_reached(model)]
 
 
 def _place(model: Fibre) -> Iterator[Property]:
@@ -51,6 +52,34 @@ def _place(model: Fibre) -> Iterator[Property]:
         (valid & before(machine.mode).ne(machine.modes[2])).implies(machine.fired("reference accepted", "word found")),
         statement="a place is known again only from an accepted reference, or from a whole word of the code",
         trace=CODE,
+        unconditional=True,
+    )
+
+
+def _charged(model: Fibre) -> Iterator[Property]:
+    """What a run may be wrong by, in figures of its own: the law of the detector speaks of the machine's charge."""
+    machine, own, config = model.machine, model.own, model.own.config
+    _, counting, located, _ = machine.modes
+    mode, run = machine.mode, abs_(own.run.value)
+    rate = with_unit(run * config.rate_ppm, NM) + config.floor_mm * NM_PER_MM
+    farthest = as_num(config.max_speed_mm_s * config.period_ms * NM_PER_UM, NM)
+    charge = ite(own.run.present, ite(run.eq(0), as_num(0, NM), rate), farthest)
+    follows = before(mode).one_of(counting, located) & mode.one_of(counting, located) & ~own.reference
+    yield always(
+        "every run is charged",
+        (follows & own.signal.eq(v.NO_SIGNAL)).implies(own.drift - before(own.drift) >= charge),
+        statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
+        "none came",
+        trace=("FWG-1", "FWG-11"),
+        unconditional=True,
+    )
+    edge = mode.one_of(counting, located) & own.signal.ne(v.NO_SIGNAL)
+    within = ite(own.run.present, exact_to(run, NM), as_num(0, NM))
+    yield always(
+        "an edge is charged the run of its cycle",
+        edge.implies(own.drift >= within + charge),
+        statement="an edge may have been passed anywhere within its cycle: the run of the whole cycle is charged",
+        trace=("FWG-1", "FWG-11"),
         unconditional=True,
     )
 

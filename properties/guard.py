@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, as_num, before, between, exact_to, ite
+from safeloc.expr import Bool, Num, as_num, before, between, exact_to, ite, maximum, minimum, with_unit
 from safeloc.models.guard import Guard
 from safeloc.models.guard_parts.variables import NO_FAULT, PASSED, UNCONFIRMED
 from safeloc.properties.in_step import in_step, num_in_step
@@ -15,12 +15,14 @@ LAW = (
     "the vehicle keeps its figures; a fix that completes the row of agreeing ones is no farther off than it is charged"
 )
 TRACE = ("MRK-D6",)
+NM_PER_MM = 1_000_000
+BEGINS = ("first fix", "fix agrees", "fix begins anew", "receiver believed")
 BACK = ("receiver believed", "receiver believed again")
 
 
 def properties(model: Guard) -> list[Property]:
     """Every property of the guard."""
-    return [*_safety(model), *_withheld(model), *_gates(model), *_coming_back(model), *_use(model)]
+    return [*_safety(model), *_charged(model), *_withheld(model), *_gates(model), *_coming_back(model), *_use(model)]
 
 
 def _safety(model: Guard) -> Iterator[Property]:
@@ -60,6 +62,32 @@ def _safety(model: Guard) -> Iterator[Property]:
 
 def _between_mm(low: Num, truth: Num, high: Num) -> Bool:
     return between(exact_to(low, NM), truth, exact_to(high, NM))
+
+
+def _charged(model: Guard) -> Iterator[Property]:
+    """What a fix may be wrong by, in figures of its own: the law speaks of what the machine charges."""
+    machine, own, config = model.machine, model.own, model.own.config
+    box = model.judged.coasted.box
+    off = with_unit(own.offset * (config.offset_charge_permille * NM_PER_MM // 1_000), NM)
+    aged = with_unit(own.age * (config.max_speed_mm_s * 1_000), NM)
+    charge, place = config.fix_error_mm * NM_PER_MM + off + aged, exact_to(own.fix.value, NM)
+    yield always(
+        "a fix is charged all it may be off",
+        machine.fired(*BEGINS).implies((own.low <= place - charge) & (own.high >= place + charge)),
+        statement="an interval that begins with a fix is as wide as its error, its distance off the track, and its age at full "
+        "speed make it",
+        trace=TRACE,
+        unconditional=True,
+    )
+    low, high = num_in_step(machine, box.low), num_in_step(machine, box.high)
+    narrowed = (own.low <= maximum(low, place - charge)) & (own.high >= minimum(high, place + charge))
+    yield always(
+        "a fix narrows to its charge only",
+        (in_step(machine, model.holding) & machine.flag("passed")).implies(narrowed),
+        statement="a fix that is passed on narrows what is held no further than to what it may be off itself",
+        trace=TRACE,
+        unconditional=True,
+    )
 
 
 def _withheld(model: Guard) -> Iterator[Property]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, all_of, any_of
+from safeloc.expr import Bool, Num, all_of, any_of, maximum, minimum, with_unit
 from safeloc.models.area import um
 from safeloc.models.area_parts.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area_parts.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
 from safeloc.spec import Property, always, earlier_bool, earlier_num
 from safeloc.terms import Substitution
+from safeloc.units import UM
 
 LAW = (
     "undisturbed counters count every vehicle; trusted reports hold the train, its rear end only if it is whole; top speed; "
@@ -46,6 +47,13 @@ def _area(model: Sections) -> Iterator[Property]:
             trace=("FVA-9",),
             unconditional=True,
         )
+        yield always(
+            f"train {one.number} report is charged its age",
+            _aged(of, one),
+            statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
+            trace=("FVA-9",),
+            unconditional=True,
+        )
     loose = own.loose.implies(
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
@@ -68,6 +76,16 @@ def _widens(of: Substitution, one: Slot) -> Bool:
     lower = (low <= earlier_num(low)) | low.eq(-limit)
     higher = (high >= earlier_num(high)) | high.eq(limit)
     return quiet.implies(lower & higher)
+
+
+def _aged(of: Substitution, one: Slot) -> Bool:
+    """Bounds after an accepted report, in figures of their own: the law speaks of what the machine charges."""
+    low, high = of.num(um(one.low)), of.num(um(one.high))
+    run = with_unit(one.age * one.reach.max_speed_mm_s, UM)
+    lowest = maximum(earlier_num(low), of.num(um(one.rear.value) - run))
+    highest = minimum(earlier_num(high), of.num(um(one.front.value) + run))
+    accepted = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & one.present)
+    return accepted.implies((low <= lowest) & (high >= highest))
 
 
 def _told(model: Sections, one: Section) -> Iterator[Property]:

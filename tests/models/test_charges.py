@@ -1,0 +1,95 @@
+"""What an error law shares with its machine: a charge that is left out weakens both, and only a property in figures sees it."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.expr import Num, as_num, exact_to
+from safeloc.machine import Machine
+from safeloc.models import fibre, guard, sections
+from safeloc.models.area import AreaConfig
+from safeloc.models.area_parts.slot import Reach
+from safeloc.models.fibre_parts.cycle import Cycle
+from safeloc.models.guard_parts import box, law
+from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard_parts.variables import Parts as GuardParts
+from safeloc.models.guard_parts.variables import parts as guard_parts
+from safeloc.properties.fibre import properties as fibre_properties
+from safeloc.properties.guard import properties as guard_properties
+from safeloc.properties.sections import properties as section_properties
+from safeloc.spec import Property
+from safeloc.system import TransitionSystem, lower
+from safeloc.units import MM, NM
+from tests.models.one_step import not_kept_by
+
+Found = tuple[TransitionSystem, dict[str, Property]]
+CHARGES = {
+    "fibre": ("every run is charged", "an edge is charged the run of its cycle"),
+    "guard": ("a fix is charged all it may be off", "a fix narrows to its charge only"),
+    "sections": ("train 1 report is charged its age",),
+}
+
+
+def _fibre() -> Found:
+    model = fibre.build(fibre.parts(fibre.FibreConfig()))
+    return _single(model.machine, fibre_properties(model))
+
+
+def _guard() -> Found:
+    config = GuardConfig(confirmations=3, speed_window_ms=400, window_limit_mm=40_000)
+    model = guard.build(guard_parts(config))
+    return _single(model.machine, guard_properties(model))
+
+
+def _sections() -> Found:
+    model = sections.compose_machines(sections.SectionsConfig(area=AreaConfig(trains=1)))
+    return model.composition.system, {one.name: one for one in section_properties(model)}
+
+
+def _single(machine: Machine, found: list[Property]) -> Found:
+    return lower(machine), {one.name: one for one in found}
+
+
+BUILT = {"fibre": _fibre, "guard": _guard, "sections": _sections}
+
+
+def _lost(name: str) -> list[str]:
+    """Properties about charges that the machine, as it is built now, does not keep."""
+    system, found = BUILT[name]()
+    return [one for one in CHARGES[name] if not_kept_by(system, found[one])]
+
+
+@pytest.mark.parametrize("name", BUILT)
+def test_all_is_charged(name: str) -> None:
+    """Each machine charges what its figures say."""
+    assert _lost(name) == []
+
+
+def test_a_run_without_its_floor_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run in a fibre that is charged less than rate and floor."""
+    full = Cycle.charge.fget  # type: ignore[attr-defined]
+    monkeypatch.setattr(Cycle, "charge", property(lambda cycle: full(cycle) - 1))
+    assert "every run is charged" in _lost("fibre")
+
+
+def test_an_edge_without_its_run_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An edge in a fibre that is taken to have been passed at the end of its cycle."""
+    monkeypatch.setattr(Cycle, "fresh", property(lambda cycle: as_num(0, NM) + cycle.charge))
+    assert _lost("fibre") == ["an edge is charged the run of its cycle"]
+
+
+def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A receiver's fix that is charged its error only, neither its age nor its distance off the track."""
+
+    def error_only(own: GuardParts) -> Num:
+        return exact_to(as_num(own.config.fix_error_mm, MM), NM)
+
+    for module in (box, law):
+        monkeypatch.setattr(module, "half_nm", error_only)
+    assert _lost("guard") == list(CHARGES["guard"])
+
+
+def test_a_report_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A train's report that is taken for one of now."""
+    monkeypatch.setattr(Reach, "charge_mm", lambda reach, age_ms: as_num(0, MM))
+    assert _lost("sections") == list(CHARGES["sections"])
