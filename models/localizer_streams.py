@@ -20,8 +20,7 @@ from safeloc.models import balise_streams, odometry_streams, reflector_streams
 from safeloc.models.balise_parts.groups import Group
 from safeloc.models.balise_streams import GroupFault, GroupFaultKind
 from safeloc.models.localizer import LocalizerConfig, compose_machines
-from safeloc.models.motion_streams import told
-from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.models.motion_streams import Measured, measured_by
 from safeloc.models.reflector_streams import Disturbance, Scene
 from safeloc.models.running.unit_check import ODOMETER_LAWFUL
 from safeloc.models.satellite_selection import SelectionConfig
@@ -29,7 +28,7 @@ from safeloc.models.verification import VerificationConfig
 from safeloc.nodes import Value
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.reader_faults import ReaderFault
-from safeloc.simulation.sensors import Distances, Fault, FaultKind, Law, measure
+from safeloc.simulation.sensors import Fault, FaultKind
 from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
@@ -106,15 +105,6 @@ class Journey:
         return next((one for one in self.troubles if one.kind == kind and one.active(cycle)), None)
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What the units of the vehicle measured, and what those hear who share the odometer."""
-
-    odometer: Distances
-    check: Distances | None
-    told: Distances
-
-
 def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
     """The journey as steps: inputs, and where nothing breaks the law the ghosts; and the remark `truth_mm`."""
     rng = np.random.default_rng(seed)
@@ -143,6 +133,7 @@ def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
     if config.motion.check is not None:
         used |= {"odometer_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value}
     open_: dict[str, dict[str, Value]] = {
+        "odometry": {"odometry.faulty_unit": 0} if config.odometry.single_fault_safe else {},
         "satellite": {"position.true_speed_um_s": int(_speeds_um_s(motion)[0])},
         "fibre": {"verification.true_axles": journey.axles, "verification.true_length_um": journey.length_mm * 1_000},
     }
@@ -166,14 +157,7 @@ def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
 def _measured(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np.random.Generator) -> Measured:
     kinds: dict[TroubleKind, FaultKind] = {"odometer silent": "drop-out", "odometer slides": "slide"}
     faults = [Fault("wheel", kinds[one.kind], one.begin, one.end) for one in journey.troubles if one.kind in kinds]
-    odometer, check = measure("wheel", motion, _law(config.motion.odometer), rng, faults=faults), None
-    if config.motion.check is not None:
-        check = measure("check", motion, _law(config.motion.check), rng)
-    return Measured(odometer, check, told(config.motion, odometer, check))
-
-
-def _law(law: ErrorLaw) -> Law:
-    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
+    return measured_by("wheel", config.motion, motion, rng, faults)
 
 
 def _common(motion: Motion, measured: Measured) -> Steps:

@@ -1,15 +1,18 @@
-"""What motion tells of the distances that a vehicle's units measured: run through the machine itself."""
+"""What a vehicle's units measure, and what motion tells of it: run through the machine itself."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.models.motion import MotionConfig, build, parts
-from safeloc.simulation.sensors import Distances
+from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.sensors import Distances, Fault, Law, measure
 from safeloc.system import lower, without_ghosts
 
 
@@ -17,6 +20,29 @@ from safeloc.system import lower, without_ghosts
 def _on_board(config: str) -> Compiled:
     """The machine without its environment, by its configuration (JSON)."""
     return compile_system(without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine)))
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the units of the vehicle measured, and what those hear who share the odometer."""
+
+    odometer: Distances
+    check: Distances | None
+    told: Distances
+
+
+def measured_by(
+    name: str, config: MotionConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault]
+) -> Measured:
+    """Both units along a drive; `faults` are those of the odometer, which is called so."""
+    odometer, check = measure(name, motion, _law(config.odometer), rng, faults=faults), None
+    if config.check is not None:
+        check = measure("check", motion, _law(config.check), rng)
+    return Measured(odometer, check, told(config, odometer, check))
+
+
+def _law(law: ErrorLaw) -> Law:
+    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
 
 
 def told(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:

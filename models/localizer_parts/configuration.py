@@ -36,7 +36,7 @@ class LocalizerConfig(Config):
     sources: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
     motion: MotionConfig = CHECKED
-    odometry: OdometryConfig = OdometryConfig()
+    odometry: OdometryConfig = OdometryConfig(single_fault_safe=True, tolerance_mm=45_000)
     balise: BaliseConfig = BaliseConfig(odometer=CHECKED.told, told_distance=True, tolerance_mm=45_000)
     reflector: ReflectorConfig = ReflectorConfig(odometer=CHECKED.told, told_distance=True)
     satellite: SatelliteConfig = SatelliteConfig(period_ms=100, coast_limit_cycles=20)
