@@ -131,11 +131,6 @@ def first_state(config: LocalizerSectionsConfig, scene: Scene) -> dict[str, Valu
     return first
 
 
-def simulated(config: LocalizerSectionsConfig, seed: int) -> Steps:
-    """Steps of the train that runs through, the sensors' errors by the seed; every section is the same stretch."""
-    return simulate(config, replace(SCENES["through"], sections_mm=(SECTION,) * config.sections.sections), seed=seed)
-
-
 def write(folder: Path = FOLDER) -> list[Path]:
     """Write all of them, each with its first state; the paths."""
     config, paths = LocalizerSectionsConfig(), list[Path]()

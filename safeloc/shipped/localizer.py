@@ -76,7 +76,7 @@ def _localizer_sections(config: BaseModel) -> Target:
     system, streams = whole.composition.system, recorded(localizer_sections.NAME)
     return Target(
         localizer_sections.NAME, system.machines, system, properties, config, doc, streams, localizer_picture.PASSED_ON,
-        partial(_simulated_sections, config), (localizer_picture.picture(config.localizer, _says_of_sections),),
+        pictures=(localizer_picture.picture(config.localizer, _says_of_sections),),
     )  # fmt: skip
 
 
@@ -86,13 +86,6 @@ def _says_of_sections(recording: str) -> str:
 
     scene = SCENES.get(recording.removeprefix(f"{localizer_sections.NAME}-"))
     return scene.says if scene else ""
-
-
-def _simulated_sections(config: LocalizerSectionsConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    """A train that runs through its sections, the sensors' errors by the seed."""
-    from safeloc.models.localizer_sections_streams import simulated  # numpy is loaded only where something is simulated
-
-    return simulated(config, seed)
 
 
 ENTRIES = (
