@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from safeloc.backends.c99_header import statuses
 from safeloc.backends.c99_layout import Field, Layout, literal
+from safeloc.backends.c99_statements import line
 from safeloc.backends.c99_terms import constant
 
 
@@ -96,10 +97,10 @@ def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> 
             }}
             advance(&now, {source.inputs}, &outputs);
 """
+    missing = line(f"if (state == NULL || done == NULL || {source.missing.format(columns=columns)}) {{", 1)
     return f"""int32_t {p}_{name}({p}_state *state, {given}, {told}, size_t count, size_t *done)
 {{
-    if (state == NULL || done == NULL || {source.missing.format(columns=columns)}) {{
-        return {upper}_NO_POINTER;
+{missing}        return {upper}_NO_POINTER;
     }}
 {source.begin.format(p=p)}    {p}_state now = *state;
     {p}_outputs outputs = {{0}};

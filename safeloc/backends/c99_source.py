@@ -7,7 +7,7 @@ import re
 from safeloc.backends.c99_around import running, snapshots, status_texts, stepping
 from safeloc.backends.c99_header import input_status
 from safeloc.backends.c99_layout import Field, Layout
-from safeloc.backends.c99_statements import statements
+from safeloc.backends.c99_statements import line, statements
 from safeloc.backends.c99_step import advance, blocks, locals_of, show
 from safeloc.backends.c99_terms import CEIL_DIV, FLOOR_DIV, constant
 from safeloc.backends.known import Known
@@ -125,7 +125,7 @@ def _check_state(layout: Layout) -> str:
 
 
 def _returned(test: str, status: str) -> str:
-    return f"    if ({test}) {{\n        return {status};\n    }}\n"
+    return f"{line(f'if ({test}) {{', 1)}        return {status};\n    }}\n"
 
 
 def _refused(field: Field) -> str:
