@@ -43,7 +43,8 @@ def state_machine(
     """A Hypothesis state machine for the system.
 
     steps    the longest stretch; a run has up to as many stretches as the settings' stateful_step_count
-    corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams)
+    corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams); a
+             property that one of them breaks is found without searching
     """
     driver = Driver(system, properties, corpus)
     lengths = sorted({steps, -(-steps // 2), -(-steps // 10), 1}, reverse=True)
@@ -60,9 +61,11 @@ def state_machine(
             lean=st.none() | st.integers(0, 2**16),
         )
         def begin(self, which: int, percent: int, faults: bool, lean: int | None) -> None:
-            """From the first state, or from somewhere along a known run; with or without faults to come."""
+            """From the first state, or from somewhere along a known run; one that breaks a property is followed at once."""
             self.faults, self.lean = faults, lean
-            if which < 0:
+            if driver.breaking is not None:
+                driver.follow(driver.breaking)
+            elif which < 0:
                 driver.reset()
             else:
                 driver.follow(which, percent / 100)

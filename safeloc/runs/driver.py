@@ -58,12 +58,16 @@ class Statistics:
 
 @dataclass(frozen=True)
 class _Known:
-    """A recorded run with the state after each of its steps, so that a new run can start anywhere along it."""
+    """A recorded run with the state after each of its steps, so that a new run can start anywhere along it.
+
+    breaks   its last step breaks a property; what was recorded after that is left out
+    """
 
     first: Mapping[str, Value]
     stream: tuple[Mapping[str, Value], ...]
     states: tuple[Row, ...]
     kept: tuple[Sequence[bool], ...]
+    breaks: bool
 
 
 class Driver:
@@ -102,6 +106,11 @@ class Driver:
         steps = round(share * len(known.stream))
         self.first = dict(known.first)
         self._start(known.states[steps], [dict(record) for record in known.stream[:steps]], known.kept[steps])
+
+    @property
+    def breaking(self) -> int | None:
+        """The first run of the corpus that breaks a property by itself; None if all of them keep all."""
+        return next((which for which, known in enumerate(self._known) if known.breaks), None)
 
     def drive(self, kind: str, length: int, seed: int, *, faulty: bool = False, lean: int | None = None) -> None:
         """Several steps by one rule of safeloc.runs.profiles; `lean` is the seed of the side to which the environment leans."""
@@ -191,4 +200,4 @@ class Driver:
             kept.append(self._kept)
         self.statistics.known += len(self.stream)
         self.statistics.seconds += time.perf_counter() - started
-        return _Known(self.first, tuple(self.stream), tuple(states), tuple(kept))
+        return _Known(self.first, tuple(self.stream), tuple(states), tuple(kept), self.broken is not None)

@@ -10,7 +10,9 @@ from safeloc.machine import Machine, Transition, modes
 from safeloc.runs.driver import Driver
 from safeloc.spec import always, within
 from safeloc.system import TransitionSystem, lower
+from safeloc.testing import run_tests
 from safeloc.units import COUNT
+from safeloc.verdict import word
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")
@@ -86,6 +88,17 @@ def test_a_known_run_that_breaks_a_property_says_so() -> None:
     assert driver.broken is never_two
     assert 2 == len(driver.stream)
     assert 2 == len(driver.trace().steps)
+
+
+def test_what_a_known_run_breaks_is_found_without_searching() -> None:
+    """One run of each known one is enough, wherever along it a search would have begun; other properties are searched on."""
+    corpus = [run(_counter(), _pressed(times)) for times in (3, 45, 5, 49)]
+    deep, holds = always("at most forty", N <= 40), always("at most fifty", N <= 50)
+    driver = Driver(_counter(), [deep, holds], corpus)
+    assert 1 == driver.breaking
+    assert Driver(_counter(), [holds], corpus).breaking is None
+    found = run_tests(_counter(), [deep, holds], examples=1, steps=1, seed=0, corpus=corpus)
+    assert ["violated", "held"] == [word(one.result) for one in found]
 
 
 def test_a_first_state_that_breaks_a_property_says_so() -> None:
