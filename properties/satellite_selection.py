@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, all_of, between
-from safeloc.models.satellite_selection import ABSENT, EXCLUDED, EXPIRED, USABLE, Channel, Selection, accepts
+from safeloc.expr import Bool, Optional, all_of, any_of, between
+from safeloc.models.satellite_selection import ABSENT, EXCLUDED, EXPIRED, USABLE, Channel, Removal, Selection, accepts
 from safeloc.spec import Property, always, earlier_num, reachable
 
 LAW = "differences are the signal's error plus the prediction's, less the clock's"
@@ -22,7 +22,7 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
     usable = one.standing.eq(USABLE)
     yield always(
         f"{name}: a violation is not usable",
-        usable.implies(accepts(one, config, config.removal)),
+        usable.implies(~any_of(_violations(model, one))),
         statement="a satellite that violates the criterion in this cycle is not in the list of usable ones in this cycle",
         trace=("SAT-1", "SAT-3", "SAT-4"),
         unconditional=True,
@@ -65,6 +65,27 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
         trace=("SAT-1", "SAT-D1"),
         unconditional=True,
     )
+
+
+def _violations(model: Selection, one: Channel) -> Iterator[Bool]:
+    """What the criterion removes, in figures of its own: differences to either side, and variability."""
+    config = model.own.config
+    if config.compared != "doppler":
+        yield _violates(one.off, config.range_threshold_mm, one.covariance, config.range_covariance_mm2, config.removal)
+    if config.compared != "pseudorange":
+        yield _violates(
+            one.speed_off,
+            config.speed_threshold_mm_s,
+            one.speed_covariance,
+            config.speed_covariance_mm2_s2,
+            config.removal,
+        )
+
+
+def _violates(off: Optional, most: int, covariance: Optional, most_covariance: int, removal: Removal) -> Bool:
+    if removal == "either":
+        return (off.value >= most) | (off.value <= -most) | (covariance.value >= most_covariance)
+    return ((off.value > most) | (off.value < -most)) & (covariance.value > most_covariance)
 
 
 def _would_do(model: Selection, one: Channel) -> Bool:

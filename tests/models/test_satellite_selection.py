@@ -15,6 +15,7 @@ from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
 from safeloc.system import lower, without_ghosts
 from safeloc.verdict import Proved
+from tests.models.one_step import not_kept
 from tests.models.spoilt import rebuilt
 
 CONFIG = SelectionConfig(channels=2)
@@ -153,3 +154,11 @@ def test_a_one_sided_comparison_is_noticed() -> None:
     asked = [prop for prop in properties(model) if prop.name == "channel 1: a violation is not usable"]
     spoilt = prove(lower(rebuilt(model.machine, table)), asked, Limits(seconds=5))
     assert not isinstance(spoilt[-1].result, Proved)
+
+
+def test_a_criterion_without_magnitudes_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A difference that is compared on one side only loses the proof of every channel."""
+    monkeypatch.setattr(selection, "abs_", lambda term: term)
+    wrong = build(parts(SelectionConfig(channels=2)))
+    asked = [one for one in properties(wrong) if one.name.endswith("a violation is not usable")]
+    assert [True, True] == [bool(not_kept(wrong.machine, one)) for one in asked]
