@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import Num, as_num, exact_to
+from safeloc.expr import Lit, Num, abs_, as_num, exact_to, ite
 from safeloc.machine import Machine
 from safeloc.models import fibre, guard, sections
 from safeloc.models.area import AreaConfig
@@ -19,7 +19,7 @@ from safeloc.properties.guard import properties as guard_properties
 from safeloc.properties.sections import properties as section_properties
 from safeloc.spec import Property
 from safeloc.system import TransitionSystem, lower
-from safeloc.units import MM, NM
+from safeloc.units import MM, NM, PPM
 from tests.models.one_step import not_kept_by
 
 Found = tuple[TransitionSystem, dict[str, Property]]
@@ -65,10 +65,14 @@ def test_all_is_charged(name: str) -> None:
     assert _lost(name) == []
 
 
+def _rate_only(cycle: Cycle) -> Num:
+    rate = abs_(cycle.own.run.value) * Lit(cycle.own.config.rate_ppm, PPM)
+    return ite(cycle.own.run.present, rate, Lit(cycle.own.config.max_step_mm * 1_000_000, NM))
+
+
 def test_a_run_without_its_floor_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A run in a fibre that is charged less than rate and floor."""
-    full = Cycle.charge.fget  # type: ignore[attr-defined]
-    monkeypatch.setattr(Cycle, "charge", property(lambda cycle: full(cycle) - 1))
+    """A run in a fibre that is charged its rate only."""
+    monkeypatch.setattr(Cycle, "charge", property(_rate_only))
     assert "every run is charged" in _lost("fibre")
 
 
