@@ -54,6 +54,13 @@ def _area(model: Sections) -> Iterator[Property]:
             trace=("FVA-9",),
             unconditional=True,
         )
+        yield always(
+            f"train {one.number} that may be split is believed at its leading end only",
+            _leads(of, one),
+            statement="a report of a train that is not known to be whole narrows nothing at the end that does not lead",
+            trace=("FVA-9",),
+            unconditional=True,
+        )
     loose = own.loose.implies(
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
@@ -86,6 +93,13 @@ def _aged(of: Substitution, one: Slot) -> Bool:
     highest = minimum(earlier_num(high), of.num(um(one.front.value) + run))
     accepted = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & one.present)
     return accepted.implies((low <= lowest) & (high >= highest))
+
+
+def _leads(of: Substitution, one: Slot) -> Bool:
+    low, high = of.num(one.low), of.num(one.high)
+    split = of.bool(one.judged.eq(ACCEPTED) & ~one.enters & one.present & ~one.integer)
+    lower, higher = low <= earlier_num(low), high >= earlier_num(high)
+    return (split & of.bool(~one.downwards)).implies(lower) & (split & of.bool(one.downwards)).implies(higher)
 
 
 def _told(model: Sections, one: Section) -> Iterator[Property]:

@@ -8,7 +8,7 @@ from safeloc.expr import Lit, Num, abs_, as_num, exact_to, ite
 from safeloc.machine import Machine
 from safeloc.models import fibre, guard, sections
 from safeloc.models.area import AreaConfig
-from safeloc.models.area_parts.slot import Reach
+from safeloc.models.area_parts.slot import Reach, Slot
 from safeloc.models.fibre_parts.cycle import Cycle
 from safeloc.models.guard_parts import box, law
 from safeloc.models.guard_parts.variables import GuardConfig
@@ -26,7 +26,7 @@ Found = tuple[TransitionSystem, dict[str, Property]]
 CHARGES = {
     "fibre": ("every run is charged", "an edge is charged the run of its cycle"),
     "guard": ("a fix is charged all it may be off", "a fix narrows to its charge only"),
-    "sections": ("train 1 report is charged its age",),
+    "sections": ("train 1 report is charged its age", "train 1 that may be split is believed at its leading end only"),
 }
 
 
@@ -96,4 +96,10 @@ def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_report_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """A train's report that is taken for one of now."""
     monkeypatch.setattr(Reach, "charge_mm", lambda reach, age_ms: as_num(0, MM))
-    assert _lost("sections") == list(CHARGES["sections"])
+    assert _lost("sections") == ["train 1 report is charged its age"]
+
+
+def test_a_split_train_that_is_believed_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A train's rear end that is taken from a report although the train may have lost a part."""
+    monkeypatch.setattr(Slot, "holds_low", property(lambda slot: slot.trusted))
+    assert _lost("sections") == ["train 1 that may be split is believed at its leading end only"]
