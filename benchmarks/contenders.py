@@ -136,8 +136,8 @@ def _ticked() -> Callable[[list[Row]], Last]:
 
     def run(rows: list[Row]) -> Last:
         tick, now = code.begin(first)
-        for movement, present, reference in rows:
-            tick(movement, present, reference)
+        for row in rows:
+            tick(row)
         mode, position, margin = now()
         return mode, position, margin
 

@@ -76,7 +76,7 @@ def _ticked(made: Loaded) -> Ready:
     def run_all() -> Last:
         tick, now = made.code.begin(made.code.first())
         for row in made.rows:
-            tick(*row)
+            tick(row)
         return _plain(now())
 
     return run_all

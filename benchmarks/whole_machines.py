@@ -108,7 +108,7 @@ class Whole:
         def run_all() -> Last:
             tick, now = begin(first)
             for row in rows:
-                tick(*row)
+                tick(row)
             return _plain(now())
 
         return run_all

@@ -14,7 +14,7 @@ from safeloc.system import TransitionSystem
 __all__ = ["Compiled", "Row", "Tick", "compile_system", "to_python"]
 
 Row = tuple[Value, ...]
-Tick = Callable[..., tuple[int, ...]]
+Tick = Callable[[Row], tuple[int, ...]]
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Compiled:
     """A system as Python functions. State and inputs are tuples in the order of `state_names` and `input_names`.
 
     step     (state, inputs) -> (state after, fired transition numbers)
-    begin    state -> (tick, now): the same step keeping its state, `tick(*inputs)` -> fired transition numbers,
+    begin    state -> (tick, now): the same step keeping its state, `tick(inputs)` -> fired transition numbers,
              `now()` -> state; the fastest way to run step by step
     run      (rows of inputs, state) -> last state: the fused loop
     history  (rows of inputs, state) -> states after every step

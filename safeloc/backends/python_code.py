@@ -17,7 +17,7 @@ from safeloc.terms import in_order
 
 
 def to_python(system: TransitionSystem) -> str:
-    """The source text: functions step, begin, run, history and outputs."""
+    """The source text: functions step, begin (with moving, which keeps the state), run, history and outputs."""
     if any(isinstance(node, Past) for node in in_order(system.next.values())):
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
     names = _names(system)
@@ -31,13 +31,14 @@ def to_python(system: TransitionSystem) -> str:
         f'"""Generated from machine {system.name}; do not edit."""\n\n\n'
         f"def step(state, inputs):\n    {state} = state\n    {_tuple(read)} = inputs\n"
         f"{body.text(_Returned(held, body.at_once), '    ')}\n\n"
-        f"def begin(state):\n    {state} = state\n\n    def tick({', '.join(read)}):\n"
-        f"{_nonlocal(held)}{body.text(_Ticked(held), '        ')}\n"
-        f"    def now():\n        return {state}\n\n    return tick, now\n\n\n"
+        f"def moving(state):\n    {state} = state\n    row = yield\n    while True:\n        while row is None:\n"
+        f"            row = yield {state}\n        {_tuple(read)} = row\n{body.text(_Ticked(held), '        ')}\n\n"
+        "def begin(state):\n    machine = moving(state)\n    next(machine)\n    tick = machine.send\n\n"
+        "    def now():\n        return tick(None)\n\n    return tick, now\n\n\n"
         f"def run(rows, state):\n    {state} = state\n    for row in rows:\n        {_tuple(read)} = row\n"
         f"{body.text(_Moved(held), '        ')}    return {state}\n\n\n"
         "def history(rows, state):\n    tick, now = begin(state)\n    states = []\n    for row in rows:\n"
-        "        tick(*row)\n        states.append(now())\n    return states\n\n\n"
+        "        tick(row)\n        states.append(now())\n    return states\n\n\n"
         f"def outputs(state):\n    {state} = state\n{_lines(shown, _shown, '    ')}"
     )
 
@@ -145,12 +146,12 @@ class _Moved:
 
 @dataclass(frozen=True)
 class _Ticked:
-    """The first values become the state, the rest are the result."""
+    """The first values become the state, the rest are the result; then the next row is awaited."""
 
     held: list[str]
 
     def __call__(self, values: Sequence[str]) -> list[str]:
-        return [*_assigned(self.held, values), f"return {_tuple(values[len(self.held) :])}"]
+        return [*_assigned(self.held, values), f"row = yield {_tuple(values[len(self.held) :])}", "continue"]
 
 
 def _shown(values: Sequence[str]) -> list[str]:
@@ -175,10 +176,6 @@ def _names(system: TransitionSystem) -> dict[Var, str]:
         taken.add(name)
         names[var] = name
     return names
-
-
-def _nonlocal(held: Sequence[str]) -> str:
-    return f"        nonlocal {', '.join(held)}\n" if held else ""
 
 
 def _tuple(values: Iterable[str]) -> str:

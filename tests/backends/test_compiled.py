@@ -53,7 +53,7 @@ def assert_same_run(code: Compiled, trace: Trace, stream: Sequence[Record], firs
     for row, expected in zip(rows, trace.steps, strict=True):
         state, numbers = code.step(state, row)
         states.append(state)
-        assert (numbers, state) == (tick(*row), now())
+        assert (numbers, state) == (tick(row), now())
         assert dict(expected.state) == dict(zip(code.state_names, state, strict=True))
         assert dict(expected.fired) == code.fired(numbers)
         assert dict(expected.outputs) == code.named_outputs(state)
@@ -120,7 +120,7 @@ def test_the_text_reads_like_the_table() -> None:
         Transition("work", table, busy, sum_ + abs_(load) <= 99, {sum_: sum_ + abs_(load)}, rank=1),
     ]
     source = to_python(lower(Machine("worker", table, [load], {sum_: 0}, {"sum": sum_}, rows)))
-    assert source[source.index("def step") : source.index("\n\n\ndef begin")] == STEP_OF_WORKER
+    assert source[source.index("def step") : source.index("\n\n\ndef moving")] == STEP_OF_WORKER
 
 
 STEP_OF_WORKER = """def step(state, inputs):
@@ -157,7 +157,7 @@ def test_what_happens_seldom_costs_nothing_else() -> None:
     ]
     machine = Machine("runner", table, [speed, message], {way: 0, seen: good}, {}, rows)
     source = to_python(without_ghosts(lower(machine)))
-    busy, quiet = source[source.index("    if ") : source.index("\n\n\ndef begin")].split("\n    if v_mode == 0:", 1)
+    busy, quiet = source[source.index("    if ") : source.index("\n\n\ndef moving")].split("\n    if v_mode == 0:", 1)
     assert busy.startswith("    if v_message_present or (v_speed > 50) or (v_way < v_speed):")
     assert quiet == QUIET_STEP_OF_RUNNER
 
@@ -176,7 +176,7 @@ def _step_of_one_row(when: Bool, state: dict[Var, int], updates: dict[Var, Expr]
     inputs = [var for var in variables([when, *updates.values()]) if var not in state]
     row = Transition("row", on, on, when, updates)
     source = to_python(without_ghosts(lower(Machine("one_row", table, inputs, dict(state), {}, [row]))))
-    return source[source.index(" = inputs\n") + 10 : source.index("\n\n\ndef begin")]
+    return source[source.index(" = inputs\n") + 10 : source.index("\n\n\ndef moving")]
 
 
 def test_what_is_read_twice_is_named_where_it_is_read_first() -> None:

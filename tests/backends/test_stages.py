@@ -124,6 +124,6 @@ def test_a_watched_composition_runs_as_interpreted(stream: list[Record], first: 
 
 def test_the_text_goes_machine_by_machine() -> None:
     """Each stage is a block of its own that is left when its machine has moved."""
-    step = COMPILED.source[: COMPILED.source.index("def begin")]
+    step = COMPILED.source[: COMPILED.source.index("def moving")]
     named = [line.strip() for line in step.splitlines() if line.strip().startswith("while True:")]
     assert named == ["while True:  # runner", "while True:  # peak", "while True:  # shortfall"]
