@@ -14,7 +14,7 @@ LAW = "differences are the signal's error plus the prediction's, less the clock'
 def properties(model: Selection) -> list[Property]:
     """Every property of the selection machine."""
     found = [prop for one in model.own.channels for prop in _of_channel(model, one)]
-    return [*found, _subset(model), *_reached(model)]
+    return [*found, _subset(model), *_once(model), *_reached(model)]
 
 
 def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
@@ -127,6 +127,22 @@ def _subset(model: Selection) -> Property:
         trace=("SAT-4",),
         unconditional=True,
     )
+
+
+def _once(model: Selection) -> Iterator[Property]:
+    """Of the first of two channels, since one of the two has to give way."""
+    channels = model.own.channels
+    for number, one in enumerate(channels[1:], 1):
+        told = one.identity.value
+        yield always(
+            f"channel {one.number}: no satellite twice",
+            one.standing.eq(USABLE).implies(
+                all_of(~earlier.identity.present | earlier.identity.value.ne(told) for earlier in channels[:number])
+            ),
+            statement="a satellite that an earlier channel receives as well is not usable here: it counts once",
+            trace=("SAT-1", "SAT-D1"),
+            unconditional=True,
+        )
 
 
 def _reached(model: Selection) -> Iterator[Property]:

@@ -7,6 +7,7 @@ from typing import get_args
 
 import pytest
 
+from safeloc.expr import FALSE
 from safeloc.interpret import run
 from safeloc.models import satellite_selection as selection
 from safeloc.models.satellite_selection import Compared, Removal, SelectionConfig, build, parts
@@ -162,3 +163,11 @@ def test_a_criterion_without_magnitudes_is_noticed(monkeypatch: pytest.MonkeyPat
     wrong = build(parts(SelectionConfig(channels=2)))
     asked = [one for one in properties(wrong) if one.name.endswith("a violation is not usable")]
     assert [True, True] == [bool(not_kept(wrong.machine, one)) for one in asked]
+
+
+def test_a_duplicate_that_counts_twice_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One satellite on two channels, both usable, loses the proof of the second."""
+    monkeypatch.setattr(selection, "_is_twice", lambda *_: FALSE)
+    wrong = build(parts(SelectionConfig(channels=2)))
+    (asked,) = [one for one in properties(wrong) if one.name == "channel 2: no satellite twice"]
+    assert not_kept(wrong.machine, asked)
