@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from safeloc.backends.c99_layout import Field
-from safeloc.backends.c99_step import _Slot, _writing
 from safeloc.backends.c99_statements import given, given_names, statements
+from safeloc.backends.c99_step import _Slot, _writing
 from safeloc.backends.python_blocks import Bind, Block, Choice, End
 from safeloc.backends.python_blocks import Test as Branch
 
