@@ -94,7 +94,7 @@ class Controller:
                 else:
                     self._builder.take(number, known)
             cycle = self._builder.close()
-            told = {} if lost else self._told(cycle.inputs)
+            told = {} if lost else self.program.told(cycle.inputs)
             return self._moved(cycle, told, _with_loss(cycle.faults, lost), cycle.remarks.get("truth_mm"))
 
     def step_inputs(self, inputs: Mapping[str, object], *, lost: str = "", truth_mm: int | None = None) -> Report:
@@ -213,11 +213,6 @@ class Controller:
             period_ms, start_ms=start_ms, channels=self.program.channels, expected=expected, done=done,
             deliveries=deliveries,
         )  # fmt: skip
-
-    def _told(self, inputs: Mapping[str, int | str]) -> Told:
-        """By place; a name in a record may stand for inputs of several machines."""
-        routes = self.program.routes
-        return {entry.at: entry.held(value) for name, value in inputs.items() for entry in routes[name]}
 
     def _moved(self, cycle: Cycle, told: Told, faults: tuple[Fault, ...], truth_mm: int | None) -> Report:
         told, unheard = self.program.heard(told)

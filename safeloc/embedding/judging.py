@@ -1,4 +1,4 @@
-"""Which records a program can read at all: the first judgement, before time and order are looked at."""
+"""Which records can be read at all: the first judgement, before time and order are looked at."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from safeloc.border import Fault, Reason
 from safeloc.embedding.entries import Told
-from safeloc.embedding.program import Program
+from safeloc.embedding.hearing import Hearing
 from safeloc.errors import InputError
 from safeloc.expr import NumVar, Var
 from safeloc.interpret import admitted
@@ -14,7 +14,7 @@ from safeloc.nodes import Value
 from safeloc.streams.records import Record, TruthRecord, Unusable
 
 
-def judged(program: Program, number: int, record: Record | Unusable) -> Record | Unusable | Fault:
+def judged(heard: Hearing, number: int, record: Record | Unusable) -> Record | Unusable | Fault:
     """The record, or why it cannot be read.
 
     A channel that the machine does not have is a Fault at once: nothing of it is remembered, so that no sender can
@@ -24,10 +24,10 @@ def judged(program: Program, number: int, record: Record | Unusable) -> Record |
     if isinstance(record, TruthRecord):
         return record
     if isinstance(record, Unusable):
-        known = record.channel in program.channel_names or record.channel == "truth"
+        known = record.channel in heard.channel_names or record.channel == "truth"
         return record if known else Fault(record.channel, Reason.UNKNOWN, record.detail, number)
     for name, value in record.inputs().items():
-        named = program.named.get(name)
+        named = heard.named.get(name)
         if named is None:
             return Fault(record.channel, Reason.UNKNOWN, f"no input {name}", number)
         for entry in named:  # ranges of plain numbers are the cycle builder's matter
@@ -53,11 +53,11 @@ def reason_for(var: Var, value: object) -> Reason:
     return Reason.OUT_OF_RANGE if is_number and isinstance(var, NumVar) else Reason.WRONG_TYPE
 
 
-def stated(program: Program, inputs: Mapping[str, object]) -> tuple[Told, list[Fault]]:
+def stated(heard: Hearing, inputs: Mapping[str, object]) -> tuple[Told, list[Fault]]:
     """Inputs by their places, and a fault for each value that its input cannot hold. Names are known ones."""
     told: dict[int, Value] = {}
     faults: list[Fault] = []
-    entries = program.entries
+    entries = heard.entries
     for name, value in inputs.items():
         var, at, _, kind, low, high, members = entries[name]
         if type(value) is kind and low <= value <= high:  # type: ignore[operator] # an int or a bool

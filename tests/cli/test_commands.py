@@ -156,7 +156,7 @@ RECORDS = """{"kind": "value", "time_ms": 50, "name": "speed", "value": 0}
 
 
 def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> None:
-    """Grouped into steps; what the border refuses is counted by channel and reason, and is no input."""
+    """Grouped into steps; what is not used, unknown channels among it, is counted by channel and reason, and is no input."""
     path = tmp_path / "run.jsonl"
     late = '{"kind": "distance", "time_ms": 40, "end": "front", "unit": "wheel", "step_mm": NaN}\n'
     path.write_text(RECORDS + late, encoding="utf-8")
@@ -166,7 +166,10 @@ def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> No
     data = json.loads(call("replay", DOOR, str(path), "--period-ms", "100", "--json").out)
     jsonschema.validate(data, schema())
     (border,) = [row for row in data["results"] if row["id"] == "door/replay/run: border"]
-    assert border["notes"] == {"front_wheel: older than one delivered before": "1"}
+    assert border["notes"] == {
+        "front_wheel: no channel of this machine": "1",
+        "front_wheel: older than one delivered before": "1",
+    }
 
 
 def test_a_simulated_run_as_records_replays_like_its_steps(call: Call, tmp_path: Path) -> None:
