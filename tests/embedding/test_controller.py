@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 import tracemalloc
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -371,15 +373,30 @@ def test_a_listener_must_not_step() -> None:
     assert controller.report.cycle == 1
 
 
+@pytest.fixture
+def hasty() -> Iterator[None]:
+    """Threads are switched after every few instructions, so that what is not locked is interrupted within."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(usual)
+
+
+@pytest.mark.usefixtures("hasty")
 def test_threads_take_turns() -> None:
     """Steps of several threads are all taken, one after the other, each with a cycle of its own."""
     controller = Controller(ODOMETRY)
     seen: list[int] = []
     controller.listen(lambda report: seen.append(report.cycle))
-    threads = [
-        threading.Thread(target=lambda: [controller.step([]) and controller.snapshot() for _ in range(100)])
-        for _ in range(4)
-    ]
+    together = threading.Barrier(4)
+
+    def drive_on() -> None:
+        together.wait()
+        for _ in range(100):
+            controller.step([])
+            controller.snapshot()
+
+    threads = [threading.Thread(target=drive_on) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 from safeloc.embedding import Localizer, Program, localizer_program
@@ -31,6 +34,36 @@ def test_records_of_all_devices_locate_it(program: Program) -> None:
     assert report.outputs["arbitration.lead"] == "ODOMETRY"
     assert report.interval is not None
     assert report.interval.holds(250_310 + 38 * 1_200)
+
+
+class Cab:
+    """A host's own object: it shows where the train is, or restricts it."""
+
+    def __init__(self) -> None:
+        self.told: list[str] = []
+
+    def on_enter_localized(self, event: Any) -> None:
+        """A position is passed on."""
+        self.told.append(f"localized, {event.kwargs['report'].outputs['arbitration.lead']} leads")
+
+    def on_enter_delocalized(self, event: Any) -> None:
+        """Nothing is passed on any more."""
+        self.told.append(f"restrictive, {event.kwargs['report'].outputs['delocalized.reason']}")
+
+
+def test_host_objects_follow_the_whole(program: Program) -> None:
+    """One follows what is passed on, another one which source leads; their callbacks run in the cycle of the change."""
+    vehicle, cab, lead = Localizer(program), Cab(), SimpleNamespace(entered=[])
+    lead.on_enter_odometry = lambda event: lead.entered.append(event.kwargs["report"].cycle)
+    vehicle.follow(cab, "delocalized")
+    vehicle.follow(lead, "arbitration")
+    for records in drive(6):
+        vehicle.step(records)
+    assert (cab.told, lead.entered) == (["localized, ODOMETRY leads"], [2])
+    lost = next(report for report in (vehicle.step([]) for _ in range(30)) if report.interval is None)
+    assert cab.told[1:] == [f"restrictive, {lost.outputs['delocalized.reason']}"]
+    assert lost.outputs["delocalized.reason"] == "SENSOR_FAILURE"
+    assert (lead.state, cab.state) == ("WITHHELD", "DELOCALIZED")  # type: ignore[attr-defined] # `transitions` gave it
 
 
 def test_half_a_radar_picture_is_no_picture(program: Program) -> None:
