@@ -18,7 +18,7 @@ from tests.embedding.driving import drive
 
 ROOT = Path(__file__).parents[2]
 TRUSTING = "trust_first_marker = true\n"
-PATIENCE_S = 30.0
+PATIENCE_S = 90.0
 
 Data = dict[str, Any]
 
@@ -54,28 +54,36 @@ def reports(told: Iterable[Data]) -> list[Data]:
     return [one for one in told if "mode" in one]
 
 
-def command(folder: Path, *arguments: str, config: str = TRUSTING) -> list[str]:
+def command(folder: Path, *arguments: str, config: str = TRUSTING, machine: str = "odometry") -> list[str]:
     """What a shell would start."""
     path = folder / "config.toml"
     path.write_text(config, encoding="utf-8")
     code = "from safeloc.cli import main; main()"
-    return [sys.executable, "-c", code, "run", "odometry", "--config", str(path), *arguments]
+    return [sys.executable, "-c", code, "run", machine, "--config", str(path), *arguments]
 
 
-def ran(folder: Path, *arguments: str, said: str = "", config: str = TRUSTING) -> subprocess.CompletedProcess[bytes]:
+def ran(
+    folder: Path, *arguments: str, said: str = "", config: str = TRUSTING, machine: str = "odometry"
+) -> subprocess.CompletedProcess[bytes]:
     """A whole run over standard input."""
     return subprocess.run(
-        command(folder, *arguments, config=config), input=said.encode(), capture_output=True, cwd=ROOT, check=False,
-        timeout=PATIENCE_S,
+        command(folder, *arguments, config=config, machine=machine), input=said.encode(), capture_output=True, cwd=ROOT,
+        check=False, timeout=PATIENCE_S,
     )  # fmt: skip
 
 
 class Running:
     """A process that goes on; its log is read as it comes."""
 
-    def __init__(self, folder: Path, *arguments: str, **streams: Any) -> None:
+    def __init__(
+        self, folder: Path, *arguments: str, config: str = TRUSTING, machine: str = "odometry", **streams: Any
+    ) -> None:
         self.process = subprocess.Popen(
-            command(folder, *arguments), stderr=subprocess.PIPE, cwd=ROOT, bufsize=0, **streams
+            command(folder, *arguments, config=config, machine=machine),
+            stderr=subprocess.PIPE,
+            cwd=ROOT,
+            bufsize=0,
+            **streams,
         )
         self.log: list[Data] = []
         self._rest = b""

@@ -7,6 +7,7 @@ import random
 import signal
 import socket
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,10 @@ import pytest
 
 from safeloc.embedding import Controller
 from tests.embedding.driving import distances, drive, trusting
-from tests.service.processes import Data, lines, numbered, ran, read, reports, running, wait_for
+from tests.service.processes import ROOT, Data, lines, numbered, ran, read, reports, running, wait_for
 
 CYCLES = 400
+STREAMS = ROOT / "models" / "streams"
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +56,39 @@ def test_a_file_is_gone_on_with_as_if_nothing_had_been(tmp_path: Path, seed: int
     assert done.returncode == 0, done.stderr
     assert read(done.stderr)[0]["event"] == "resumed"
     assert sink.read_bytes() == uninterrupted
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["metro-silent-odometer-corrupted-balise", "freight-fibre-error-no-satellites"])
+def test_the_whole_localizer_goes_on_as_if_nothing_had_been(tmp_path: Path, name: str) -> None:
+    """All sources, arbitration and both links, killed once before and once after what goes wrong: the reports are, to the
+    byte, those of a run that nobody killed, and a place is known after the last kill."""
+    chance = random.Random(name)
+    text = (STREAMS / f"localizer-{name}.jsonl").read_text(encoding="utf-8")
+    whole = ran(tmp_path, "--inputs", said=text, config="", machine="localizer").stdout
+    source, sink, snapshot = (tmp_path / one for one in ("lines.jsonl", "reports.jsonl", "snapshot.json"))
+    source.write_text("", encoding="utf-8")
+    arguments = ("--inputs", "--from", f"file:{source}", "--to", f"file:{sink}", "--snapshot", str(snapshot))
+    cuts = [0, len(text) * 2 // 3 + chance.randrange(999), len(text) * 7 // 8 + chance.randrange(999)]
+    for begin, end in pairwise(cuts):
+        with running(tmp_path, *arguments, "--snapshot-every-ms", "10", config="", machine="localizer") as run:
+            run.logged("started")
+            half = begin + chance.randrange(end - begin)
+            for part in (text[begin:half], text[half:end]):
+                with source.open("a", encoding="utf-8") as file:
+                    file.write(part)
+                wait_for(lambda: sink.exists() and sink.stat().st_size > 0, "no report")
+                time.sleep(chance.random() * 0.3)
+            assert run.end(signal.SIGKILL) == -signal.SIGKILL
+        held = kept_cycles(snapshot)
+        assert 0 < held < len(read(whole))
+    with source.open("a", encoding="utf-8") as file:
+        file.write(text[cuts[-1] :])
+    done = ran(tmp_path, *arguments, "--until-end", config="", machine="localizer")
+    assert done.returncode == 0, done.stderr
+    assert read(done.stderr)[0]["event"] == "resumed"
+    assert sink.read_bytes() == whole
+    assert any(one["interval_mm"] is not None for one in read(whole)[held:])
 
 
 class Talk:
