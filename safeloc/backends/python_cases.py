@@ -40,6 +40,7 @@ from safeloc.terms import in_order
 
 WORTH = 1 / 8  # a case must save this share of the work
 LONGEST = 5
+DEEPEST_CASE = 12  # conditions within conditions: a long conjunction is one test
 MOST_LOOKED_AT = 4_000  # nodes, while a condition is chosen
 
 
@@ -184,17 +185,18 @@ def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float)
     return [*block, *_by_mode(others, best.rest, blocks, share * best.rest.work)]
 
 
-def _by_condition(whole: _Case, blocks: Blocks, room: float) -> Block:
+def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> Block:
     """The moves for the cheap condition that saves most when it is tested first; as they are where none saves enough."""
-    decided = [one for one in map(whole.decided, _cheap(whole)) if one.holds.work + one.fails.work <= room]
+    tried = map(whole.decided, _cheap(whole)) if depth < DEEPEST_CASE else ()
+    decided = [one for one in tried if one.holds.work + one.fails.work <= room]
     best = max(decided, key=lambda one: one.saved, default=None)
     if best is None or best.saved < _passing(whole) * WORTH:
         return blocks.ending(whole.targets)
     share = room / max(1, best.holds.work + best.fails.work)
     return blocks.either(
         best.condition,
-        lambda: _by_condition(best.holds, blocks, share * best.holds.work),
-        lambda: _by_condition(best.fails, blocks, share * best.fails.work),
+        lambda: _by_condition(best.holds, blocks, share * best.holds.work, depth + 1),
+        lambda: _by_condition(best.fails, blocks, share * best.fails.work, depth),
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from safeloc.backends import python_cases
 from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.backends.python_code import to_python
 from safeloc.errors import InputError
@@ -21,6 +22,7 @@ from safeloc.expr import (
     Num,
     Var,
     abs_,
+    all_of,
     any_of,
     as_num,
     between,
@@ -94,6 +96,31 @@ def test_names_that_look_alike_stay_apart() -> None:
 
 def _row(mode: Lit, updates: Mapping[Var, Expr | Value], *, when: Bool = TRUE, rank: int = 0) -> Transition:
     return Transition(f"row {rank}", mode, mode, when, updates, rank=rank)
+
+
+def _long_conjunction() -> Machine:
+    """A truth value that says whether 120 inputs are all within narrower bounds."""
+    (only,) = table = modes("ONLY")
+    heard = [number(f"heard_{n}", COUNT, -9, 9) for n in range(120)]
+    within = boolean("within")
+    told: dict[Var, Expr] = {within: all_of(between(-8, one, 8) for one in heard)}
+    return Machine(
+        "judge", table, heard, {within: True}, {"within": within}, [Transition("judge", only, only, set=told)]
+    )
+
+
+def test_a_long_conjunction_stays_one_test() -> None:
+    """Each of its parts would be worth a test of its own, but Python has a limit to tests within tests."""
+    code = compile_system(lower(_long_conjunction()))
+    assert code.step(code.first(), (0,) * 120) == ((0, True), (1,))
+    assert code.step(code.first(), (0,) * 119 + (9,)) == ((0, False), (1,))
+
+
+def test_tests_within_tests_without_end_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the limit the text cannot be loaded."""
+    monkeypatch.setattr(python_cases, "DEEPEST_CASE", 1_000)
+    with pytest.raises(IndentationError):
+        compile_system(lower(_long_conjunction()))
 
 
 @pytest.mark.parametrize("shared", [False, True], ids=["elif", "nested"])
