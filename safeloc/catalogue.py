@@ -83,11 +83,18 @@ def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
     """A configuration from TOML or JSON, all defaults without a file; InputError naming file and fields."""
     content = {} if path is None else _content(path)
     try:
-        return kind.model_validate(content)
+        return kind.model_validate(_frozen(content))
     except ValidationError as error:
         wrong = [f"  - {field}" for field in _fields(error)]
         fields = "1 field is" if len(wrong) == 1 else f"{len(wrong)} fields are"
         raise InputError("\n".join([f"{path or 'configuration'}: {fields} wrong:", *wrong])) from error
+
+
+def _frozen(content: object) -> object:
+    """Arrays as tuples: configurations are strict and hold nothing that changes, and no file has tuples."""
+    if isinstance(content, dict):
+        return {name: _frozen(value) for name, value in content.items()}
+    return tuple(_frozen(value) for value in content) if isinstance(content, list) else content
 
 
 def _fields(error: ValidationError) -> list[str]:
@@ -97,7 +104,7 @@ def _fields(error: ValidationError) -> list[str]:
 
 def _given(error: Mapping[str, Any]) -> str:
     """What stands there, unless it is the whole file."""
-    return "" if isinstance(error["input"], (dict, list)) else f" (got {reprlib.repr(error['input'])})"
+    return "" if isinstance(error["input"], dict) else f" (got {reprlib.repr(error['input'])})"
 
 
 def _content(path: Path) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import pytest
 
 from safeloc.catalogue import ENTRIES, Target, load_target, read_config
 from safeloc.errors import InputError, ModelError
+from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry_parts.variables import OdometryConfig
 
 OWN = """
@@ -124,6 +125,21 @@ def test_a_configuration_file_is_used(kind: str, tmp_path: Path) -> None:
     assert found.config.model_dump()["tolerance_mm"] == 20_000
     high = {var.name: var.high for var in found.system.state if hasattr(var, "high")}
     assert high["passed_over_mm"] == 20_000
+
+
+@pytest.mark.parametrize("kind", ["toml", "json"])
+def test_an_array_of_a_configuration_file(kind: str, tmp_path: Path) -> None:
+    """Sources of the localizer are left out in a file as in Python; what stands there is told where it is wrong."""
+    path = tmp_path / f"vehicle.{kind}"
+    sources = 'sources = ["odometry", "balise"]' if kind == "toml" else '{"sources": ["odometry", "balise"]}'
+    path.write_text(sources, encoding="utf-8")
+    assert read_config(LocalizerConfig, path) == LocalizerConfig(sources=("odometry", "balise"))
+    path.write_text(sources.replace("balise", "radio"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"sources\.1: .*'reflector'.* \(got 'radio'\)"):
+        read_config(LocalizerConfig, path)
+    path.write_text(sources.replace('"odometry", "balise"', ""), encoding="utf-8")
+    with pytest.raises(InputError, match="must be at least one of"):
+        read_config(LocalizerConfig, path)
 
 
 @pytest.mark.parametrize(

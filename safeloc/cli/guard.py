@@ -12,6 +12,7 @@ from typing import IO, Annotated
 
 import typer
 
+from safeloc.cli.files import require_not_read
 from safeloc.cli.guard_input import Way, config_of, deliveries, direction, form_of, line_of, opened, route_of
 from safeloc.cli.show import err, out, print_json
 from safeloc.errors import InputError
@@ -60,6 +61,8 @@ def guard(
     kind = form_of(stream, form)
     if report is not None:
         usable(report)
+    if where is not None:
+        require_not_read(where, line, stream, path, config, vehicle)
     figures, network = config_of(vehicle, config), line_of(line)
     route = route_of(network, Way(path, edges, direction(first)))
     made = Guard(

@@ -5,12 +5,14 @@ from __future__ import annotations
 import selectors
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from safeloc.catalogue import load_target
+from safeloc.cli.files import same_file
 from safeloc.embedding import Program
 from safeloc.embedding.controller import period_of
 from safeloc.errors import InputError, SnapshotError
@@ -68,6 +70,7 @@ def run(
     to_its_end: Annotated[bool, typer.Option("--until-end", help="of a file: do not wait for more")] = False,
 ) -> None:
     """Run a machine as a process of its own: lines in, one report a cycle out, until SIGTERM or the end of the lines."""
+    _require_apart(source, sink, snapshot)
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
     ways = Ways(period, inputs, source.startswith("udp:"), gap_ms, expected=_expected(expect), first=_first(first))
@@ -84,6 +87,15 @@ def run(
         else:
             _go_on(replace(parts, saver=Saver(snapshot)), snapshot, fresh=fresh)
     raise typer.Exit(exit_code(fleet))
+
+
+def _require_apart(source: str, sink: str | None, snapshot: Path | None) -> None:
+    """InputError where one file is to be two of what is read, what is told and what is remembered."""
+    kinds = {"--from": source, "--to": sink or "", "--snapshot": "" if snapshot is None else f"file:{snapshot}"}
+    files = {option: Path(told[5:]) for option, told in kinds.items() if told.startswith("file:") and told[5:]}
+    for (one, file), (other, same) in combinations(files.items(), 2):
+        if same_file(file, same):
+            raise InputError(f"{file}: given for {one} and for {other}; give each its own file.")
 
 
 def _go_on(parts: Parts, snapshot: Path, *, fresh: bool) -> None:

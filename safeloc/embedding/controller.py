@@ -50,7 +50,8 @@ class Controller:
     expected   channel -> records it makes in every cycle; one with fewer gives no input
     first      values of state variables declared ANY
 
-    InputError for a period that is missing, below 1 ms or another than the configuration's, and for a wrong `first`.
+    InputError for a period that is missing, below 1 ms or another than the configuration's, a start that is no whole
+    number, and for a wrong `first`.
     """
 
     def __init__(
@@ -208,6 +209,8 @@ class Controller:
                 self._busy = False
 
     def _building(self, start_ms: int, done: int = 0, deliveries: Deliveries | None = None) -> CycleBuilder:
+        if type(start_ms) is not int:  # NaN is later than nothing: every record would be in time
+            raise InputError(f"start_ms is {start_ms!r}; give whole ms of the records' clock.")
         period_ms, expected = self.setting.period_ms, self.setting.expected
         return CycleBuilder(
             period_ms, start_ms=start_ms, channels=self.program.channels, expected=expected, done=done,

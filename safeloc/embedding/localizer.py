@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from safeloc.embedding.controller import Controller
 from safeloc.embedding.program import Program
+from safeloc.errors import InputError
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.shipped import ENTRIES
 
@@ -30,5 +31,7 @@ class Localizer(Controller):
         start_ms: int = 0,
         expected: Mapping[str, int] | None = None,
     ) -> None:
+        if not (vehicle is None or isinstance(vehicle, LocalizerConfig | Program)):
+            raise InputError(f"expected a LocalizerConfig or a Program, got {type(vehicle).__name__}.")
         program = vehicle if isinstance(vehicle, Program) else localizer_program(vehicle)
         super().__init__(program, start_ms=start_ms, expected=expected)

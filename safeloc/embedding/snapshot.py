@@ -27,6 +27,8 @@ def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, A
     """The content; SnapshotError where it is damaged, of another kind, or newer than this version reads."""
     try:
         whole = json.loads(data)
+    except TypeError as error:
+        raise SnapshotError(f"expected a snapshot as bytes, got {type(data).__name__}.") from error
     except (ValueError, RecursionError) as error:
         raise SnapshotError(f"the snapshot is damaged (no JSON: {error}); begin anew without it.") from error
     if not isinstance(whole, dict) or whole.get("kind") != kind:

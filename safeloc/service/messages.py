@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import re
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -207,7 +208,7 @@ def _decoded(text: str) -> object:
 def _vehicle(fields: Mapping[str, Any]) -> str:
     vehicle = fields.get("vehicle", ALONE)
     if type(vehicle) is not str or not _is_name(vehicle):
-        raise InputError(f"vehicle is {str(vehicle)[:80]!r}; give up to 64 letters, digits and _ . : -")
+        raise InputError(f"vehicle is {reprlib.repr(vehicle)}; give text of up to 64 letters, digits and _ . : -")
     return vehicle
 
 
@@ -219,5 +220,5 @@ def _is_name(vehicle: str) -> bool:
 def _count(fields: Mapping[str, Any], name: str) -> int | None:
     value = fields.get(name)
     if value is not None and (type(value) is not int or not 1 <= value < 2**63):
-        raise InputError(f"{name} is {str(value)[:80]!r}; count from 1")
+        raise InputError(f"{name} is {reprlib.repr(value)}; count from 1, in whole numbers")
     return value

@@ -55,6 +55,8 @@ def claimed(path: Path | None) -> Iterator[None]:
     if path is None:
         yield
         return
+    if path.is_dir():
+        raise InputError(f"{path}: a folder; name a file for the snapshots.")
     lock = path.with_name(f"{path.name}.lock")
     try:
         file = lock.open("wb")

@@ -48,6 +48,20 @@ def test_from_standard_input(call: Call, monkeypatch: pytest.MonkeyPatch) -> Non
     assert (0, 155, "MALFORMED") == (called.code, len(rows), rows[-1]["reason"])
 
 
+@pytest.mark.parametrize("name", ["junction.csv", "./junction.csv", "linked.csv"])
+def test_what_is_read_is_not_written_over(
+    name: str, call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A recording given for --out as well is refused, by whatever name, and is still there."""
+    monkeypatch.chdir(tmp_path)
+    recorded = Path(CSV).read_bytes()
+    Path("junction.csv").write_bytes(recorded)
+    Path("linked.csv").symlink_to("junction.csv")
+    called = call("guard", LINE, "junction.csv", *COLUMNS, *WAY, "--out", name)
+    assert (2, recorded) == (called.code, Path("junction.csv").read_bytes())
+    assert "writing would lose it" in called.err
+
+
 def test_files_and_counts(call: Call, tmp_path: Path) -> None:
     """--out takes the objects, --json the counts, --report a page that needs nothing else."""
     out, folder = tmp_path / "passed.jsonl", tmp_path / "report"

@@ -289,6 +289,17 @@ def test_beginning_anew_forgets_the_place() -> None:
     assert controller.next_end_ms == 10_200
 
 
+@pytest.mark.parametrize("start_ms", [float("nan"), 1.5, "0", True])
+def test_a_beginning_that_is_no_time(start_ms: Any) -> None:
+    """Refused, and nothing has happened: with NaN no record would ever be late."""
+    with pytest.raises(InputError, match=r"^start_ms is .*; give whole ms"):
+        Controller(ODOMETRY, start_ms=start_ms)
+    controller = located()
+    with pytest.raises(InputError, match="start_ms"):
+        controller.begin_anew("test", start_ms=start_ms)
+    assert controller.report.interval is not None
+
+
 def test_a_claim_about_the_world_is_not_begun_anew() -> None:
     """A door that may have been opened meanwhile is not taken for locked."""
     with pytest.raises(InputError, match="its first state is a claim about the world"):

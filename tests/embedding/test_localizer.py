@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from safeloc.embedding import Localizer, Program, localizer_program
-from safeloc.errors import SnapshotError
+from safeloc.errors import InputError, SnapshotError
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.streams.records import ValueRecord
@@ -34,6 +34,12 @@ def test_records_of_all_devices_locate_it(program: Program) -> None:
     assert report.outputs["arbitration.lead"] == "ODOMETRY"
     assert report.interval is not None
     assert report.interval.holds(250_310 + 38 * 1_200)
+
+
+def test_what_is_no_vehicle() -> None:
+    """Plain data is no configuration: read it with safeloc.catalogue.read_config, or make one of it."""
+    with pytest.raises(InputError, match="expected a LocalizerConfig or a Program, got dict"):
+        Localizer({"sources": ["balise"]})  # type: ignore[arg-type] # that is the point
 
 
 class Cab:

@@ -139,6 +139,12 @@ def test_what_is_no_snapshot(data: bytes) -> None:
         Controller(ODOMETRY).restore(data)
 
 
+def test_what_are_no_bytes() -> None:
+    """Such as that of a file that was not there."""
+    with pytest.raises(SnapshotError, match="expected a snapshot as bytes, got NoneType"):
+        Controller(ODOMETRY).restore(None)  # type: ignore[arg-type] # that is the point
+
+
 @given(st.integers(0, 10**6), st.integers(1, 255))
 def test_damage_is_seen(place: int, change: int) -> None:
     """One changed byte anywhere: refused, or the very same content."""

@@ -86,6 +86,10 @@ def test_nothing_decided(tmp_path: Path) -> None:
         (("--from", "file:absent", "--until-end"), "absent: no such file"),
         (("--to", "file:absent/there"), "cannot be written"),
         (("--snapshot", "absent/there"), "snapshots cannot be kept there"),
+        (("--snapshot", "."), "a folder; name a file"),
+        (("--from", "file:one", "--to", "file:./one"), "one: given for --from and for --to; give each its own file"),
+        (("--from", "file:one", "--snapshot", "one", "--fresh"), "given for --from and for --snapshot"),
+        (("--to", "file:one", "--snapshot", "one"), "given for --to and for --snapshot"),
     ],
 )
 def test_wrong_usage(
