@@ -89,7 +89,8 @@ class LocalizerConfig(Config):
 
     @model_validator(mode="after")
     def _fits(self) -> LocalizerConfig:
-        widest = 10 * self.tolerance_mm
+        """What is left out need not fit."""
+        widest, used = 10 * self.tolerance_mm, self.used
         for name, limit in {
             "odometry.tolerance_mm": self.odometry.tolerance_mm,
             "balise.tolerance_mm": self.balise.tolerance_mm,
@@ -97,11 +98,11 @@ class LocalizerConfig(Config):
             "satellite.tolerance_mm": self.satellite.tolerance_mm,
             "downlink.margin_limit_mm": self.downlink.margin_limit_mm,
         }.items():
-            if limit > widest:
+            if name.partition(".")[0] in used and limit > widest:
                 raise ValueError(
                     f"{name} {limit} is beyond ten times tolerance_mm {self.tolerance_mm}: it tells nothing."
                 )
-        if self.fibre.margin_limit_mm > self.downlink.margin_limit_mm:
+        if "fibre" in used and self.fibre.margin_limit_mm > self.downlink.margin_limit_mm:
             raise ValueError(
                 f"fibre.margin_limit_mm {self.fibre.margin_limit_mm} is beyond downlink.margin_limit_mm "
                 f"{self.downlink.margin_limit_mm}: a report of that width cannot be sent."

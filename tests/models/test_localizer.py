@@ -7,15 +7,18 @@ from itertools import combinations
 from typing import get_args
 
 import pytest
+from pydantic import ValidationError
 
 from safeloc.composition import compose
 from safeloc.expr import TRUE, Expr, Lit, Num, minimum
+from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.properties import arbitration
 from safeloc.properties.localizer import properties
 from safeloc.provers.base import base
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
-from safeloc.system import TransitionSystem
+from safeloc.system import TransitionSystem, lower
 from safeloc.units import MM
 from safeloc.verdict import Proved
 
@@ -82,6 +85,21 @@ def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Ex
     known = base(up_to_the_position(whole, wrong(whole)))
     assert OWED in known.refuted
     assert INSIDE not in known.facts
+
+
+def test_arbitration_is_the_one_that_is_proved_by_itself() -> None:
+    """With the figures of the shipped target `arbitration`; of a vehicle with a smaller tolerance it is proved as well."""
+    assert LocalizerConfig().arbitration == ArbitrationConfig()
+    whole = compose_machines(LocalizerConfig(sources=("odometry", "balise"), tolerance_mm=12_000))
+    findings = prove(lower(whole.arbitration.machine), arbitration.properties(whole.arbitration), Limits())
+    assert [one.id for one in findings if not isinstance(one.result, Proved)] == []
+
+
+def test_only_what_a_vehicle_has_must_fit() -> None:
+    """A small tolerance is refused because of the fibre's wide link, but not where there is no fibre."""
+    with pytest.raises(ValidationError, match=r"downlink\.margin_limit_mm 300000 is beyond ten times tolerance_mm 12000"):
+        LocalizerConfig(sources=("odometry", "fibre"), tolerance_mm=12_000)
+    assert LocalizerConfig(sources=("odometry",), tolerance_mm=12_000).tolerance_mm == 12_000
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 
 import pytest
@@ -9,10 +10,13 @@ import pytest
 from safeloc.interpret import holds, read_inputs, start, step
 from safeloc.models.localizer import compose_machines
 from safeloc.models.localizer_journeys import CASES, NOMINAL, Case, pairs, with_troubles
+from safeloc.models.localizer_picture import picture
 from safeloc.models.localizer_streams import first_state, simulate
+from safeloc.nodes import Value
 from safeloc.system import environment
 from tests.models.localizer_runs import CONFIG, Told, run
 
+SOURCES = picture(CONFIG, lambda _: "").sources
 LOCATED_FROM = {"metro": 250, "main-line": 370, "freight": 470}
 """The cycle by which each journey is located, at its first absolute reference that is confirmed."""
 TOO_WIDE = {"metro": range(0), "main-line": range(0), "freight": range(1_460, 1_492)}
@@ -34,6 +38,35 @@ def test_a_nominal_journey_is_located_and_never_wrong(name: str) -> None:
     lost = {cycle for cycle, one in enumerate(located) if not one and cycle >= LOCATED_FROM[name]}
     assert lost <= set(TOO_WIDE[name])
     assert not any(located[:100])
+    assert against_the_sources(told) == []
+
+
+def against_the_sources(told: Told) -> list[int]:
+    """Cycles in which what counts is not what the valid sources have in common, is led by one that is not valid, or in
+    which the min safe front end advances by more than the distance that was told."""
+    return [
+        cycle
+        for cycle, (one, out) in enumerate(zip([{}, *told.outputs], told.outputs, strict=False))
+        if wrong(one, out)
+    ]
+
+
+def wrong(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
+    """Whether one cycle breaks that."""
+    if not out["arbitration.valid"]:
+        return False
+    valid = {one.name: ends for one in SOURCES if (ends := one.reported.interval_mm(out)) is not None}
+    position, under, over = (out[f"arbitration.{name}_mm"] for name in ("position", "under", "over"))
+    common = max(low for low, _ in valid.values()), min(high for _, high in valid.values())
+    lead = CONFIG.arbitration.sources[out["arbitration.lead"] - 1]
+    return common != (position - under, position + over) or lead not in valid or _runs_ahead(earlier, out)
+
+
+def _runs_ahead(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
+    if not earlier or not earlier["arbitration.valid"] or not out["motion.told"]:
+        return False
+    advance = out["arbitration.min_safe_front_mm"] - earlier["arbitration.min_safe_front_mm"]
+    return advance > out["motion.distance_mm"]
 
 
 def test_sources_lead_where_they_are_best() -> None:
@@ -65,6 +98,19 @@ def test_what_goes_wrong_is_noticed_as_told(case: Case) -> None:
     assert [name for name in case.fires if not told.fired[name]] == []
     assert any(told.fired[name] != often[name] for name in told.fired) or case.trouble.kind == "multipath"
     assert told.standings["WRONG"] == 0 or case.undetectable
+    assert against_the_sources(told) == []
+
+
+@pytest.mark.parametrize("journey", ["main-line", "freight"])
+def test_one_satellite_by_a_detour_is_left_out(journey: str) -> None:
+    """Its channel is not usable while it is disturbed, the other seven are; nothing else is different."""
+    case = next(one for one in CASES if one.name == f"{journey}: multipath")
+    pairs_ = list(zip(run(with_troubles([case])).outputs, nominal(journey).outputs, strict=True))
+    changed = {cycle for cycle, (one, other) in enumerate(pairs_) if one != other}
+    assert changed <= set(range(case.trouble.begin, case.trouble.end))
+    seen = [(pairs_[cycle][0]["selection.channel_1_usable"], pairs_[cycle][0]["selection.usable"]) for cycle in changed]
+    assert set(seen) == {(False, 7)}
+    assert len(seen) > 50
 
 
 @pytest.mark.slow
