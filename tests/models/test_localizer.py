@@ -97,7 +97,9 @@ def test_arbitration_is_the_one_that_is_proved_by_itself() -> None:
 
 def test_only_what_a_vehicle_has_must_fit() -> None:
     """A small tolerance is refused because of the fibre's wide link, but not where there is no fibre."""
-    with pytest.raises(ValidationError, match=r"downlink\.margin_limit_mm 300000 is beyond ten times tolerance_mm 12000"):
+    with pytest.raises(
+        ValidationError, match=r"downlink\.margin_limit_mm 300000 is beyond ten times tolerance_mm 12000"
+    ):
         LocalizerConfig(sources=("odometry", "fibre"), tolerance_mm=12_000)
     assert LocalizerConfig(sources=("odometry",), tolerance_mm=12_000).tolerance_mm == 12_000
 
