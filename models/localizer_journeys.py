@@ -41,7 +41,7 @@ FREIGHT = Journey(
     length_mm=205_000,
     acceleration_mm_s2=400,
 )
-"""A freight train through a fibre-equipped area with a junction, entered over an axle counter."""
+"""A freight train through a fibre-equipped area, entered over an axle counter; past its end balises alone are left."""
 
 NOMINAL: Mapping[str, Journey] = {"metro": METRO, "main-line": MAIN_LINE, "freight": FREIGHT}
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import pytest
 
 from safeloc.interpret import holds, read_inputs, start, step
+from safeloc.models import localizer_streams
 from safeloc.models.localizer import compose_machines
 from safeloc.models.localizer_journeys import CASES, NOMINAL, Case, pairs, with_troubles
 from safeloc.models.localizer_picture import picture
-from safeloc.models.localizer_streams import first_state, simulate
+from safeloc.models.localizer_streams import Trouble, first_state, simulate
 from safeloc.nodes import Value
 from safeloc.system import environment
 from tests.models.localizer_runs import CONFIG, Told, run
@@ -129,3 +132,23 @@ def test_spoofing_is_wrong_for_a_while_and_said_to_be() -> None:
     """The freight train's interval is wrong while the drift is smaller than what the others leave open."""
     case = next(one for one in CASES if one.name == "freight: spoofing")
     assert run(with_troubles([case])).standings["WRONG"] > 0
+
+
+def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawn away by 3 m/s the satellites are believed until another source excludes them: in that cycle both are named, and
+    nothing is passed on. Where it is passed on again, an absolute reference has just been accepted and all agree."""
+    monkeypatch.setattr(localizer_streams, "SPOOFED_MM", 300)
+    told = run(replace(NOMINAL["freight"], troubles=[Trouble("spoofing", 800, 1_400)]))
+    assert told.fired["arbitration: sources contradict each other"] == 3
+    named = [
+        (out, {out["arbitration.contradicting_first"], out["arbitration.contradicting_second"]})
+        for one, out in pairwise(told.outputs)
+        if one["arbitration.valid"] and out["arbitration.contradicting_first"]
+    ]
+    satellite = 1 + CONFIG.arbitration.sources.index("satellite")
+    assert [len(both) for _, both in named] == [2, 2, 2]
+    assert all(satellite in both and 0 not in both and out["delocalized.restrictive"] for out, both in named)
+    again = [out for one, out in pairwise(told.outputs) if not one["arbitration.valid"] and out["arbitration.valid"]]
+    assert len(again) > 3
+    assert all(out["arbitration.reference_accepted"] for out in again)
+    assert against_the_sources(told) == []
