@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from safeloc.border import Channel, Fault
@@ -27,7 +27,8 @@ def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStre
     """
     hearing, ghosts = Hearing(target), _ghosts(target, period_ms)
     said = [_known(hearing, ghosts, number, record) for number, record in enumerate(read_raw(path))]
-    made = list(cycles(said, period_ms, channels=[*hearing.channels, *ghosts.values()]))
+    channels = [*hearing.channels, *ghosts.values()]
+    made = list(cycles(said, period_ms, channels=channels, places=lambda name: _places(hearing, ghosts, name)))
     heard = [_heard(hearing, ghosts, cycle) for cycle in made]
     faults = [fault for cycle, (_, unheard) in zip(made, heard, strict=True) for fault in (*cycle.faults, *unheard)]
     return StepStream(tuple(step for step, _ in heard), tuple(cycle.number for cycle in made)), faults
@@ -41,6 +42,11 @@ def _ghosts(target: Target, period_ms: int) -> Ghosts:
     numbers = [var for var in target.system.inputs if var in target.system.ghosts and isinstance(var, NumVar)]
     plain = [var for var in numbers if not isinstance(var.unit, Enumeration)]
     return {var.name: Channel(var.name, var.unit.name, var.low, var.high, period_ms) for var in plain}
+
+
+def _places(hearing: Hearing, ghosts: Ghosts, name: str) -> Iterable[object]:
+    """The inputs that a name means; a ghost has one name only."""
+    return (name,) if name in ghosts else hearing.places(name)
 
 
 def _known(hearing: Hearing, ghosts: Ghosts, number: int, record: Record | Unusable) -> Record | Unusable:

@@ -214,7 +214,7 @@ class Controller:
         period_ms, expected = self.setting.period_ms, self.setting.expected
         return CycleBuilder(
             period_ms, start_ms=start_ms, channels=self.program.channels, expected=expected, done=done,
-            deliveries=deliveries,
+            places=self.program.places, deliveries=deliveries,
         )  # fmt: skip
 
     def _moved(self, cycle: Cycle, told: Told, faults: tuple[Fault, ...], truth_mm: int | None) -> Report:

@@ -11,6 +11,7 @@ from safeloc.border import Channel, Fault, Reason
 from safeloc.embedding.entries import Entry, Told, beginnings, entries_of, limits, routes_of
 from safeloc.errors import InputError
 from safeloc.expr import NumVar
+from safeloc.streams.cycles import Places
 from safeloc.system import TransitionSystem, canonical, without_ghosts
 from safeloc.target import Target
 
@@ -23,6 +24,9 @@ class Hearing:
         self.system: TransitionSystem = without_ghosts(target.system)
         self.entries: Mapping[str, Entry] = entries_of(self.system)
         self.routes: Mapping[str, tuple[Entry, ...]] = routes_of(self.entries, target.said)
+        self.places: Places = {
+            name: tuple([entry.at for entry in found]) for name, found in self.routes.items()
+        }.__getitem__
         self.named: Mapping[str, tuple[Entry, ...]] = {
             name: tuple(entry for entry in routed if entry.is_named) for name, routed in self.routes.items()
         }

@@ -5,12 +5,13 @@ cycle 1 has its beginning too). Distances of one channel within a cycle are adde
 (safeloc.border): a record of a cycle that is over is STALE, one older than what its channel said before OUT_OF_ORDER,
 and so on. A channel of which a record was refused, or of which fewer came than expected, gives NO input in that step:
 part of its distance, or the right one of two readings, is unknown, and an absent input is what machines treat with
-care. Nothing is sorted.
+care. With it goes what it is a part of (a marker whose accuracy was refused would count as accurate as any), and of two
+channels that say the same input neither is used. Nothing is sorted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from safeloc.border import Channel, Deliveries, Fault, Reason, admitted
@@ -18,6 +19,8 @@ from safeloc.errors import InputError
 from safeloc.streams.records import Record, TruthRecord, Unusable
 
 LONGEST_GAP_MS = 3_600_000
+Places = Callable[[str], Iterable[object]]
+"""Name in a record -> the inputs that it stands for."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ class CycleBuilder:
 
     channels    ranges of machine inputs by their names (`channels_of`); what lies outside is no input
     expected    channel -> records it makes in every cycle; one with fewer gives no input and is MISSING
+    places      where an input has several names: which inputs a name stands for
     done        cycles closed before, with their `deliveries`: to go on where another builder stopped
 
     InputError for a period below 1 ms.
@@ -65,6 +69,7 @@ class CycleBuilder:
         start_ms: int = 0,
         channels: Sequence[Channel] = (),
         expected: Mapping[str, int] | None = None,
+        places: Places | None = None,
         done: int = 0,
         deliveries: Deliveries | None = None,
     ) -> None:
@@ -75,6 +80,7 @@ class CycleBuilder:
         self.deliveries = deliveries or Deliveries()
         self._limits = {channel.name: channel for channel in channels}
         self._expected = expected or {}
+        self._places = places or (lambda name: (name,))
         self._used: dict[str, list[Record]] = {}
         self._faults: list[Fault] = []
 
@@ -100,16 +106,26 @@ class CycleBuilder:
         """The open cycle is over; the next one is open."""
         faults = [*self._faults, *self._missing()]
         doubtful = {fault.channel for fault in faults}
-        sound = {name: said for name, said in self._used.items() if name not in doubtful}
+        totals: dict[str, Mapping[str, int | str]] = {}
+        for name, said in self._used.items():
+            if name not in doubtful:
+                total = _total(said)
+                outside = _outside(self._limits, name, total)
+                if outside is None:
+                    totals[name] = total
+                else:
+                    faults.append(outside)
+        doubts = self._contradicting(totals)
+        if faults or doubts:
+            doubts += _torn([*faults, *doubts], totals)
+        for fault in doubts:
+            if totals.pop(fault.channel, None) is not None:
+                faults.append(fault)
         inputs: dict[str, int | str] = {}
-        for name, said in sound.items():
-            total = _total(said)
-            outside = _outside(self._limits, name, total)
-            if outside is None:
-                inputs |= total
-            else:
-                faults.append(outside)
-        cycle = Cycle(self.done + 1, self.end_ms, inputs, _remarks(sound.get("truth", ())), tuple(faults))
+        for total in totals.values():
+            inputs |= total
+        truth = self._used["truth"] if "truth" in totals else ()
+        cycle = Cycle(self.done + 1, self.end_ms, inputs, _remarks(truth), tuple(faults))
         self.done, self._used, self._faults = self.done + 1, {}, []
         self._open()
         return cycle
@@ -118,6 +134,23 @@ class CycleBuilder:
         """The times of the cycle that comes next."""
         self.end_ms = self.start_ms + (self.done + 1) * self.period_ms
         self.begin_ms = self.end_ms - self.period_ms if self.done else self.start_ms - 1
+
+    def _contradicting(self, totals: Mapping[str, Mapping[str, int | str]]) -> list[Fault]:
+        """Of channels that say the same input, whether alike or not, all."""
+        places = self._places
+        said = [place for total in totals.values() for name in total for place in places(name)]
+        if len(set(said)) == len(said):  # as it always should be
+            return []
+        sayers: dict[object, str] = {}
+        faults: list[Fault] = []
+        for channel, total in totals.items():
+            for name in total:
+                for place in places(name):
+                    other = sayers.setdefault(place, channel)
+                    if other != channel:
+                        faults.append(Fault(channel, Reason.SURPLUS, f"what {other} says too"))
+                        faults.append(Fault(other, Reason.SURPLUS, f"what {channel} says too"))
+        return faults
 
     def _missing(self) -> Iterator[Fault]:
         for name, least in self._expected.items():
@@ -146,14 +179,15 @@ def cycles(
     start_ms: int = 0,
     channels: Sequence[Channel] = (),
     expected: Mapping[str, int] | None = None,
+    places: Places | None = None,
     longest_gap_ms: int = LONGEST_GAP_MS,
 ) -> Iterator[Cycle]:
     """Steps up to the last record, none left out: a silent period gives steps without inputs.
 
-    channels, expected  as for the CycleBuilder
-    longest_gap_ms      a leap of time beyond it is taken for a wrong clock: InputError
+    channels, expected, places  as for the CycleBuilder
+    longest_gap_ms              a leap of time beyond it is taken for a wrong clock: InputError
     """
-    builder = CycleBuilder(period_ms, start_ms=start_ms, channels=channels, expected=expected)
+    builder = CycleBuilder(period_ms, start_ms=start_ms, channels=channels, expected=expected, places=places)
     for number, record in enumerate(records):
         if record.time_ms > builder.end_ms + longest_gap_ms:
             raise InputError(
@@ -165,6 +199,23 @@ def cycles(
         builder.take(number, record)
     if not builder.empty:
         yield builder.close()
+
+
+def _torn(faults: Sequence[Fault], totals: Mapping[str, object]) -> list[Fault]:
+    """What would be told in part only: `front_marker` where `front_marker_accuracy_mm` was refused, and the other way."""
+    refused = {fault.channel for fault in faults if fault.reason is not Reason.UNKNOWN}
+    stems = [(one, one.rpartition(".")[2]) for one in refused]
+    return [
+        Fault(channel, Reason.MISSING, f"{one} was refused")
+        for channel in (totals if stems else ())
+        for one, stem in stems
+        if one != channel and _is_part(channel.rpartition(".")[2], stem)
+    ]
+
+
+def _is_part(one: str, other: str) -> bool:
+    """Whether one of the names begins with the other: both are of one reading."""
+    return one == other or one.startswith(f"{other}_") or other.startswith(f"{one}_")
 
 
 def _outside(limits: Mapping[str, Channel], channel: str, inputs: Mapping[str, int | str]) -> Fault | None:

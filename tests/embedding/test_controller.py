@@ -167,6 +167,47 @@ def test_a_record_with_more_than_the_machine_reads_is_refused_whole() -> None:
     assert "is missing" in controller.halted
 
 
+READING = {"front_marker": 7, "front_marker_position_mm": 250_000, "front_marker_accuracy_mm": 20_000}
+
+
+@pytest.mark.parametrize(
+    ("more", "refused"),
+    [
+        ({"front_marker_accuracy_mm": 2_000_000}, {"front_marker_accuracy_mm", "front_marker"}),
+        ({"front_marker_position_mm": 10**12}, {"front_marker_position_mm", "front_marker"}),
+        ({"front_marker": 0}, set(READING)),
+    ],
+)
+def test_a_reading_that_is_told_value_by_value_goes_as_a_whole(more: dict[str, int], refused: set[str]) -> None:
+    """A marker of which the accuracy was refused would count as accurate as any."""
+    controller = Controller(ODOMETRY)
+    controller.step(distances(100))
+    values = [ValueRecord(time_ms=200, name=name, value=value) for name, value in (READING | more).items()]
+    report = controller.step([*distances(200), *values])
+    assert {fault.channel for fault in report.rejections} == refused
+    assert report.interval is None
+    whole = [ValueRecord(time_ms=300, name=name, value=value) for name, value in READING.items()]
+    assert controller.step([*distances(300), *whole]).interval is not None
+
+
+def test_two_channels_that_say_the_same_input() -> None:
+    """Neither is used: nobody knows which is right. Also where an input has several names."""
+    controller = Controller(ODOMETRY)
+    controller.step(distances(100))
+    own = MarkerRecord(time_ms=200, end="front", marker=7, position_mm=250_000, accuracy_mm=20_000)
+    other = ValueRecord(time_ms=200, name="front_marker_accuracy_mm", value=0)
+    report = controller.step([*distances(200), own, other])
+    assert [(fault.channel, fault.reason) for fault in report.rejections] == [
+        ("front_marker_accuracy_mm", Reason.SURPLUS),
+        ("front_marker", Reason.SURPLUS),
+    ]
+    assert report.interval is None
+    balise = Controller(load_target("balise"))
+    twice = [ValueRecord(time_ms=100, name="odometer_mm", value=5)]
+    report = balise.step([*twice, DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=1_200)])
+    assert {fault.channel for fault in report.rejections} == {"odometer_mm", "front_wheel"}
+
+
 def test_truth_values_and_members_are_judged() -> None:
     """A value of the wrong kind is a fault of its channel, and one machine's wrong word never an exception."""
     controller = Controller(own(door), period_ms=500)

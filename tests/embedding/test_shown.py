@@ -51,12 +51,14 @@ def test_a_guarded_filter() -> None:
     assert run[-1].passed_mm is None
 
 
-def test_the_first_lines_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
-    """docs/embedding.md's own example prints what its comment says."""
+@pytest.mark.parametrize("number", [0, 1])
+def test_the_snippets_of_the_page(number: int, capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/embedding.md's own examples, of a controller and of the localizer, print what their comments say."""
     text = (DOCS / "embedding.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    exec(compile(code, "embedding.md", "exec"), {})
-    (said,) = re.findall(r"# (cycle 1 .*)\n", code)
+    codes = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(codes) == 2
+    exec(compile(codes[number], "embedding.md", "exec"), {})
+    (said,) = re.findall(r"# (cycle 1 .*)\n", codes[number])
     assert capsys.readouterr().out.strip() == said
 
 
