@@ -1,8 +1,8 @@
 """What must hold of the whole localizer (RFL-13, RFL-14, MRK-2, MRK-3), whatever its sources are.
 
 What arbitration, the links and the restrictive state assume is owed by the machines before them, and proved with the
-lemmas; so nothing in the whole is assumed but what each source's own sensors keep. That only a valid source leads, and by
-its margin, is proved of arbitration by itself for all that it can hear (safeloc.properties.arbitration), and so of the whole.
+lemmas; so nothing in the whole is assumed but what each source's own sensors keep. Which source leads, and how far the min
+safe front end advances, is proved of arbitration by itself for all that it can hear, and so of the whole.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from safeloc.expr import Bool, Num, all_of, between, exact_to
 from safeloc.models.localizer import Localizer
 from safeloc.models.odometry_parts.variables import LOCATED
+from safeloc.properties.arbitration import properties as arbitrated
 from safeloc.spec import Property, always, earlier_bool, within
 from safeloc.units import NM
 
@@ -21,7 +22,7 @@ TRACE = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
 
 def properties(whole: Localizer) -> list[Property]:
     """What the host and the trackside get, and in which steps."""
-    makers = (_host, _responses, _trackside)
+    makers = (_host, _arbitrated, _responses, _trackside)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -52,6 +53,25 @@ def _host(whole: Localizer) -> Iterator[Property]:
         trace=TRACE,
         assumption=LAW,
     )
+
+
+ARBITRATED = (
+    " against ",
+    "all that are valid agree",
+    "only valid sources narrow",
+    "leads validly",
+    "leads by its margin",
+    "min safe front end advances with the distance",
+    "min safe front end advances with the estimate",
+)
+"""What names of arbitration's properties hold that are asked of the whole."""
+
+
+def _arbitrated(whole: Localizer) -> Iterator[Property]:
+    """What arbitration keeps whatever it hears."""
+    for prop in arbitrated(whole.arbitration):
+        if any(words in prop.name for words in ARBITRATED):
+            yield whole.composition.inherited(whole.arbitration.machine, prop)
 
 
 def _responses(whole: Localizer) -> Iterator[Property]:

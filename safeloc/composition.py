@@ -13,9 +13,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.errors import ModelError
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var, all_of, before, was
 from safeloc.machine import Any_, Initial, Machine
 from safeloc.nodes import Value
+from safeloc.spec import Property
 from safeloc.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
 from safeloc.terms import Sharing, Substitution, variables
 
@@ -42,6 +43,26 @@ class Composition:
         A wired input becomes what the wire tells: in a property, in the step that it looks at.
         """
         return self.parts[machine]
+
+    def inherited(self, machine: Machine, prop: Property) -> Property:
+        """A property that a machine has for all inputs in range, as one of the whole; provers ask the machine by itself.
+
+        ModelError for a property that relies on an assumption, or is not of kind `always`: the whole may not keep it.
+        """
+        if prop.kind != "always" or not prop.unconditional or prop.given is not TRUE:
+            raise ModelError(
+                f"{machine.name}: {prop.name!r} is not kept in every step whatever is heard; prove it of the whole."
+            )
+        into = self.of(machine)
+        term = into.bool(prop.term)
+        twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
+        name = f"{machine.name}: {prop.name}"
+        return replace(prop, name=name, term=Substitution(twins).bool(term), kept_by=(machine, prop))
+
+
+def _before(var: Expr) -> Expr:
+    assert isinstance(var, (NumVar, BoolVar))
+    return before(var) if isinstance(var, NumVar) else was(var)
 
 
 def compose(

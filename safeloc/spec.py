@@ -18,6 +18,7 @@ from typing import Literal
 
 from safeloc.errors import PropertyError, declared_at
 from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
+from safeloc.machine import Machine
 from safeloc.nodes import Node, Past, Value
 from safeloc.system import TransitionSystem
 from safeloc.terms import Substitution, children, in_order, rebuilt, text, variables
@@ -39,6 +40,8 @@ class Property:
     unconditional  required for ALL inputs in range, whether the environment keeps its assumption or not
     helper     within: a lemma over state and the number of steps waited, proved together with the property
     trace      requirement ids
+    kept_by    of a composition: the machine that has it by itself, and the property over that machine's own terms
+               (Composition.inherited)
     """
 
     name: str
@@ -52,6 +55,7 @@ class Property:
     assumption: str = ""
     helper: Callable[[NumVar], Bool] | None = None
     unconditional: bool = False
+    kept_by: tuple[Machine, Property] | None = None
     src: str = field(default_factory=declared_at)
 
     def __post_init__(self) -> None:

@@ -46,6 +46,11 @@ class Inherited:
     refuted: dict[str, Failure] = field(default_factory=dict)
 
 
+def heard_name(part: Part) -> str:
+    """The name under which it is proved that a machine hears what it may hear."""
+    return f"what {part.name} hears is in range"
+
+
 def contract_name(part: Part) -> str:
     """The name under which what a machine is owed is proved."""
     return f"what {part.name} is owed is kept"
@@ -72,7 +77,7 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds)
         found.certificates |= own.certificates
-        heard = proof.confirm(f"what {part.name} hears is in range", part.heard, found, always=True)
+        heard = proof.confirm(heard_name(part), part.heard, found, always=True)
         if heard:
             found.always |= _renamed(part, own.always)
         name = contract_name(part)

@@ -18,7 +18,7 @@ from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
-from safeloc.provers.inherited import contract_properties, contracts
+from safeloc.provers.inherited import contract_properties, contracts, heard_name
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.reachability import can_go_on
@@ -152,7 +152,20 @@ class _Claim:
 
 
 def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
-    return _Claim(observe(system, prop), "property", prove_one)
+    return _Claim(observe(system, prop), "property", prove_one if prop.kept_by is None else _kept_by_a_machine)
+
+
+def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
+    """What a machine keeps by itself for all that it may hear, where all that it hears is such; else as of the whole."""
+    assert goal.prop.kept_by is not None
+    machine, own = goal.prop.kept_by
+    part = next(part for part in goal.original.parts if part.alone.machines[0] is machine)
+    if heard_name(part) in base(goal.original, seconds=limits.seconds).refuted:
+        return prove_one(goal, limits)
+    verdict = prove_one(observe(part.alone, own), replace(limits, seconds=limits.seconds / 2))
+    if isinstance(verdict, Proved):
+        return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself")
+    return prove_one(goal, replace(limits, seconds=limits.seconds / 2))
 
 
 def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
