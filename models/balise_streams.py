@@ -49,6 +49,14 @@ class GroupFault:
 
 
 @dataclass(frozen=True)
+class RouteSet:
+    """From `cycle` on the map has these groups on the route ahead, in place of those it had: linking begins anew with REPLACE."""
+
+    cycle: int
+    groups: Sequence[Group]
+
+
+@dataclass(frozen=True)
 class Passage:
     """The antenna over one group: when balise 1 was passed (ms since the start), and where the front end was (nm)."""
 
@@ -87,6 +95,7 @@ def simulate(
     seed: int,
     seconds: float = 300.0,
     groups: Sequence[Group] | None = None,
+    routes: Sequence[RouteSet] = (),
     dropout: float = 0.01,
     missed: float = 0.03,
     foreign: float = 0.002,
@@ -99,13 +108,15 @@ def simulate(
 ) -> Steps:
     """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
+    groups   those that the vehicle passes; routes: what the map announces from when on, the same ones by default. Of a group
+             that is not on the route set last the map knows no place
     missed   the share of groups that are not read; foreign: the share of cycles with a group of another track
     national_accuracy_mm  told in the first cycle; None: the default counts
     motion   how the vehicle runs; instead of it legs to drive, a random service by default
     faults   named faults of groups; none of them breaks the assumption
     sensor_faults  named faults of `odometer`; while one is active the assumption may be broken
     measured  what the odometer measured, where others hear the same one; its faults are in it already
-    InputError for a fault of a group that the line does not have.
+    InputError for a fault of a group that the line does not have, and for two routes that are set in one cycle.
     """
     rng = np.random.default_rng(seed)
     known = list(groups) if groups is not None else line()
@@ -114,6 +125,7 @@ def simulate(
         motion = move(vehicle, legs or plan(vehicle, seconds, rng, reversals=False), config.period_ms)
     check_faults(sensor_faults, ["odometer"], len(motion.position_nm))
     _check_group_faults(faults, known)
+    _check_routes(routes)
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )
@@ -121,7 +133,8 @@ def simulate(
     in_force = config.default_accuracy_mm if national_accuracy_mm is None else national_accuracy_mm
     spots = _spots(config, known, in_force, rng, faults)
     passages = list(_passages(motion, spots, config.period_ms, rng, missed))
-    run = _Run(config, motion, distances, known, rng, foreign, national_accuracy_mm)
+    ahead = {0: known} | {one.cycle: one.groups for one in routes}
+    run = _Run(config, motion, distances, ahead, rng, foreign, national_accuracy_mm)
     return [run.step(number, passages) for number in range(len(motion.position_nm))]
 
 
@@ -129,6 +142,12 @@ def _check_group_faults(faults: Sequence[GroupFault], groups: Sequence[Group]) -
     for fault in faults:
         if fault.group not in {group.identity for group in groups}:
             raise InputError(f"{fault}: the line has no such group; it has {[group.identity for group in groups]}.")
+
+
+def _check_routes(routes: Sequence[RouteSet]) -> None:
+    cycles = [one.cycle for one in routes]
+    if len(set(cycles)) < len(cycles):
+        raise InputError(f"routes are set in cycles {cycles}: only one can be set in a cycle; leave the others out.")
 
 
 def _spots(
@@ -176,21 +195,24 @@ class _Run:
     """A run under way: the machine on board, what its map still has to announce, and telegrams on their way to it."""
 
     def __init__(
-        self, config: BaliseConfig, motion: Motion, distances: Distances, groups: Sequence[Group],
+        self, config: BaliseConfig, motion: Motion, distances: Distances, routes: Mapping[int, Sequence[Group]],
         rng: np.random.Generator, foreign: float, national_mm: int | None,
     ) -> None:  # fmt: skip
         self._config, self._motion, self._distances, self._rng, self._foreign = config, motion, distances, rng, foreign
-        self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
+        self._routes = routes
         self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
         self._outputs: Mapping[str, Cell] = self._board.named_outputs(self._state)
-        self._announced_mm: int | None = None
+        self._set_route(routes[0])
+        self._replaces = False
         self._waiting: list[Passage] = []
         self._wander = 0
         self._national: dict[str, Cell] = {} if national_mm is None else {"national_accuracy_mm": national_mm}
 
     def step(self, number: int, passages: Sequence[Passage]) -> dict[str, Cell]:
         """The inputs of one cycle, after which the machine on board has run it."""
+        if number and number in self._routes:
+            self._set_route(self._routes[number])
         inputs: dict[str, Cell] = (
             self._odometer(number) | self._announcement() | (self._national if number == 0 else {})
         )
@@ -211,19 +233,28 @@ class _Run:
             return told
         return {**told, "odometer_mm": int(self._distances.step_mm[number])}
 
+    def _set_route(self, groups: Sequence[Group]) -> None:
+        """The map has these groups ahead from now on."""
+        self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
+        self._placed = {group.identity for group in groups}
+        self._announced_mm: int | None = None
+        self._replaces = True
+
     def _announcement(self) -> dict[str, Cell]:
-        """The next group ahead, as soon as the machine has room for it."""
+        """The next group ahead, as soon as the machine has room for it, or at once where a route was set anew."""
         if not self._outputs["valid"]:
-            self._announced_mm = None
-        if not self._outputs["wants_linking"]:
+            self._announced_mm, self._replaces = None, False
+            return {}
+        replaces, self._replaces = self._replaces, False
+        if not (replaces or self._outputs["wants_linking"]):
             return {}
         here = int(self._outputs["position_mm"]) + int(self._outputs["over_mm"]) - self._config.antenna_mm
         beyond = here if self._announced_mm is None else self._announced_mm
         ahead = [group for group in self._groups if group.place_mm > beyond]
         if not ahead:
-            return {}
+            return {"linking_order": "WITHDRAW"} if replaces else {}
         self._announced_mm = ahead[0].place_mm
-        return announcement(ahead[0])
+        return announcement(ahead[0], order="REPLACE" if replaces else "ADD")
 
     def _telegram(self, number: int) -> tuple[dict[str, Cell], dict[str, Cell]]:
         """The oldest telegram that has not been handed over, one a cycle, and what is true of it."""
@@ -256,7 +287,7 @@ class _Run:
         ghosts: dict[str, Cell] = {
             "place_error_nm": passage.front_nm - nominal, "true_since_nm": run, "reading_wander_nm": 0
         }  # fmt: skip
-        read = telegram(passage.group, age_ms=age)
+        read = telegram(passage.group, age_ms=age, place=passage.group.identity in self._placed)
         half = self._config.odometer.wander_nm
         since = round(run / NM_PER_MM + self._rng.uniform(-0.5, 0.5) * min(half / NM_PER_MM, 20))
         wander = self._wander - (run - since * NM_PER_MM)

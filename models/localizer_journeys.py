@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from safeloc.models.balise_parts.groups import Group
+from safeloc.models.localizer_junction import Junction
 from safeloc.models.localizer_streams import Journey, Stretch, Trouble, TroubleKind
 from safeloc.models.reflector_streams import Balise, Reflector, Route
 from safeloc.simulation.motion import Leg
@@ -32,16 +33,29 @@ MAIN_LINE = Journey(
 )
 """A main line train, satellites in view but for a tunnel of 700 m."""
 
+STEM = [Group(number, number * 300_000 - 220_000) for number in range(1, 5)]
+THROUGH = [Group(number, number * 300_000 - 220_000) for number in range(5, 14)]
+ASIDE = [Group(100 + number, number * 300_000 - 220_000) for number in range(5, 14)]
+"""Groups up to the switch, and as far behind it on either branch: only their identities tell the branches apart."""
+SWITCH_MM, SET_MM = 1_200_000, 1_100_000
+
 FREIGHT = Journey(
     legs=[Leg(0, 2), Leg(22_000, 120), Leg(0, 60)],
-    groups=[Group(number, number * 300_000 - 220_000) for number in range(1, 14)],
+    groups=[*STEM, *THROUGH],
     dark=[Stretch(2_200_000, 2_300_000)],
     fibre=Stretch(500_000, 2_000_000),
+    junction=Junction(SWITCH_MM, SET_MM, ASIDE),
     axles=44,
     length_mm=205_000,
     acceleration_mm_s2=400,
 )
-"""A freight train through a fibre-equipped area, entered over an axle counter; past its end balises alone are left."""
+"""A freight train through a fibre-equipped area, entered over an axle counter, with a junction in it; past its end balises
+alone are left. The route over the switch is changed 100 m before it: linking for the other branch is replaced."""
+
+OFF_THE_FIBRE = replace(
+    FREIGHT, groups=[*STEM, *ASIDE], fibre=Stretch(500_000, SWITCH_MM), junction=Junction(SWITCH_MM, SET_MM, THROUGH)
+)
+"""The same train, routed into the branch along which there is no fibre, and announced so."""
 
 NOMINAL: Mapping[str, Journey] = {"metro": METRO, "main-line": MAIN_LINE, "freight": FREIGHT}
 
@@ -53,6 +67,7 @@ class Case:
     fires        transitions of the whole that fire because of it, as `machine: transition`
     outcome      in words
     undetectable why no machine can notice it before a wrong interval is stated; empty: no wrong interval is stated
+    remains      what the interval, which holds the truth, does not say and no machine can notice at once
     """
 
     journey: str
@@ -60,6 +75,7 @@ class Case:
     fires: tuple[str, ...]
     outcome: str
     undetectable: str = ""
+    remains: str = ""
 
     @property
     def name(self) -> str:
@@ -76,7 +92,19 @@ SPOOFED = (
     "all solutions are drawn away together, by less in a cycle than the prediction allows: as long as the drift is within "
     "what the other sources leave open, nothing on board differs from a true run"
 )
+BRANCH = (
+    "on which branch the vehicle is: the one coordinate counts along either, and behind the switch the truth is the distance run "
+    "along the branch taken. From the switch to the first group that is not announced, or until satellites across the track "
+    "differ from the prediction, both branches look alike on board; until the last source is withdrawn the distance that is "
+    "passed on is right, and its branch may be wrong. A branch that soon runs parallel some metres aside is told by groups alone: satellites go on"
+)
 _BALISE_UNREAD = ("balise: expected group missed",)
+_UNANNOUNCED = (
+    *_BALISE_UNREAD,
+    "balise: telegram rejected",
+    "balise: tolerance exceeded",
+    "arbitration: no source is left",
+)
 _SILENT = ("motion: silent too long", "balise: sensors failed")
 _SLIDES = ("motion: units disagree", "balise: sensors failed")
 
@@ -90,9 +118,15 @@ def _main(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int
 
 
 def _freight(
-    kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = ""
+    kind: TroubleKind,
+    fires: tuple[str, ...],
+    outcome: str,
+    *,
+    group: int = 0,
+    undetectable: str = "",
+    remains: str = "",
 ) -> Case:
-    return Case("freight", Trouble(kind, 800, 1_000, group), fires, outcome, undetectable)
+    return Case("freight", Trouble(kind, 800, 1_000, group), fires, outcome, undetectable, remains)
 
 
 CASES: tuple[Case, ...] = (
@@ -135,6 +169,13 @@ CASES: tuple[Case, ...] = (
     _freight("balise missed", _BALISE_UNREAD, "the margin grows; satellites lead", group=6),
     _freight("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; satellites lead", group=6),
     _freight("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+    _freight("other branch taken",
+             (*_UNANNOUNCED, "verification: train has left", "selection: no satellite is usable"),
+             "no group of that branch is accepted, the one expected is missed; the fibre ends trust at the switch; satellites "
+             "across the track are excluded, then all: source after source is withdrawn, and none comes back", remains=BRANCH),
+    _freight("linking not replaced", _UNANNOUNCED,
+             "no group of the route is in the linking: refused, the one expected is missed, balises withdraw; fibre and "
+             "satellites go on, and past them nothing is left", remains=BRANCH),
 )  # fmt: skip
 
 

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 
 from safeloc.models import balise_streams, odometry_streams, reflector_streams
 from safeloc.models.balise_parts.groups import Group
-from safeloc.models.balise_streams import GroupFault, GroupFaultKind
+from safeloc.models.balise_streams import GroupFault, GroupFaultKind, RouteSet
 from safeloc.models.localizer import LocalizerConfig, compose_machines
+from safeloc.models.localizer_junction import Junction
+from safeloc.models.localizer_sky import Off, signals, solution
 from safeloc.models.motion_streams import Measured, measured_by
 from safeloc.models.reflector_streams import Disturbance, Scene
 from safeloc.models.running.unit_check import ODOMETER_LAWFUL
-from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.models.verification import VerificationConfig
 from safeloc.nodes import Value
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
@@ -32,7 +33,7 @@ from safeloc.simulation.sensors import Fault, FaultKind
 from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
-NM_PER_MM = 1_000_000
+NM_PER_MM, UM_PER_MM = 1_000_000, 1_000
 WIRED = (
     "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
 )  # fmt: skip
@@ -41,9 +42,15 @@ CHECKED = ("odometer_next_wander_nm", "next_wander_nm")
 TroubleKind = Literal[
     "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
     "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
-    "balise missed", "balise displaced",
+    "balise missed", "balise displaced", "other branch taken", "linking not replaced",
 ]  # fmt: skip
-UNLAWFUL: tuple[TroubleKind, ...] = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
+UNLAWFUL: tuple[TroubleKind, ...] = (
+    "odometer slides",
+    "spoofing",
+    "radar shifted",
+    "marker misplaced",
+    "other branch taken",
+)
 """These break what a source assumes of its sensors; the others are noticed, or change nothing that is assumed."""
 SPOOFED_MM, MULTIPATH_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 60_000, 5
 """Spoofing draws all solutions away by so much a cycle; a multipath signal is too long by so much; a block of the fibre."""
@@ -51,7 +58,10 @@ SPOOFED_MM, MULTIPATH_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 60_000, 5
 
 @dataclass(frozen=True)
 class Trouble:
-    """What goes wrong in cycles `begin` up to, not including, `end`; for balises `group` tells which one."""
+    """What goes wrong in cycles `begin` up to, not including, `end`; for balises `group` tells which one.
+
+    A miscount, and what goes wrong at the junction, are there once on a journey, whatever the cycles.
+    """
 
     kind: TroubleKind
     begin: int = 0
@@ -81,6 +91,8 @@ class Journey:
 
     dark        where no satellite is seen; elsewhere `satellites` are, as far as the receiver has channels
     fibre       where a fibre lies along the track, entered over an axle counter
+    groups      those along the route that is set, beyond the junction too
+    junction    where another branch leaves that route; there is no fibre along it
     """
 
     legs: Sequence[Leg]
@@ -90,6 +102,7 @@ class Journey:
     dark: Sequence[Stretch] = ()
     satellites: int = 16
     fibre: Stretch | None = None
+    junction: Junction | None = None
     axles: int = 16
     length_mm: int = 60_000
     acceleration_mm_s2: int = 700
@@ -99,6 +112,16 @@ class Journey:
     def lawful(self) -> bool:
         """Nothing breaks what is assumed."""
         return not any(one.kind in UNLAWFUL for one in self.troubles)
+
+    @property
+    def astray(self) -> Junction | None:
+        """The junction, where the vehicle takes the other branch there than the one that is set."""
+        return self.junction if any(one.kind == "other branch taken" for one in self.troubles) else None
+
+    @property
+    def passed(self) -> list[Group]:
+        """The groups that the vehicle passes."""
+        return list(self.groups) if self.astray is None else self.astray.branched(self.groups)
 
     def trouble(self, kind: TroubleKind, cycle: int) -> Trouble | None:
         """The trouble of a kind that acts in a cycle."""
@@ -223,15 +246,30 @@ def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured:
     kinds: dict[TroubleKind, GroupFaultKind] = {
         "balise corrupted": "corrupted", "balise missed": "missed", "balise displaced": "late"
     }  # fmt: skip
-    faults = [GroupFault(one.group, kinds[one.kind]) for one in journey.troubles if one.kind in kinds]
+    passed = journey.passed
+    met = {group.identity for group in passed}
+    faults = [
+        GroupFault(one.group, kinds[one.kind]) for one in journey.troubles if one.kind in kinds and one.group in met
+    ]
     return _named(
         "balise",
         balise_streams.simulate(
-            config.balise, seed=seed, motion=motion, groups=journey.groups, missed=0, foreign=0, faults=faults,
-            measured=measured.told,
+            config.balise, seed=seed, motion=motion, groups=passed, routes=_routes(journey, motion), missed=0,
+            foreign=0, faults=faults, measured=measured.told,
         ),
         _owed(measured),
     )  # fmt: skip
+
+
+def _routes(journey: Journey, motion: Motion) -> list[RouteSet]:
+    """Linking for the other branch until the route is set, and then for the route, unless that is forgotten."""
+    if journey.junction is None:
+        return []
+    first = RouteSet(0, journey.junction.branched(journey.groups))
+    reached = np.flatnonzero(motion.position_nm >= journey.junction.set_mm * NM_PER_MM)
+    if not len(reached) or any(one.kind == "linking not replaced" for one in journey.troubles):
+        return [first]
+    return [first, RouteSet(int(reached[0]), journey.groups)]
 
 
 def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
@@ -263,58 +301,21 @@ def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Mea
         dark = any(one.holds(truth) for one in journey.dark) or journey.trouble("satellites lost", cycle) is not None
         heard = 0 if dark else heard + 1
         drawn += SPOOFED_MM if journey.trouble("spoofing", cycle) else 0
-        far = journey.trouble("multipath", cycle) is not None
-        selection = config.satellite.selection
-        step = _sky(selection, rng, journey.satellites, heard, far)
-        step |= _solution(selection, rng, journey.satellites, heard, far, truth + drawn, int(speeds[cycle + 1]))
-        steps.append(step | {"position.next_speed_um_s": int(speeds[cycle + 1])})
+        selection, speed = config.satellite.selection, int(speeds[cycle + 1])
+        off = _off(journey, selection.channels, cycle, truth, speed / UM_PER_MM)
+        step = signals(selection, rng, journey.satellites, heard, off)
+        step |= solution(selection, rng, journey.satellites, heard, off, truth + drawn, speed)
+        steps.append(step | {"position.next_speed_um_s": speed})
     return steps
 
 
-def _sky(config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool) -> dict[str, Cell]:
-    """What each channel measured, less what was predicted; the first one is the disturbed one."""
-    step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
-    for number in range(1, config.channels + 1):
-        name = f"selection.channel_{number}"
-        off = int(rng.normal(0, config.range_noise_mm / 4)) + (MULTIPATH_MM if far and number == 1 else 0)
-        faster = int(rng.normal(0, config.speed_noise_mm_s / 4))
-        step |= {
-            f"{name}_error_mm": 0,
-            f"{name}_speed_error_mm_s": 0,
-            f"{name}_prediction_mm": 0,
-            f"{name}_prediction_mm_s": 0,
-        }
-        step[f"{name}_ephemeris_valid"] = True
-        if heard and number <= seen:
-            step |= {
-                f"{name}_satellite": number, f"{name}_range_off_mm": off, f"{name}_speed_off_mm_s": faster,
-                f"{name}_error_mm": off, f"{name}_speed_error_mm_s": faster,
-            }  # fmt: skip
-        if heard >= config.warm_up_cycles and number <= seen:
-            spread = config.range_covariance_mm2 // 4, config.speed_covariance_mm2_s2 // 4
-            step |= {f"{name}_range_covariance_mm2": spread[0], f"{name}_speed_covariance_mm2_s2": spread[1]}
-    return step
-
-
-def _solution(
-    config: SelectionConfig, rng: np.random.Generator, seen: int, heard: int, far: bool, place_mm: int, speed_um_s: int
-) -> dict[str, Cell]:
-    """Place and speed along the track from the usable ones, within their bounds; none before they are warm."""
-    solved = heard >= config.warm_up_cycles
-    step: dict[str, Cell] = {
-        f"position.used_{number}": solved and number <= seen and not (far and number == 1)
-        for number in range(1, config.channels + 1)
-    }
-    protection, speed_protection = 8_000, 300_000
-    step |= {
-        "position.fix_protection_mm": protection, "position.fix_speed_um_s": 0, "position.fix_unknowns": 2,
-        "position.fix_speed_protection_um_s": speed_protection, "position.fix_missing": "NOTHING" if solved else "NO_EPOCH",
-        "position.reference_speed_accuracy_um_s": 0, "position.odometry_error_mm": 0,
-    }  # fmt: skip
-    if solved:
-        step["position.fix_mm"] = place_mm + int(rng.uniform(-0.6, 0.6) * protection)
-        step["position.fix_speed_um_s"] = speed_um_s + int(rng.uniform(-0.6, 0.6) * speed_protection)
-    return step
+def _off(journey: Journey, channels: int, cycle: int, place_mm: int, speed_mm_s: float) -> list[Off]:
+    """What each channel is off the prediction along the route, noise apart: another branch, and a detour of the first signal."""
+    astray = journey.astray
+    off = [Off()] * channels if astray is None else astray.off(channels, place_mm, speed_mm_s)
+    if journey.trouble("multipath", cycle):
+        off[0] = Off(off[0].range_mm + MULTIPATH_MM, off[0].speed_mm_s)
+    return off
 
 
 # ------------------------------------------------------------------ the fibre, as its front end and the counter tell
@@ -324,7 +325,8 @@ def _fibre(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measure
     rng, steps, before = np.random.default_rng(seed + 2), list[dict[str, Cell]](), False
     for cycle, place in enumerate(motion.position_nm):
         front = int(place) // NM_PER_MM
-        inside = journey.fibre is not None and journey.fibre.holds(front)
+        away = journey.astray is not None and front >= journey.astray.switch_mm
+        inside = journey.fibre is not None and journey.fibre.holds(front) and not away
         ghosts: dict[str, Cell] = {
             "next_true_axles": journey.axles, "next_true_length_um": journey.length_mm * 1_000
         }  # fmt: skip

@@ -29,6 +29,7 @@ ROOMS = {
         "models/balise_streams.py",
         "models/fibre_scenes/",
         "models/fibre_streams.py",
+        "models/localizer_sky.py",
         "models/localizer_streams.py",
         "models/reflector_streams.py",
         "models/route_streams.py",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,11 +16,12 @@ from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.models import balise
 from safeloc.models.balise_parts.variables import BaliseConfig, parts
-from safeloc.models.balise_streams import GroupFault, line, simulate
+from safeloc.models.balise_streams import GroupFault, RouteSet, line, simulate
 from safeloc.monitor import check_all
 from safeloc.properties.balise import properties
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
+from safeloc.streams.steps import Cell
 from safeloc.system import lower
 from safeloc.verdict import Held
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
@@ -127,3 +129,35 @@ def test_compiled_machine_follows_the_interpreter() -> None:
         assert dict(zip(code.state_names, state, strict=True)) == one.state
         assert code.fired(fired) == one.fired
         assert code.named_outputs(state) == one.outputs
+
+
+def routed(*routes: RouteSet) -> list[dict[str, Cell]]:
+    """A run over the line's groups while the map announces what the routes have."""
+    return simulate(BaliseConfig(), seed=5, seconds=60, legs=[Leg(20_000, 60)], foreign=0, missed=0, routes=routes)
+
+
+def test_a_route_that_is_set_replaces_linking() -> None:
+    """One REPLACE names the new route's next group, and its groups follow; a group that is not on it is read without a place."""
+    other = [replace(group, identity=500 + group.identity) for group in line()]
+    steps = routed(RouteSet(300, other))
+    assert [n for n, step in enumerate(steps) if step.get("linking_order") == "REPLACE"] == [300]
+    assert all(int(step["linking_group"]) > 500 for step in steps[300:] if "linking_group" in step)
+    read = [step for step in steps[300:] if "telegram_group" in step]
+    assert len(read) > 1
+    assert not any("telegram_position_mm" in step for step in read)
+    assert all("telegram_position_mm" in step for step in steps[:300] if "telegram_group" in step)
+
+
+def test_a_route_without_groups_withdraws_linking() -> None:
+    """There is nothing to replace it with."""
+    steps = routed(RouteSet(300, []))
+    assert [n for n, step in enumerate(steps) if step.get("linking_order") == "WITHDRAW"] == [300]
+    assert not any("linking_order" in step for step in steps[301:])
+
+
+def test_two_routes_in_one_cycle_are_refused() -> None:
+    """It would not be told which one is set."""
+    with pytest.raises(
+        InputError, match=r"^routes are set in cycles \[300, 300\]: only one can be set in a cycle; .*$"
+    ):
+        routed(RouteSet(300, []), RouteSet(300, line()))

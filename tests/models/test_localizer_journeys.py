@@ -12,7 +12,7 @@ import pytest
 from safeloc.interpret import holds, read_inputs, start, step
 from safeloc.models import localizer_streams
 from safeloc.models.localizer import compose_machines
-from safeloc.models.localizer_journeys import CASES, NOMINAL, Case, pairs, with_troubles
+from safeloc.models.localizer_journeys import CASES, FREIGHT, NOMINAL, OFF_THE_FIBRE, Case, pairs, with_troubles
 from safeloc.models.localizer_picture import picture
 from safeloc.models.localizer_streams import Trouble, first_state, simulate
 from safeloc.nodes import Value
@@ -80,14 +80,20 @@ def test_sources_lead_where_they_are_best() -> None:
     assert "downlink: report grows older" in fired["freight"]
 
 
-@pytest.mark.parametrize("name", NOMINAL)
+LAWFUL = {
+    **NOMINAL, "off the fibre": OFF_THE_FIBRE,
+    "stale linking": replace(FREIGHT, troubles=[Trouble("linking not replaced")]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAWFUL)
 @pytest.mark.slow
-def test_a_nominal_journey_keeps_what_is_assumed(name: str) -> None:
+def test_a_lawful_journey_keeps_what_is_assumed(name: str) -> None:
     """Its ghosts obey every source's law, cycle by cycle, in the reference interpreter."""
     system = compose_machines(CONFIG).composition.system
     names, law = {var.name for var in system.inputs}, environment(system)
-    state = start(system, first_state(CONFIG, NOMINAL[name]))
-    for cycle, one in enumerate(simulate(CONFIG, NOMINAL[name], seed=3)):
+    state = start(system, first_state(CONFIG, LAWFUL[name]))
+    for cycle, one in enumerate(simulate(CONFIG, LAWFUL[name], seed=3)):
         inputs = read_inputs(system, {key: cell for key, cell in one.items() if key in names})
         assert holds(law, {**state, **inputs}), cycle
         state, _ = step(system, state, inputs)
