@@ -8,8 +8,9 @@ safe front end advances, is proved of arbitration by itself for all that it can 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-from safeloc.expr import Bool, Num, all_of, between, exact_to
+from safeloc.expr import Bool, Num, NumVar, all_of, between, exact_to
 from safeloc.models.localizer import Localizer
 from safeloc.models.odometry_parts.variables import LOCATED
 from safeloc.properties.arbitration import properties as arbitrated
@@ -27,15 +28,8 @@ def properties(whole: Localizer) -> list[Property]:
 
 
 def _host(whole: Localizer) -> Iterator[Property]:
-    restrictive, (position, under, over) = _restrictive(whole), _passed(whole)
-    truth, tolerance = whole.motion.own.truth, whole.config.tolerance_mm
-    yield always(
-        "containment",
-        restrictive | between(exact_to(position - under, NM), truth, exact_to(position + over, NM)),
-        statement="the position that the host gets holds the true position of the front end",
-        trace=TRACE,
-        assumption=LAW,
-    )
+    (_, under, over), tolerance = _passed(whole), whole.config.tolerance_mm
+    yield _of_the_guard(whole)
     yield always(
         "tolerance",
         (under <= tolerance) & (over <= tolerance),
@@ -43,16 +37,35 @@ def _host(whole: Localizer) -> Iterator[Property]:
         trace=TRACE,
         unconditional=True,
     )
-    counts = whole.composition.of(whole.arbitration.machine)
-    front = counts.num(whole.arbitration.machine.output("min_safe_front_mm"))
-    valid = counts.bool(whole.arbitration.machine.flag("valid"))
-    yield always(
+    yield _of_the_front(whole)
+
+
+def _of_the_guard(whole: Localizer) -> Property:
+    """What is passed on holds the truth: the restrictive state keeps that, being owed that arbitration's interval does."""
+    guard, truth = whole.guard, next(iter(whole.guard.ghost_inputs))  # the vehicle's, after the step
+    assert isinstance(truth, NumVar)
+    position, under, over = (guard.output(f"{name}_mm") for name in ("position", "under", "over"))
+    own = always(
+        "containment",
+        guard.flag("restrictive") | between(exact_to(position - under, NM), truth, exact_to(position + over, NM)),
+        statement="the position that the host gets holds the true position of the front end",
+        trace=TRACE,
+        assumption=LAW,
+    )
+    return replace(whole.composition.inherited(guard, own), name=own.name)
+
+
+def _of_the_front(whole: Localizer) -> Property:
+    """The min safe front end is behind the front end: arbitration keeps that, being owed that its sources are true."""
+    counts, truth = whole.arbitration.machine, whole.arbitration.own.next_truth
+    own = always(
         "min safe front end",
-        valid.implies(exact_to(front, NM) <= truth),
+        counts.flag("valid").implies(exact_to(counts.output("min_safe_front_mm"), NM) <= truth),
         statement="the front end is never behind the min safe front end",
         trace=TRACE,
         assumption=LAW,
     )
+    return replace(whole.composition.inherited(counts, own), name=own.name)
 
 
 ARBITRATED = (

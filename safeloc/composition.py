@@ -45,14 +45,13 @@ class Composition:
         return self.parts[machine]
 
     def inherited(self, machine: Machine, prop: Property) -> Property:
-        """A property that a machine has for all inputs in range, as one of the whole; provers ask the machine by itself.
+        """A property that a machine keeps in every step, as one of the whole; provers ask the machine by itself.
 
-        ModelError for a property that relies on an assumption, or is not of kind `always`: the whole may not keep it.
+        What the machine assumes is assumed of the whole as well, or owed by the machines before it. ModelError for a
+        property that is given something more, or is not of kind `always`.
         """
-        if prop.kind != "always" or not prop.unconditional or prop.given is not TRUE:
-            raise ModelError(
-                f"{machine.name}: {prop.name!r} is not kept in every step whatever is heard; prove it of the whole."
-            )
+        if prop.kind != "always" or prop.given is not TRUE:
+            raise ModelError(f"{machine.name}: {prop.name!r} is not plainly kept in every step; prove it of the whole.")
         into = self.of(machine)
         term = into.bool(prop.term)
         twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}

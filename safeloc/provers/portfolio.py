@@ -18,7 +18,7 @@ from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
-from safeloc.provers.inherited import contract_properties, contracts, heard_name
+from safeloc.provers.inherited import contract_name, contract_properties, contracts, heard_name
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.reachability import can_go_on
@@ -156,11 +156,13 @@ def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
 
 
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
-    """What a machine keeps by itself for all that it may hear, where all that it hears is such; else as of the whole."""
+    """What a machine keeps by itself, where it hears what it may hear and is owed what it assumes; else as of the whole."""
     assert goal.prop.kept_by is not None
     machine, own = goal.prop.kept_by
     part = next(part for part in goal.original.parts if part.alone.machines[0] is machine)
-    if heard_name(part) in base(goal.original, seconds=limits.seconds).refuted:
+    known = base(goal.original, seconds=limits.seconds)
+    owed = own.unconditional or part.owed is TRUE or contract_name(part) in known.kept
+    if not owed or heard_name(part) in known.refuted:
         return prove_one(goal, limits)
     verdict = prove_one(observe(part.alone, own), replace(limits, seconds=limits.seconds / 2))
     if isinstance(verdict, Proved):

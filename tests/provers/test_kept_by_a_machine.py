@@ -8,14 +8,14 @@ import pytest
 
 from safeloc.composition import Composition, compose
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, NumVar, Var, before, floor_div, number
+from safeloc.expr import TRUE, Expr, NumVar, Var, before, floor_div, number
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.monitor import check
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
 from safeloc.results import Finding
-from safeloc.spec import Property, always
+from safeloc.spec import Property, always, reachable
 from safeloc.units import MM
 from safeloc.verdict import Held, Proved, Violated
 
@@ -25,7 +25,7 @@ IDLE, BUSY = modes("IDLE", "BUSY")
 class Follower:
     """A source that rises as it likes, and a follower that takes at most half of what it hears."""
 
-    def __init__(self, *, may_hear: int = 20) -> None:
+    def __init__(self, *, may_hear: int = 20, assumed: int | None = None) -> None:
         self.step, self.level = number("step", MM, 0, 20), number("level", MM, 0, 20)
         self.source = Machine(
             "source", (IDLE, BUSY), [self.step], {self.level: 0}, {"level": self.level},
@@ -33,9 +33,17 @@ class Follower:
         )  # fmt: skip
         self.heard, self.kept = number("heard", MM, 0, may_hear), number("kept", MM, 0, 100)
         follow = Transition("follow", IDLE, IDLE, set={self.kept: floor_div(self.heard, 2)})
-        self.follower = Machine("follower", (IDLE, BUSY), [self.heard], {self.kept: 0}, {"kept": self.kept}, [follow])
+        self.follower = Machine(
+            "follower",
+            (IDLE, BUSY),
+            [self.heard],
+            {self.kept: 0},
+            {"kept": self.kept},
+            [follow],
+            assumption=TRUE if assumed is None else self.heard <= assumed,
+        )
         wires: dict[Var, Expr] = {self.heard: self.source.output("level")}
-        self.whole: Composition = compose("chain", [self.source, self.follower], wires)
+        self.whole: Composition = compose("chain", [self.source, self.follower], wires, owes=[self.follower])
 
     def small(self) -> Property:
         """It never rises by more than ten."""
@@ -83,9 +91,19 @@ def test_it_is_the_same_property() -> None:
     assert isinstance(check(run(chain.whole.system, [{"source.step": 20}]), less), Violated)
 
 
-def test_what_relies_on_an_assumption_is_refused() -> None:
-    """The whole may not keep that."""
+def test_what_is_given_something_more_is_refused() -> None:
+    """The whole may not keep that, and a run to somewhere is not kept in every step."""
     chain = Follower()
-    for prop in (replace(chain.small(), unconditional=False), replace(chain.small(), given=chain.heard <= 4)):
-        with pytest.raises(ModelError, match=r"^follower: 'small' is not kept in every step whatever is heard"):
+    for prop in (replace(chain.small(), given=chain.heard <= 4), reachable("small", chain.kept > 4)):
+        with pytest.raises(ModelError, match=r"^follower: 'small' is not plainly kept in every step"):
             chain.whole.inherited(chain.follower, prop)
+
+
+@pytest.mark.parametrize(("assumed", "kept"), [(20, True), (10, False)])
+def test_what_a_machine_assumes_has_to_be_owed_and_kept(assumed: int, kept: bool) -> None:
+    """The source tells up to 20: a follower that is owed no more than 10 does not pass that on to the whole."""
+    chain = Follower(assumed=assumed)
+    half = always("half", chain.kept <= assumed // 2)
+    found = chain.finding(chain.whole.inherited(chain.follower, half))
+    assert isinstance(found.result, Proved if kept else Violated)
+    assert ("of follower by itself" in found.method) is kept
