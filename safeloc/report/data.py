@@ -26,6 +26,7 @@ SCHEMA = "safeloc-report/1"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 PACKAGE = Path(__file__).parents[1]
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
+MOST_CELLS = 10_000  # values of a witness that stand in the data; the localizer has 500 in every step
 
 
 def schema() -> dict[str, Any]:
@@ -86,9 +87,21 @@ def result_data(finding: Finding) -> dict[str, Any]:
         "requirements": list(finding.requirements),
         "assumption": finding.assumption,
         "reason": _reason(finding),
-        "notes": {**(finding.result.notes if isinstance(finding.result, Held) else {}), **finding.notes},
-        "trace": trace_data(_trace(finding), finding.truth_mm),
+        "notes": {
+            **(finding.result.notes if isinstance(finding.result, Held) else {}),
+            **finding.notes,
+            **_left(finding),
+        },
+        "trace": None if _left(finding) else trace_data(_trace(finding), finding.truth_mm),
     }
+
+
+def _left(finding: Finding) -> dict[str, str]:
+    """A note in the place of a long witness: its stream is in a file of its own, and most readers never look at it."""
+    trace = finding.result.witness if isinstance(finding.result, Proved) else None
+    if trace is None or len(trace.steps) * len(trace.initial) <= MOST_CELLS:
+        return {}
+    return {"witness": f"a run of {len(trace.steps)} steps, in the folder of traces only"}
 
 
 def _depth(finding: Finding) -> int:

@@ -65,6 +65,17 @@ def test_headline_is_the_worst_verdict() -> None:
     assert '<span class="verdict">nothing was checked</span>' in to_html(report_data([], [door()]))
 
 
+def test_a_long_witness_is_in_its_file_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its place in the data says so; a run that breaks something always stands there, however long."""
+    monkeypatch.setattr(data_module, "MOST_CELLS", 2)
+    good, bad, *_ = report_data(findings(), [door()])["results"]
+    assert good["trace"] is None
+    assert good["notes"] == {"witness": "a run of 3 steps, in the folder of traces only"}
+    assert len(bad["trace"]["steps"]) == 3
+    write_folder(tmp_path, findings(), [door()])
+    assert len((tmp_path / "traces" / "door-property-good.jsonl").read_text(encoding="utf-8").splitlines()) == 4
+
+
 def test_machine_is_shown() -> None:
     """Transitions with file and line, variables with unit and range, and statistics of the tests are on the page."""
     page = to_html(data())
