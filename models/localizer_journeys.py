@@ -33,11 +33,11 @@ MAIN_LINE = Journey(
 )
 """A main line train, satellites in view but for a tunnel of 700 m."""
 
-STEM = [Group(number, number * 300_000 - 220_000) for number in range(1, 5)]
-THROUGH = [Group(number, number * 300_000 - 220_000) for number in range(5, 14)]
-ASIDE = [Group(100 + number, number * 300_000 - 220_000) for number in range(5, 14)]
+STEM = [Group(number, number * 300_000 - 220_000) for number in range(1, 4)]
+THROUGH = [Group(number, number * 300_000 - 220_000) for number in range(4, 14)]
+ASIDE = [Group(100 + number, number * 300_000 - 220_000) for number in range(4, 14)]
 """Groups up to the switch, and as far behind it on either branch: only their identities tell the branches apart."""
-SWITCH_MM, SET_MM = 1_200_000, 1_100_000
+SWITCH_MM, SET_MM = 950_000, 850_000
 
 FREIGHT = Journey(
     legs=[Leg(0, 2), Leg(22_000, 120), Leg(0, 60)],
@@ -94,17 +94,11 @@ SPOOFED = (
 )
 BRANCH = (
     "on which branch the vehicle is: the one coordinate counts along either, and behind the switch the truth is the distance run "
-    "along the branch taken. From the switch to the first group that is not announced, or until satellites across the track "
-    "differ from the prediction, both branches look alike on board; until the last source is withdrawn the distance that is "
-    "passed on is right, and its branch may be wrong. A branch that soon runs parallel some metres aside is told by groups alone: satellites go on"
+    "along the branch taken. From the switch to the first group behind it both branches look alike on board; until the last "
+    "source is withdrawn the distance that is passed on is right, and its branch may be wrong"
 )
 _BALISE_UNREAD = ("balise: expected group missed",)
-_UNANNOUNCED = (
-    *_BALISE_UNREAD,
-    "balise: telegram rejected",
-    "balise: tolerance exceeded",
-    "arbitration: no source is left",
-)
+_UNANNOUNCED = (*_BALISE_UNREAD, "balise: telegram rejected", "balise: tolerance exceeded")
 _SILENT = ("motion: silent too long", "balise: sensors failed")
 _SLIDES = ("motion: units disagree", "balise: sensors failed")
 
@@ -169,13 +163,12 @@ CASES: tuple[Case, ...] = (
     _freight("balise missed", _BALISE_UNREAD, "the margin grows; satellites lead", group=6),
     _freight("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; satellites lead", group=6),
     _freight("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
-    _freight("other branch taken",
-             (*_UNANNOUNCED, "verification: train has left", "selection: no satellite is usable"),
-             "no group of that branch is accepted, the one expected is missed; the fibre ends trust at the switch; satellites "
-             "across the track are excluded, then all: source after source is withdrawn, and none comes back", remains=BRANCH),
+    _freight("other branch taken", (*_UNANNOUNCED, "verification: train has left"),
+             "no group of that branch is accepted, the one expected is missed; the fibre ends trust at the switch, satellites "
+             "stay withheld: balises withdraw last, and no source comes back", remains=BRANCH),
     _freight("linking not replaced", _UNANNOUNCED,
-             "no group of the route is in the linking: refused, the one expected is missed, balises withdraw; fibre and "
-             "satellites go on, and past them nothing is left", remains=BRANCH),
+             "no group of the route is in the linking: refused, the one expected is missed, balises withdraw and satellites stay "
+             "withheld; the fibre goes on, and past it nothing is left", remains=BRANCH),
 )  # fmt: skip
 
 

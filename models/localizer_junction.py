@@ -8,14 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot
 
 from safeloc.models.balise_parts.groups import Group
-from safeloc.models.localizer_sky import Off, directions
-
-CROSSING = 9
-"""A switch 1 in 9: the branch goes straight on at that slope to the route."""
-ALONG, ACROSS = CROSSING / hypot(1, CROSSING), 1 / hypot(1, CROSSING)
 
 
 @dataclass(frozen=True)
@@ -35,11 +29,8 @@ class Junction:
         """The groups of a route up to the switch, then those of the other branch."""
         return [*(group for group in groups if group.place_mm < self.switch_mm), *self.other]
 
-    def off(self, channels: int, place_mm: int, speed_mm_s: float) -> list[Off]:
-        """What satellites are off a prediction along the route, when the vehicle is on the other branch, as far along it."""
-        run = max(0, place_mm - self.switch_mm)
-        speed = speed_mm_s if run else 0.0
-        return [
-            Off(round(-(run * farther)), round(-(speed * farther)))
-            for farther in (along * (ALONG - 1) + across * ACROSS for along, across in directions(channels))
-        ]
+    def undecided(self, place_mm: int, passed: Sequence[Group], announced: Sequence[Group]) -> bool:
+        """Whether, at a place, no group behind the switch that was announced has been passed: either branch is possible then."""
+        known = {group.identity for group in announced}
+        on_it = (one.place_mm for one in passed if one.place_mm >= self.switch_mm and one.identity in known)
+        return place_mm >= self.switch_mm and not any(one <= place_mm for one in on_it)

@@ -21,7 +21,7 @@ from safeloc.models.balise_parts.groups import Group
 from safeloc.models.balise_streams import GroupFault, GroupFaultKind, RouteSet
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer_junction import Junction
-from safeloc.models.localizer_sky import Off, signals, solution
+from safeloc.models.localizer_sky import signals, solution
 from safeloc.models.motion_streams import Measured, measured_by
 from safeloc.models.reflector_streams import Disturbance, Scene
 from safeloc.models.running.unit_check import ODOMETER_LAWFUL
@@ -33,7 +33,7 @@ from safeloc.simulation.sensors import Fault, FaultKind
 from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
-NM_PER_MM, UM_PER_MM = 1_000_000, 1_000
+NM_PER_MM = 1_000_000
 WIRED = (
     "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
 )  # fmt: skip
@@ -52,8 +52,8 @@ UNLAWFUL: tuple[TroubleKind, ...] = (
     "other branch taken",
 )
 """These break what a source assumes of its sensors; the others are noticed, or change nothing that is assumed."""
-SPOOFED_MM, MULTIPATH_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 60_000, 5
-"""Spoofing draws all solutions away by so much a cycle; a multipath signal is too long by so much; a block of the fibre."""
+SPOOFED_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 5
+"""Spoofing draws all solutions away by so much a cycle; a radar is off by so much; a block of the fibre."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +122,16 @@ class Journey:
     def passed(self) -> list[Group]:
         """The groups that the vehicle passes."""
         return list(self.groups) if self.astray is None else self.astray.branched(self.groups)
+
+    @property
+    def announced(self) -> list[Group]:
+        """The groups that are announced behind the switch: with linking that is not replaced those of the other branch."""
+        stale = any(one.kind == "linking not replaced" for one in self.troubles)
+        return self.junction.branched(self.groups) if stale and self.junction else list(self.groups)
+
+    def undecided(self, place_mm: int) -> bool:
+        """Whether the vehicle may be on either branch there, so that no satellite is predicted along either."""
+        return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
 
     def trouble(self, kind: TroubleKind, cycle: int) -> Trouble | None:
         """The trouble of a kind that acts in a cycle."""
@@ -299,23 +309,15 @@ def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Mea
     for cycle, place in enumerate(motion.position_nm):
         truth = int(place) // NM_PER_MM
         dark = any(one.holds(truth) for one in journey.dark) or journey.trouble("satellites lost", cycle) is not None
-        heard = 0 if dark else heard + 1
+        missing = "TWO_PORTIONS" if journey.undecided(truth) else "NO_EPOCH"
+        heard = 0 if dark or missing == "TWO_PORTIONS" else heard + 1
         drawn += SPOOFED_MM if journey.trouble("spoofing", cycle) else 0
+        far = journey.trouble("multipath", cycle) is not None
         selection, speed = config.satellite.selection, int(speeds[cycle + 1])
-        off = _off(journey, selection.channels, cycle, truth, speed / UM_PER_MM)
-        step = signals(selection, rng, journey.satellites, heard, off)
-        step |= solution(selection, rng, journey.satellites, heard, off, truth + drawn, speed)
+        step = signals(selection, rng, journey.satellites, heard, far)
+        step |= solution(selection, rng, journey.satellites, heard, far, truth + drawn, speed, missing)
         steps.append(step | {"position.next_speed_um_s": speed})
     return steps
-
-
-def _off(journey: Journey, channels: int, cycle: int, place_mm: int, speed_mm_s: float) -> list[Off]:
-    """What each channel is off the prediction along the route, noise apart: another branch, and a detour of the first signal."""
-    astray = journey.astray
-    off = [Off()] * channels if astray is None else astray.off(channels, place_mm, speed_mm_s)
-    if journey.trouble("multipath", cycle):
-        off[0] = Off(off[0].range_mm + MULTIPATH_MM, off[0].speed_mm_s)
-    return off
 
 
 # ------------------------------------------------------------------ the fibre, as its front end and the counter tell

@@ -83,6 +83,7 @@ def test_sources_lead_where_they_are_best() -> None:
 LAWFUL = {
     **NOMINAL, "off the fibre": OFF_THE_FIBRE,
     "stale linking": replace(FREIGHT, troubles=[Trouble("linking not replaced")]),
+    "other branch": replace(FREIGHT, troubles=[Trouble("other branch taken")]),
 }  # fmt: skip
 
 
@@ -145,14 +146,15 @@ def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.M
     nothing is passed on. Where it is passed on again, an absolute reference has just been accepted and all agree."""
     monkeypatch.setattr(localizer_streams, "SPOOFED_MM", 300)
     told = run(replace(NOMINAL["freight"], troubles=[Trouble("spoofing", 800, 1_400)]))
-    assert told.fired["arbitration: sources contradict each other"] == 3
+    often = told.fired["arbitration: sources contradict each other"]
+    assert often == 4
     named = [
         (out, {out["arbitration.contradicting_first"], out["arbitration.contradicting_second"]})
         for one, out in pairwise(told.outputs)
         if one["arbitration.valid"] and out["arbitration.contradicting_first"]
     ]
     satellite = 1 + CONFIG.arbitration.sources.index("satellite")
-    assert [len(both) for _, both in named] == [2, 2, 2]
+    assert [len(both) for _, both in named] == [2] * often
     assert all(satellite in both and 0 not in both and out["delocalized.restrictive"] for out, both in named)
     again = [out for one, out in pairwise(told.outputs) if not one["arbitration.valid"] and out["arbitration.valid"]]
     assert len(again) > 3
