@@ -44,13 +44,7 @@ TroubleKind = Literal[
     "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
     "balise missed", "balise displaced", "other branch taken", "linking not replaced",
 ]  # fmt: skip
-UNLAWFUL: tuple[TroubleKind, ...] = (
-    "odometer slides",
-    "spoofing",
-    "radar shifted",
-    "marker misplaced",
-    "other branch taken",
-)
+UNLAWFUL: tuple[TroubleKind, ...] = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
 """These break what a source assumes of its sensors; the others are noticed, or change nothing that is assumed."""
 SPOOFED_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 5
 """Spoofing draws all solutions away by so much a cycle; a radar is off by so much; a block of the fibre."""
