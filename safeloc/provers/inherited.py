@@ -26,6 +26,9 @@ from safeloc.system import Part, TransitionSystem, environment
 from safeloc.terms import Substitution
 
 
+PATIENCE = 3  # a contract speaks of several machines at once, and without it nothing of its machine is known
+
+
 @dataclass(frozen=True, eq=False)
 class Alone:
     """What a machine keeps by itself, over its own state: for all inputs, and under its assumption."""
@@ -72,10 +75,10 @@ def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
 
 
 def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) -> Inherited:
-    """What the whole has from its machines, in order; each may take so many seconds."""
+    """What the whole has from its machines, in order; each may take so many seconds, its contract some times that."""
     found, proof = Inherited(), _Proof(system)
     for part, own in zip(system.parts, alone, strict=True):
-        proof.ends = deadline(seconds)
+        proof.ends = deadline(seconds * PATIENCE)
         found.certificates |= own.certificates
         heard = proof.confirm(heard_name(part), part.heard, found, always=True)
         if heard:
