@@ -164,7 +164,7 @@ ODOMETRY = Whole(
     (Target("generated C, fused loop", 5e6, None),),
 )
 LOCALIZER = Whole(
-    "Localizer with five sources, 216 state variables",
+    "Localizer with five sources",
     lambda: localizer.compose_machines().composition.system,
     _localizer_service,
     320,
