@@ -25,7 +25,6 @@ from safeloc.spec import Property, always
 from safeloc.system import Part, TransitionSystem, environment
 from safeloc.terms import Substitution
 
-
 PATIENCE = 3  # a contract speaks of several machines at once, and without it nothing of its machine is known
 
 
