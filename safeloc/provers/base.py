@@ -5,6 +5,7 @@ Both are PROVED, once per system, and then serve every property as hypotheses:
     always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
     facts   the other lemmas, and ranges of ghosts, under the assumption
     kept    of a composition: what a machine assumes of those before it, in every step (safeloc.provers.inherited)
+    heard   of a composition: the machines that hear no more than they may hear
 
 What a machine of a composition was proved to keep alone is not proved again. What is not inductive together with the rest, or not confirmed by cvc5, is dropped and named in `refuted`; it is
 never assumed.
@@ -39,6 +40,7 @@ class Base:
     certificates: Mapping[str, str]
     seconds: float
     kept: Mapping[str, Bool] = field(default_factory=dict)
+    heard: Sequence[str] = ()
 
     @property
     def everything(self) -> list[Bool]:
@@ -113,7 +115,7 @@ def _prove(system: TransitionSystem, seconds: float) -> Base:
     facts, more_texts, refuted = _inductive(world, rest, ends)
     refuted |= {name: why for name, why in failed.items() if name in own} | had.refuted
     certificates = {**had.certificates, **texts, **more_texts}
-    return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept)
+    return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept, had.heard)
 
 
 def _alone(part: Part, seconds: float) -> Alone:

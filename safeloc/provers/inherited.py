@@ -39,18 +39,17 @@ class Alone:
 
 @dataclass(eq=False)
 class Inherited:
-    """What the whole has from its machines; `kept` is what they assume, over state before the step and inputs."""
+    """What the whole has from its machines; `kept` is what they assume, over state before the step and inputs.
+
+    `heard` names the machines that were shown to hear no more than they may hear.
+    """
 
     always: dict[str, Bool] = field(default_factory=dict)
     facts: dict[str, Bool] = field(default_factory=dict)
     kept: dict[str, Bool] = field(default_factory=dict)
     certificates: dict[str, str] = field(default_factory=dict)
     refuted: dict[str, Failure] = field(default_factory=dict)
-
-
-def heard_name(part: Part) -> str:
-    """The name under which it is proved that a machine hears what it may hear."""
-    return f"what {part.name} hears is in range"
+    heard: list[str] = field(default_factory=list)
 
 
 def contract_name(part: Part) -> str:
@@ -79,8 +78,9 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
         found.certificates |= own.certificates
-        heard = proof.confirm(heard_name(part), part.heard, found, always=True)
+        heard = proof.confirm(f"what {part.name} hears is in range", part.heard, found, always=True)
         if heard:
+            found.heard.append(part.name)
             found.always |= _renamed(part, own.always)
         name = contract_name(part)
         owed = heard and proof.confirm(name, part.owed, found, always=False)

@@ -18,7 +18,7 @@ from safeloc.provers.bmc import Exhausted, bmc, search
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
-from safeloc.provers.inherited import contract_name, contract_properties, contracts, heard_name
+from safeloc.provers.inherited import contract_name, contract_properties, contracts
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.reachability import can_go_on
@@ -29,6 +29,7 @@ from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
 from safeloc.spec import Goal, Property, always, observe
 from safeloc.system import TransitionSystem
+from safeloc.terms import variables
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 GRACE_SECONDS = 5.0
@@ -161,8 +162,9 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     machine, own = goal.prop.kept_by
     part = next(part for part in goal.original.parts if part.alone.machines[0] is machine)
     known = base(goal.original, seconds=limits.seconds)
-    owed = own.unconditional or part.owed is TRUE or contract_name(part) in known.kept
-    if not owed or heard_name(part) in known.refuted:
+    free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
+    owed = free or part.owed is TRUE or contract_name(part) in known.kept
+    if not owed or part.name not in known.heard:
         return prove_one(goal, limits)
     verdict = prove_one(observe(part.alone, own), replace(limits, seconds=limits.seconds / 2))
     if isinstance(verdict, Proved):

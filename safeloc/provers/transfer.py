@@ -122,7 +122,15 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem)
 def pack_base(known: Base) -> Packed:
     """A proved base: names of what holds, the rest as it is."""
     always, facts = tuple(known.always), tuple(known.facts)
-    return (always, facts, dict(known.refuted), dict(known.certificates), known.seconds, tuple(known.kept))
+    return (
+        always,
+        facts,
+        dict(known.refuted),
+        dict(known.certificates),
+        known.seconds,
+        tuple(known.kept),
+        tuple(known.heard),
+    )
 
 
 def unpack_base(packed: Packed, terms: Mapping[str, Bool]) -> Base:
@@ -130,4 +138,4 @@ def unpack_base(packed: Packed, terms: Mapping[str, Bool]) -> Base:
     always, facts, certificates = packed[0], packed[1], packed[3]
     refuted: Mapping[str, Failure] = packed[2]
     always_, facts_, kept = ({name: terms[name] for name in names} for names in (always, facts, packed[5]))
-    return Base(always_, facts_, refuted, certificates, packed[4], kept)
+    return Base(always_, facts_, refuted, certificates, packed[4], kept, packed[6])

@@ -12,6 +12,7 @@ from safeloc.expr import TRUE, Expr, NumVar, Var, before, floor_div, number
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.monitor import check
+from safeloc.provers.base import Base, remember
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
 from safeloc.results import Finding
@@ -107,3 +108,11 @@ def test_what_a_machine_assumes_has_to_be_owed_and_kept(assumed: int, kept: bool
     found = chain.finding(chain.whole.inherited(chain.follower, half))
     assert isinstance(found.result, Proved if kept else Violated)
     assert ("of follower by itself" in found.method) is kept
+
+
+def test_nothing_is_taken_for_granted_where_the_base_was_not_proved() -> None:
+    """What a machine hears has to be shown to be in range; that nothing speaks against it is not enough."""
+    chain = Follower()
+    remember(chain.whole.system, Base({}, {}, {}, {}, 1_000))
+    found = chain.finding(chain.whole.inherited(chain.follower, chain.small()))
+    assert "by itself" not in found.method
