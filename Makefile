@@ -1,10 +1,12 @@
 # Two commands set everything up on a machine with Python 3.11 or newer, make and a C compiler:
 #   make verify   proofs, property tests, replay, report      make test   all ordinary tests
+# What takes hours, topic by topic; an ended run goes on where it was, and the last line is `N passed, N failed`:
+#   make test-long TOPIC=fuzz [LONG="--seed 2 --jobs 2"]   random machines against an explicit search (tests/fuzz)
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 
-.PHONY: verify test test-all lint bench coverage clean
+.PHONY: verify test test-all test-long lint bench coverage clean
 
 verify: $(READY)
 	$(BIN)/safeloc verify --out safeloc-report --jobs 2
@@ -14,6 +16,14 @@ test: $(READY)
 
 test-all: $(READY)
 	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest -n 2
+
+# One line a topic: long-NAME is the command of TOPIC=NAME; what it writes stands in long/.
+long-fuzz = -m tests.fuzz --machines 20000 --compositions 1000 --seed 1 --out long/fuzz.jsonl
+
+test-long: $(READY)
+	@test -n "$(long-$(TOPIC))" || { echo "TOPIC is one of: $(patsubst long-%,%,$(filter long-%,$(.VARIABLES)))"; exit 2; }
+	@mkdir -p long
+	$(BIN)/python $(long-$(TOPIC)) $(LONG)
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

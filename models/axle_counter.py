@@ -244,7 +244,7 @@ def _moves(own: Parts, first: Bool) -> dict[Var, Expr]:
 
 
 def _assumption(own: Parts, first: Bool) -> Bool:
-    """Heads without a fault tell every axle and its speed truly; trains keep to their traction and brakes."""
+    """Heads without a fault tell every axle and its speed truly; trains keep to their traction and brakes, and can stop."""
     change = Lit(own.config.change_mm_s * UM_PER_MM, UM_S)
     low, high = own.speed - change, own.speed + change
     told = own.slow.present & own.fast.present
@@ -254,12 +254,20 @@ def _assumption(own: Parts, first: Bool) -> Bool:
     return all_of(
         [
             between(own.run.low, run, own.run.high) & between(own.length.low, length, own.length.high),
+            _can_stop(own, run),
             (~own.fault).implies(own.true_axles.eq(ite(own.counted, own.number, 0))),
             (own.counted & ~own.fault & told).implies(_speed_is_true(own, first) & axle & near),
             first | between(low, own.next_speed, high),
             ite(first, _since_first(own, change), _since_before(own, low, high)),
         ]
     )
+
+
+def _can_stop(own: Parts, run: Num) -> Bool:
+    """The train can come to a stop before the coordinates end; without it its run would have to end with them."""
+    config = own.config
+    stopping_ms = -(-(config.max_speed_mm_s + config.change_mm_s) * config.period_ms // config.change_mm_s)
+    return between(own.run.low, run + own.next_speed * Lit(stopping_ms, MS), own.run.high)
 
 
 def _speed_is_true(own: Parts, first: Bool) -> Bool:

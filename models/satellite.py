@@ -37,7 +37,7 @@ from safeloc.expr import (
 )
 from safeloc.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.models.satellite_parts.anchor import Anchor, carried
-from safeloc.models.satellite_parts.law import Trusted, assumption, clauses, enough, lemmas
+from safeloc.models.satellite_parts.law import Trusted, assumption, can_stop, clauses, enough, lemmas
 from safeloc.models.satellite_parts.motion import confirmed, fixed, predicted, referred, reportable, solved
 from safeloc.models.satellite_parts.variables import (
     ACCEPTED,
@@ -138,12 +138,14 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
         ghost_inputs=[own.next_truth, own.next_speed],
         ghost_moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
         assumption=assumption(own),
+        initially=can_stop(own, own.truth, own.true_speed),
         clauses=clauses(own, trusted),
         lemmas=lemmas(own, current, table, trusted),
         mode_variable=current,
         doc=(
             "Position along the mapped track from usable satellites. Assumed: speed changes by no more than the greatest "
-            f"acceleration allows; a reference is within its accuracy; {ASSUMED[trusted]}"
+            "acceleration allows, and the vehicle stops before the coordinates end; "
+            f"a reference is within its accuracy; {ASSUMED[trusted]}"
         ),
     )  # fmt: skip
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from safeloc.checks import input_variables
+from safeloc.checks.machine import input_variables
 from safeloc.expr import Bool, BoolVar, Num, all_of, between, exact_to
 from safeloc.models.area import report_law
 from safeloc.models.area_parts.slot import ACCEPTED

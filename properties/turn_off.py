@@ -36,10 +36,11 @@ def _course(model: TurnOff) -> list[Property]:
         ),
         always(
             "contradiction",
-            machine.flag("contradicts").iff(
-                mode.eq(decided) & course.ne(own.authorised) & own.authorised.ne(UNDECIDED) & course.ne(UNDECIDED)
-            )
-            | ~machine.fired("turns left", "turns right", "runs straight on", "keep the course"),
+            machine.fired("turns left", "turns right", "runs straight on", "keep the course").implies(
+                machine.flag("contradicts").iff(
+                    mode.eq(decided) & course.ne(own.authorised) & own.authorised.ne(UNDECIDED) & course.ne(UNDECIDED)
+                )
+            ),
             statement="a course other than that by map and movement authority is flagged in the step in which it is seen",
             trace=("RFL-12",),
             unconditional=True,

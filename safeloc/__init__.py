@@ -14,6 +14,7 @@ from safeloc.errors import (
     SnapshotError,
     StreamError,
     TruthValueError,
+    UnforeseenError,
     UnitError,
 )
 from safeloc.expr import (
@@ -57,6 +58,7 @@ __all__ = [
     "StreamError",
     "Transition",
     "TruthValueError",
+    "UnforeseenError",
     "UnitError",
     "Unknown",
     "Violated",

@@ -13,6 +13,8 @@ import tomllib
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
+from inspect import isfunction
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -22,12 +24,18 @@ from pydantic import BaseModel, ValidationError
 from safeloc.composition import Composition
 from safeloc.errors import InputError, ModelError, SafelocError
 from safeloc.machine import Machine
+from safeloc.outside import read_bytes
 from safeloc.pictures import Picture, unreadable
 from safeloc.reported import Reported, usual_names
 from safeloc.shipped import ENTRIES
 from safeloc.spec import Property
 from safeloc.system import TransitionSystem, lower
 from safeloc.target import Entry, Target
+
+NEARLY = ("properties", "property", "props")
+"""Names that look as if `properties` was meant."""
+LARGEST_CONFIG = 1_000_000
+"""Bytes of a configuration file."""
 
 __all__ = ["ENTRIES", "Entry", "Target", "load_target", "read_config"]
 
@@ -38,8 +46,13 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
     content of the configuration file). Its module may define `properties`, a list or a function of the machine,
     `reported`, a Reported that names the outputs of the interval, and `pictures`, how its recorded runs are drawn.
+    The target says what was asked for (`spec`), and where its module declares no property, why (`unasked`).
     Raises InputError that says what was looked for and what exists.
     """
+    return replace(_found(spec, config), spec=spec)
+
+
+def _found(spec: str, config: Path | None) -> Target:
     if ":" in spec:
         return _own(spec, config)
     if spec not in ENTRIES:
@@ -110,13 +123,14 @@ def _given(error: Mapping[str, Any]) -> str:
 def _content(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{path}: {'a folder, not a configuration file' if path.is_dir() else 'no such file'}.")
+    data = read_bytes(path, LARGEST_CONFIG)
     kind = "JSON" if path.suffix == ".json" else "TOML"
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = data.decode("utf-8-sig")
         content = json.loads(text) if kind == "JSON" else tomllib.loads(text)
     except RecursionError as error:
         raise InputError(f"{path}: nested too deeply; expected a table of fields.") from error
-    except (OSError, ValueError) as error:
+    except ValueError as error:
         raise InputError(f"{path}: cannot be read as {kind}: {error}") from error
     if not isinstance(content, dict):
         raise InputError(f"{path}: expected a table of fields.")
@@ -152,7 +166,46 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
         raise InputError(f"{module.__name__}.reported names {missing[0]!r}; outputs are {', '.join(system.outputs)}.")
     properties = _properties(module, found)
     pictures = _pictures(module, system)
-    return Target(system.name, system.machines, system, properties, None, doc, reported=reported, pictures=pictures)
+    return Target(
+        system.name,
+        system.machines,
+        system,
+        properties,
+        None,
+        doc,
+        reported=reported,
+        pictures=pictures,
+        unasked="" if properties else _unasked(module),
+    )
+
+
+def _unasked(module: ModuleType) -> str:
+    """Why a module's machine has no property: what was looked for, in which file, and what to do."""
+    declared = vars(module).get("properties")
+    if declared is not None:
+        made = "the function `properties` returned none" if callable(declared) else "the list `properties` is empty"
+        return f"{_file(module)}: {made}; declare in it what must hold, such as always(...), or nothing is proved."
+    other = _other_name(module)
+    if other:
+        return (
+            f"{_file(module)}: `properties` was looked for, and there is {other!r}; make it a list called `properties`."
+        )
+    return (
+        f"{_file(module)}: no `properties` in it; declare what must hold, such as "
+        "properties = [always(...), within(...)], or a function of the machine that returns such a list."
+    )
+
+
+def _other_name(module: ModuleType) -> str:
+    """The name under which the module seems to declare its properties; empty if nothing looks like it."""
+    own = {name: value for name, value in vars(module).items() if not name.startswith("_")}
+    for name, value in own.items():
+        if isinstance(value, (list, tuple)) and value and all(isinstance(item, Property) for item in value):
+            return name
+    alone = [name for name, value in own.items() if isinstance(value, Property)]
+    callables = [name for name, value in own.items() if isinstance(value, (list, tuple)) or isfunction(value)]
+    close = [name for name in callables if difflib.get_close_matches(name.casefold(), NEARLY, n=1, cutoff=0.8)]
+    return (close or alone or [""])[0]
 
 
 def _pictures(module: ModuleType, system: TransitionSystem) -> tuple[Picture, ...]:

@@ -12,8 +12,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from safeloc.errors import ModelError
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var, all_of, before, was
+from safeloc.checks.composition import Plan, SharedGhost, check_plan, refuse_ghosts
+from safeloc.checks.system import check_system
+from safeloc.errors import ModelError, declared_at
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
 from safeloc.machine import Any_, Initial, Machine
 from safeloc.nodes import Value
 from safeloc.spec import Property
@@ -52,11 +54,25 @@ class Composition:
         """
         if prop.kind != "always" or prop.given is not TRUE:
             raise ModelError(f"{machine.name}: {prop.name!r} is not plainly kept in every step; prove it of the whole.")
-        into = self.of(machine)
-        term = into.bool(prop.term)
-        twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
-        name = f"{machine.name}: {prop.name}"
-        return replace(prop, name=name, term=Substitution(twins).bool(term), kept_by=(machine, prop))
+        term = inherited_term(self.of(machine), prop)
+        return replace(prop, name=f"{machine.name}: {prop.name}", term=term, kept_by=(machine, prop))
+
+
+def inherited_term(into: Substitution, prop: Property) -> Bool:
+    """What a machine's own property says of the whole; `into` rewrites the machine's terms into the whole's."""
+    term = into.bool(prop.term)
+    twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
+    return Substitution(twins).bool(term)
+
+
+def lemma_name(machine: Machine, name: str) -> str:
+    """How a machine's lemma is called in a composition."""
+    return f"{machine.name}: {name}"
+
+
+def contract_text(machine: str) -> str:
+    """How what a machine assumes of those before it is called in a composition."""
+    return f"what {machine} is owed is kept"
 
 
 def _before(var: Expr) -> Expr:
@@ -79,20 +95,20 @@ def compose(
     shared  input or ghost variables that several machines declare as the very same object, kept once
     owes    machines whose assumption is not assumed of the whole: it is owed by the others, and proved; or a clause of it
 
-    Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for a wire to an
-    unknown input, a unit that does not fit, a wire that reads a machine that is not earlier or a variable that several
-    earlier machines have, shared state, a shared ghost that does not start and move alike everywhere, and what is owed
-    to a machine that is not there or has no such clause.
+    Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for whatever
+    safeloc.checks.composition and safeloc.checks.system refuse, such as a wire to an unknown input, a wire that reads a
+    machine that is not earlier, and a ghost that something on board would hear.
     """
-    _check(name, machines, wires, shared)
-    _check_owed(name, machines, owes)
     lowered = [(machine, lower(machine)) for machine in machines]
+    plan = Plan(name, machines, [system for _, system in lowered], wires, shared, owes, declared_at())
+    check_plan(plan)
     rename: dict[Machine, Substitution] = {}
     kept: dict[Var, Var] = {var: var for var in shared}
     same = Sharing()
     after: dict[Var, Expr] = {}
     plain: dict[Var, Expr] = {}
     moved: dict[Var, Expr] = {}
+    together: list[SharedGhost] = []
     merged = TransitionSystem(
         name, (), (), all_of(()), moved, all_of(()), {}, {}, {}, frozenset(), {}, (), tuple(machines)
     )
@@ -104,21 +120,17 @@ def compose(
         step = Substitution({**own, **wired})
         for var in system.state:
             move = same(step(system.next[var]))
-            if moved.setdefault(own[var], move) is not move:
-                raise ModelError(
-                    f"composition {name!r}: the shared ghost {var.name!r} moves otherwise in {machine.name!r}."
-                )
-            if _start(merged.initial.get(own[var], system.initial[var])) != _start(system.initial[var]):
-                raise ModelError(
-                    f"composition {name!r}: the shared ghost {var.name!r} starts otherwise in {machine.name!r}."
-                )
+            moves_alike = moved.setdefault(own[var], move) is move
+            first = merged.initial.get(own[var], system.initial[var])
+            starts_alike = _start(first) == _start(system.initial[var])
+            together.append(SharedGhost(var, machine, moves_alike, starts_alike))
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
         plain |= {**own, **told}
         owed, assumed = _divided(machine, system, owes)
         ghosts = in_range([var for var in wired if var in system.ghosts])
         part = Part(
-            replace(system, name=f"{name} {machine.name}"),
+            replace(system, name=f"{name} {machine.name}", whole=name),
             now,
             step.bool(_may_be_heard(system, wired)),
             step.bool(all_of([ghosts, owed])),
@@ -134,15 +146,18 @@ def compose(
             fired={**merged.fired, **{_fired(now, key): step.num(term) for key, term in system.fired.items()}},
             lemmas={
                 **merged.lemmas,
-                **{f"{machine.name}: {key}": now.bool(term) for key, term in system.lemmas.items()},
+                **{lemma_name(machine, key): now.bool(term) for key, term in system.lemmas.items()},
             },
             ghosts=merged.ghosts | {own[var] for var in system.ghosts if var not in wires},
             initial={**merged.initial, **{own[var]: value for var, value in system.initial.items()}},
-            optionals=(*merged.optionals, *_kept_optionals(system, own, wires)),
+            optionals=_joined((*merged.optionals, *_kept_optionals(system, own, wires))),
             parts=(*merged.parts, part),
             stages=(*merged.stages, frozenset(own[var] for var in system.state) - frozenset(merged.state)),
         )
-    return Composition(replace(merged, next=moved), rename, after)
+    refuse_ghosts(plan, together)
+    whole = replace(merged, next=moved)
+    check_system(whole)
+    return Composition(whole, rename, after)
 
 
 def _may_be_heard(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
@@ -163,63 +178,8 @@ def _divided(machine: Machine, system: TransitionSystem, owes: Sequence[Machine 
     return all_of(owed), all_of([machine.assumption, *kept])
 
 
-def _check_owed(name: str, machines: Sequence[Machine], owes: Sequence[Machine | Clause]) -> None:
-    for one in owes:
-        machine = one.machine if isinstance(one, Clause) else one
-        if machine not in machines:
-            raise ModelError(f"composition {name!r}: {machine.name!r} is owed something and is not part of it.")
-        if isinstance(one, Clause) and one.name not in machine.clauses:
-            raise ModelError(
-                f"composition {name!r}: {machine.name!r} has no clause {one.name!r}; it has {list(machine.clauses)}."
-            )
-
-
 def _start(value: Initial) -> Value | Any_:
     return value.value if isinstance(value, Lit) else value
-
-
-def _check(name: str, machines: Sequence[Machine], wires: Mapping[Var, Expr], shared: Sequence[Var]) -> None:
-    names = [machine.name for machine in machines]
-    if len(set(names)) != len(names):
-        raise ModelError(f"composition {name!r}: machines {names} must have distinct names.")
-    earlier: set[Var] = set()
-    twice: set[Var] = set()
-    inputs: set[Var] = set()
-    for machine in machines:
-        system = lower(machine)
-        own = {*system.state, *system.inputs}
-        held = [var.name for var in shared if var in set(system.state) - system.ghosts]
-        if held:
-            raise ModelError(
-                f"composition {name!r}: {held} is state of {machine.name!r}; only inputs and ghosts can be shared."
-            )
-        for var in system.inputs:
-            if var in wires:
-                _check_wire(name, var, wires[var], earlier, twice)
-        inputs |= set(system.inputs)
-        twice |= (earlier & own) - set(shared)
-        earlier |= own
-    unknown = [var.name for var in wires if var not in inputs]
-    if unknown:
-        raise ModelError(f"composition {name!r}: wires lead to {unknown}, which are no inputs of {names}.")
-
-
-def _check_wire(name: str, var: Var, term: Expr, earlier: set[Var], twice: set[Var]) -> None:
-    if isinstance(var, NumVar) != isinstance(term, Num):
-        raise ModelError(f"composition {name!r}: the wire to {var.name!r} mixes a number and a truth value.")
-    if isinstance(var, NumVar) and isinstance(term, Num) and not term.unit.same(var.unit):
-        raise ModelError(
-            f"composition {name!r}: the wire to {var.name!r} carries {term.unit.name}, not {var.unit.name}."
-        )
-    late = [read.name for read in variables([term]) if read not in earlier]
-    if late:
-        raise ModelError(f"composition {name!r}: the wire to {var.name!r} reads {late}, which no earlier machine has.")
-    unclear = [read.name for read in variables([term]) if read in twice]
-    if unclear:
-        raise ModelError(
-            f"composition {name!r}: the wire to {var.name!r} reads {unclear}, which several earlier machines have; "
-            "declare one for each machine."
-        )
 
 
 def _renamed(machine: Machine, var: Var) -> Var:
@@ -234,6 +194,11 @@ def _fired(now: Substitution, key: NumVar) -> NumVar:
 
 def _union(first: tuple[Var, ...], more: Sequence[Var]) -> tuple[Var, ...]:
     return tuple(dict.fromkeys((*first, *more)))
+
+
+def _joined(optionals: Sequence[Optional]) -> tuple[Optional, ...]:
+    """One for each pair of value and presence: machines that share an optional input share one of them."""
+    return tuple({(option.value.name, option.present.name): option for option in optionals}.values())
 
 
 def _kept_optionals(system: TransitionSystem, own: Mapping[Var, Var], wires: Mapping[Var, Expr]) -> list[Optional]:

@@ -1,6 +1,8 @@
-"""A digest of what a system means: two declarations of one digest move alike and hold the same variables.
+"""Digests of what a system means.
 
-Snapshots carry it, so that one taken of another declaration is refused.
+declaration_digest  two declarations of one digest move alike and hold the same variables: snapshots carry it, so that
+                    one taken of another declaration is refused
+full_digest         besides all that a proof rests on (assumption, lemmas, ghosts, parts): reports carry it
 """
 
 from __future__ import annotations
@@ -22,6 +24,29 @@ def declaration_digest(system: TransitionSystem) -> str:
     for line in _lines(system):
         total.update(line.encode("utf-8") + b"\n")
     return total.hexdigest()
+
+
+def full_digest(system: TransitionSystem) -> str:
+    """SHA-256, in hexadecimal, of all that verdicts depend on: the declaration, and what is assumed and relied on."""
+    total = hashlib.sha256()
+    for line in _full_lines(system):
+        total.update(line.encode("utf-8") + b"\n")
+    return total.hexdigest()
+
+
+def _full_lines(system: TransitionSystem) -> Iterator[str]:
+    yield from _lines(system)
+    yield f"init and assumption, then lemmas {list(system.lemmas)!r}"
+    yield from _terms([system.init, system.assume, *system.lemmas.values()])
+    yield f"ghosts {[var.name for var in (*system.state, *system.inputs) if var in system.ghosts]!r}"
+    yield f"optionals {[(one.value.name, one.present.name) for one in system.optionals]!r}"
+    yield from (f"fired {_variable(var)}" for var in system.fired)
+    yield from _terms(system.fired.values())
+    for part in system.parts:
+        yield f"part {part.name!r}"
+        yield from _full_lines(part.alone)
+        told = [part.into(var) for var in (*part.alone.state, *part.alone.inputs)]
+        yield from _terms([part.heard, part.owed, *told])
 
 
 def _lines(system: TransitionSystem) -> Iterator[str]:

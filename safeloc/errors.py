@@ -6,7 +6,8 @@ SafelocError
 │   └── TruthValueError    ... a symbolic term was used as a Python value (also a TypeError)
 ├── InputError             a value given to a machine is wrong (also a ValueError)
 │   ├── StreamError        ... in a stream, with its file and line
-│   └── SnapshotError      ... a snapshot that is damaged, or of something else
+│   ├── SnapshotError      ... a snapshot that is damaged, or of something else
+│   └── UnforeseenError    ... in a way that safeloc was not ready for: refused, and a defect of safeloc to be reported
 ├── PropertyError          a property cannot be checked on this machine or trace
 ├── EngineError            a solver or back end answered what it must not, or is missing
 └── NotProvedError         a verdict that was required to be Proved is not
@@ -45,6 +46,10 @@ class StreamError(InputError):
 
 class SnapshotError(InputError):
     """A snapshot does not fit: it is damaged, newer, or of another machine or configuration."""
+
+
+class UnforeseenError(InputError):
+    """What came from outside made safeloc itself fail. It is refused; the message names the input and our own line."""
 
 
 class PropertyError(SafelocError):

@@ -100,8 +100,9 @@ class Machine:
     fired_name: NumVar = field(init=False)
 
     def __post_init__(self) -> None:
-        from safeloc.checks import check
+        from safeloc.checks.machine import check, check_shape
 
+        check_shape(self)
         modes = Enumeration(f"{self.name}.mode", tuple(lit.label for lit in self.modes))
         if self.modes and isinstance(self.modes[0].unit, Enumeration):
             modes = self.modes[0].unit

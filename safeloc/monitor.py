@@ -10,14 +10,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, TypeAlias, assert_never
 
+from safeloc.antecedents import cases, seen
 from safeloc.errors import TruthValueError
-from safeloc.expr import Var
+from safeloc.expr import Expr, Var
 from safeloc.interpret import Program, evaluate, holds, read_inputs, start
 from safeloc.nodes import Value
 from safeloc.spec import Goal, Property, observe, watch
 from safeloc.system import environment
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Unknown, Violated
+
+NEVER = "never happened"
+"""The note of what held on a recording, for the cases that did not occur in it."""
 
 
 class _NoTruth:
@@ -96,14 +100,18 @@ def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
 
 
 def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Violated | Unknown]:
-    """Every property on a recorded trace, in one pass over it."""
-    goals = [observe(trace.system, prop) for prop in properties]
-    watched = watch(trace.system, goals).system
-    moves = list(watched.next)
-    advance = Program([environment(trace.system), *(goal.prop.given for goal in goals), *watched.next.values()])
-    judge = Program([goal.good for goal in goals])
-    state = start(watched, {var.name: trace.initial[var.name] for var in trace.system.state})
-    seen: list[list[Value]] = [judge(state)]
+    """Every property on a recorded trace, in one pass over it. What held says which of its cases never happened."""
+    system = trace.system
+    goals = [observe(system, prop) for prop in properties]
+    own = [(n, one) for n, prop in enumerate(properties) for one in cases(prop)]
+    told = [seen(system, one, f"case {number}") for number, (_, one) in enumerate(own)]
+    watched = watch(system, goals).system
+    moves: dict[Var, Expr] = {**watched.next, **{var: term for one in told for var, term in one.moves.items()}}
+    advance = Program([environment(system), *(goal.prop.given for goal in goals), *moves.values()])
+    judge = Program([*(goal.good for goal in goals), *(one.term for one in told)])
+    first = start(watched, {var.name: trace.initial[var.name] for var in system.state})
+    state: dict[Var, Value] = {**first, **{var: False for one in told for var in one.moves}}
+    rows: list[list[Value]] = [judge(state)]
     broken_at = [len(trace.steps) + 1] * len(goals)
     for number, step in enumerate(trace.steps, 1):
         allowed, *values = advance({**state, **read_inputs(watched, step.inputs)})
@@ -111,12 +119,23 @@ def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Viola
         for n, goal in enumerate(goals):
             if not (values[n] and (allowed or goal.prop.unconditional)):
                 broken_at[n] = min(broken_at[n], number)
-        seen.append(judge(state))
-    return [_verdict(trace, goal, [row[n] for row in seen], broken_at[n]) for n, goal in enumerate(goals)]
+        rows.append(judge(state))
+    never: dict[int, list[str]] = {}
+    for place, (n, one) in enumerate(own, len(goals)):
+        if not any(row[place] for row in rows[: broken_at[n]]):
+            never.setdefault(n, []).append(one.words)
+    return [
+        _verdict(trace, goal, [row[n] for row in rows], broken_at[n], never.get(n, [])) for n, goal in enumerate(goals)
+    ]
 
 
-def _verdict(trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int) -> Held | Violated | Unknown:
-    """`broken_at`: the first step that breaks what the property relies on; what comes later says nothing."""
+def _verdict(
+    trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int, never: Sequence[str]
+) -> Held | Violated | Unknown:
+    """`broken_at`: the first step that breaks what the property relies on; what comes later says nothing.
+
+    `never`: the cases that the property speaks of and that did not happen before that.
+    """
     first = next((number for number, good in enumerate(goods[:broken_at]) if not good), None)
     if goal.prop.kind == "reachable":
         return Unknown("not reached in this trace", len(trace.steps)) if first is None else Held("replay", 1, first)
@@ -126,4 +145,4 @@ def _verdict(trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int) -
         return Unknown(
             f"the assumption is broken at step {broken_at}; nothing is required from there on", broken_at - 1
         )
-    return Held("replay", 1, len(trace.steps))
+    return Held("replay", 1, len(trace.steps), {NEVER: "; ".join(never)} if never else {})

@@ -1,8 +1,10 @@
 """Properties: what must hold, and how a property becomes a few extra state variables.
 
 A property is a term over the state AFTER the step, `before(x)` / `was(x)` for the state before it, the step's
-inputs, and `machine.fired(...)`. A term that reads state only is also required of the first state.
-Past operators look over steps: `previous(p)` is false in the first step.
+inputs, and `machine.fired(...)`. `always` requires a term that reads state only of the first state as well.
+Past operators and `within` look over steps, and the first state is no step: `previous(p)` is false in the first step, and
+what holds in the first state alone is no trigger and no answer. To speak of it, say `always(trigger.implies(...))` of
+states, or let the trigger read the state before the step (`before`, `was`), which in the first step is the first state.
 
     always(p)  never(p)  within(n, trigger, response)  reachable(p)      once(p)  since(p, q)  previous(p)
 
@@ -16,15 +18,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from safeloc.errors import PropertyError, declared_at
+from safeloc.checks.properties import Reading, check_property, check_reading, check_watching
+from safeloc.checks.system import check_system
+from safeloc.errors import declared_at
 from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
 from safeloc.machine import Machine
 from safeloc.nodes import Node, Past, Value
-from safeloc.system import TransitionSystem
+from safeloc.system import TransitionSystem, first_without_the_world
 from safeloc.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.units import COUNT
 
-LONGEST_NAME = 120
 NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
@@ -59,9 +62,7 @@ class Property:
     src: str = field(default_factory=declared_at)
 
     def __post_init__(self) -> None:
-        wrong = _wrong(self)
-        if wrong:
-            raise PropertyError(f"{self.src}: property {self.name!r}: {wrong}")
+        check_property(self)
 
     @property
     def relies_on(self) -> str:
@@ -70,20 +71,6 @@ class Property:
             return NO_ASSUMPTION if self.unconditional else self.assumption
         given = f"given in every step: {text(self.given)}"
         return given if self.unconditional or not self.assumption else f"{self.assumption}; {given}"
-
-
-def _wrong(prop: Property) -> str:
-    """What is wrong with a declaration, in words; empty if nothing."""
-    if not prop.name.strip() or len(prop.name) > LONGEST_NAME or not prop.name.isprintable():
-        return f"a name is 1 to {LONGEST_NAME} printable characters, on one line."
-    if prop.kind not in ("always", "within", "reachable"):
-        return f"kind {prop.kind!r} is none of always, within, reachable; use these functions."
-    for what, term in (("term", prop.term), ("response", prop.response), ("given", prop.given)):
-        if not isinstance(term, Bool):
-            return f"its {what} is {term!r}, not a truth-valued term; a constant is written TRUE or FALSE."
-    if isinstance(prop.steps, bool) or not isinstance(prop.steps, int) or prop.steps < 0:
-        return f"steps is {prop.steps!r}; it must be a whole number, 0 or more."
-    return ""
 
 
 def always(
@@ -145,7 +132,10 @@ def within(
     helper: Callable[[NumVar], Bool] | None = None,
     unconditional: bool = False,
 ) -> Property:
-    """After each `trigger`, `response` holds in the same step or at most `steps` later; PropertyError if negative."""
+    """After each step with `trigger`, `response` holds in the same step or at most `steps` later.
+
+    The first state is no step: a trigger that only it meets asks for nothing. PropertyError if `steps` is negative.
+    """
     return Property(
         name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper, unconditional
     )
@@ -214,7 +204,8 @@ class Goal:
     """A system with observer variables and the state term `good`.
 
     For `always` and `within`, every run must keep `good`; for `reachable`, some run must break it.
-    `helper` is proved together with `good`. `observers` are the added state variables; `prop` and `original` are where it came from.
+    `helper` is proved together with `good`. `observers` are the added state variables; `prop` and `original` are where it came
+    from. `plain` is the system without observers under what the property relies on: what its runs are runs of.
     """
 
     system: TransitionSystem
@@ -222,47 +213,42 @@ class Goal:
     prop: Property
     observers: tuple[Var, ...]
     original: TransitionSystem
+    plain: TransitionSystem
     helper: Bool = TRUE
 
 
 def observe(system: TransitionSystem, prop: Property) -> Goal:
     """The property as extra state on `system`. PropertyError if it reads what the system does not have."""
-    _check_reads(system, prop)
-    observer = _Observer(system, prop.name)
-    good = observer.goal(prop)
-    moved = {**system.next, **observer.moves}
-    initial = {**system.initial, **observer.initial}
-    first = all_of([system.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
-    state = (*system.state, *observer.moves)
-    assume = prop.given if prop.unconditional else all_of([system.assume, prop.given])
-    extended = replace(system, state=state, next=moved, init=first, initial=initial, assume=assume)
-    return Goal(extended, good, prop, tuple(observer.moves), system, observer.helper)
+    check_system(system)
+    observer, waiting = _Observer(system, prop.name), _waiting(prop)
+    helper = prop.helper(waiting) if waiting is not None and prop.helper is not None else None
+    check_reading(Reading(system, prop, waiting, helper))
+    good, plain = observer.goal(prop, waiting), _relied_on(system, prop)
+    moved = {**plain.next, **observer.moves}
+    initial = {**plain.initial, **observer.initial}
+    first = all_of([plain.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
+    extended = replace(plain, state=(*plain.state, *observer.moves), next=moved, init=first, initial=initial)
+    return Goal(extended, good, prop, tuple(observer.moves), system, plain, TRUE if helper is None else helper)
+
+
+def _waiting(prop: Property) -> NumVar | None:
+    """How many steps have passed since a trigger that is not answered yet; `steps` + 1 once it is too late."""
+    if prop.kind != "within":
+        return None
+    return NumVar(f"observer.{prop.name}.0.waiting", COUNT, 0, prop.steps + 1, None, prop.src)
+
+
+def _relied_on(system: TransitionSystem, prop: Property) -> TransitionSystem:
+    """The system under what the property relies on; the very same one where that is the system's own assumption."""
+    if not prop.unconditional:
+        return system if prop.given is TRUE else replace(system, assume=all_of([system.assume, prop.given]))
+    return replace(system, assume=prop.given, init=first_without_the_world(system))
 
 
 def _is_initially(var: Var, value: Value) -> Bool:
     if isinstance(var, NumVar):
         return var.eq(int(value))
     return var if value else ~var
-
-
-def _check_reads(system: TransitionSystem, prop: Property) -> None:
-    known = {*system.state, *system.inputs, *system.fired}
-    state = set(system.state)
-    for var in variables([prop.term, prop.response]):
-        if var.before is not None and var.before not in state:
-            raise PropertyError(
-                f"{prop.src}: property {prop.name!r} reads {var.name!r}: before() is for state variables."
-            )
-        if var.before is None and var not in known:
-            raise PropertyError(
-                f"{prop.src}: property {prop.name!r} reads {var.name!r}, which {system.name} does not have."
-            )
-    for var in variables([prop.given]):
-        if var not in {*system.state, *system.inputs}:
-            raise PropertyError(
-                f"{prop.src}: property {prop.name!r}: `given` reads {var.name!r}; it may read state before "
-                "the step, inputs and ghosts."
-            )
 
 
 class _Observer:
@@ -274,31 +260,28 @@ class _Observer:
         self.initial: dict[Var, Value] = {}
         self._after: dict[Var, Expr] = {**system.next, **{name: term for name, term in system.fired.items()}}
         self._lifted: dict[Expr, Expr] = {}
-        self.helper: Bool = TRUE
 
-    def goal(self, prop: Property) -> Bool:
+    def goal(self, prop: Property, waiting: NumVar | None) -> Bool:
         match prop.kind:
             case "always":
                 return prop.term if self._state_only(prop.term) else ~self._latched(~self._now(prop.term))
             case "reachable":
                 return ~prop.term if self._state_only(prop.term) else ~self._latched(self._now(prop.term))
             case "within":
-                return self._answered(prop)
+                assert waiting is not None
+                return self._answered(prop, waiting)
 
     def _state_only(self, term: Bool) -> bool:
         state = set(self.system.state)
         nodes = in_order([term])
         return all(var in state for var in variables([term])) and not any(isinstance(node, Past) for node in nodes)
 
-    def _answered(self, prop: Property) -> Bool:
-        waiting = NumVar(self._name("waiting"), COUNT, 0, prop.steps + 1, None, prop.src)
+    def _answered(self, prop: Property, waiting: NumVar) -> Bool:
         trigger, response = self._now(prop.term), self._now(prop.response)
         counted = ite(waiting > 0, waiting + 1, ite(trigger, as_num(1, COUNT), as_num(0, COUNT)))
         late = Lit(prop.steps + 1, COUNT)
         self.moves[waiting] = ite(waiting.eq(late), late, ite(response, as_num(0, COUNT), counted))
         self.initial[waiting] = 0
-        if prop.helper is not None:
-            self.helper = prop.helper(waiting)
         return waiting < late
 
     def _name(self, what: str) -> str:
@@ -349,7 +332,8 @@ class Watch:
 
 
 def watch(system: TransitionSystem, goals: Sequence[Goal]) -> Watch:
-    """All goals on one system, whose assumption is left as it is."""
+    """All goals on one system, whose assumption is left as it is. PropertyError if two of them share a name."""
+    check_watching(goals)
     moves, initial, observers = dict(system.next), dict(system.initial), list[Var]()
     terms = [system.init]
     for goal in goals:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from safeloc.checks import input_variables
+from safeloc.checks.machine import input_variables
 from safeloc.expr import (
     TRUE,
     Bool,
@@ -51,9 +51,14 @@ class Part:
     owed: Bool
 
     @property
+    def machine(self) -> Machine:
+        """The machine as it was declared."""
+        return self.alone.machines[0]
+
+    @property
     def name(self) -> str:
         """The machine's name; `alone` has the whole's in front, since what is proved of it holds for this configuration."""
-        return self.alone.machines[0].name
+        return self.machine.name
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +76,7 @@ class TransitionSystem:
     optionals the inputs that may be absent
     machines  the machines it was made of
     parts     of a composition: its machines, and on what terms they are part of it
+    whole     of a machine of a composition, by itself: the composition's name
     stages    of a composition: the state variables of each machine, in the order of the step; only back ends that write
               the step machine by machine look at it, and whatever it says, they compute what `next` says
     """
@@ -90,6 +96,7 @@ class TransitionSystem:
     machines: tuple[Machine, ...]
     parts: tuple[Part, ...] = ()
     stages: tuple[frozenset[Var], ...] = ()
+    whole: str = ""
 
     def variable(self, name: str) -> Var:
         """A state or input variable by name; KeyError if there is none."""
@@ -212,6 +219,19 @@ def without_ghosts(system: TransitionSystem) -> TransitionSystem:
         parts=(),
         stages=tuple(members - system.ghosts for members in system.stages),
     )
+
+
+def first_without_the_world(system: TransitionSystem) -> Bool:
+    """Of `init`, what does not tie the machine to its environment: a machine on board knows nothing of where it starts.
+
+    What speaks of ghosts alone stays; it says nothing of the machine.
+    """
+    return all_of(part for part in _conjuncts(system.init) if not _ties(part, system))
+
+
+def _ties(part: Bool, system: TransitionSystem) -> bool:
+    read = set(variables([part]))
+    return not (read <= system.ghosts or system.ghosts.isdisjoint(read))
 
 
 def _conjuncts(term: Bool) -> list[Bool]:

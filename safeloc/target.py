@@ -26,6 +26,8 @@ class Target:
     pictures  how a report draws its recorded runs
     silent    machines that may be told nothing in a step: without any of their inputs the assumption holds as well
     said      name that records have for an input -> the input, where they are not the same
+    spec      what was asked for, as on the command line
+    unasked   why there is no property, where there is none: what was looked for, in which file, and what to do
     """
 
     name: str
@@ -40,6 +42,8 @@ class Target:
     pictures: tuple[Picture, ...] = ()
     silent: tuple[str, ...] = ()
     said: Mapping[str, str] = field(default_factory=dict)
+    spec: str = ""
+    unasked: str = ""
 
 
 Maker = Callable[[BaseModel], Target]

@@ -135,6 +135,17 @@ class Sharing:
         return _b(self(term))
 
 
+def alike(left: Expr, right: Expr) -> bool:
+    """Whether two terms are the same but for which nodes they are made of; variables by identity, or by what they were."""
+    share = Sharing()
+    twins: dict[Var, Expr] = {}
+    for var in variables([left, right]):
+        if var.before is not None:
+            twins[var] = next((twin for twin in twins if twin.before is var.before), var)
+    settle = Substitution(twins)
+    return share(settle(left)) is share(settle(right))
+
+
 def _shape(term: Expr) -> tuple[object, ...]:
     """What tells two nodes apart, given that their parts are shared already."""
     assert isinstance(term, Node)

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import time
 import unittest
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import hypothesis
 from hypothesis import Phase
@@ -25,13 +26,16 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
+from safeloc.antecedents import cases
+from safeloc.monitor import NEVER
 from safeloc.results import Finding
 from safeloc.runs.driver import Driver, Statistics
+from safeloc.runs.lawful import NoFirstStateError, begins
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE
 from safeloc.spec import Property
 from safeloc.system import TransitionSystem
 from safeloc.trace import Trace
-from safeloc.verdict import Held, Result, Unknown, Violated
+from safeloc.verdict import Held, Result, Unknown, Vacuous, Violated
 
 STRETCHES = 8
 PHASES = (Phase.explicit, Phase.generate, Phase.target)
@@ -46,6 +50,7 @@ def state_machine(
     corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams); a
              property that one of them breaks is found without searching
     """
+    corpus = [run for run in corpus if begins(system, run.initial)]
     driver = Driver(system, properties, corpus)
     lengths = sorted({steps, -(-steps // 2), -(-steps // 10), 1}, reverse=True)
 
@@ -133,28 +138,53 @@ def run_tests(
     seed: int,
     corpus: Sequence[Trace] = (),
 ) -> list[Finding]:
-    """One Finding a property: Held with statistics, or Violated with a shortened trace."""
+    """One Finding a property: Held with statistics, or Violated with a shortened trace.
+
+    Vacuous where a case that it speaks of never occurred (of what a machine of a composition keeps by itself a note
+    says so); Unknown where no step required it, or no first state was
+    found to begin with.
+    """
     started = time.monotonic()
-    left, broken = list(properties), dict[str, Violated]()
+    asked = [prop for prop in properties if prop.kind != "reachable"]
+    try:
+        results = _results(system, properties, examples, steps, seed, corpus)
+    except NoFirstStateError as error:
+        results = dict.fromkeys(asked, Unknown(str(error), -1))
+    seconds = time.monotonic() - started
+    return [_finding(system, prop, results[prop], seconds) for prop in asked]
+
+
+def _results(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    examples: int,
+    steps: int,
+    seed: int,
+    corpus: Sequence[Trace],
+) -> Mapping[Property, Result]:
+    left, broken = list(properties), dict[Property, Result]()
     while True:
         run = state_machine(system, left, steps=steps, corpus=corpus)
         caught = _caught(run, examples, seed)
         if caught is None:
             break
-        broken[caught.prop.name] = Violated(caught.trace, "Hypothesis")
+        broken[caught.prop] = Violated(caught.trace, "Hypothesis")
         left = [prop for prop in left if prop is not caught.prop]
     statistics = run.statistics  # type: ignore[attr-defined]
     names = [t.name for machine in system.machines for t in machine.transitions]
     held = Held("Hypothesis", statistics.runs, statistics.steps, statistics.notes(names))
-    seconds = time.monotonic() - started
-    asked = [prop for prop in properties if prop.kind != "reachable"]
-    return [_finding(system, prop, broken.get(prop.name, _held(prop, held, statistics)), seconds) for prop in asked]
+    return {prop: _held(prop, held, statistics) for prop in left} | broken
 
 
 def _held(prop: Property, held: Held, statistics: Statistics) -> Result:
-    """Held, unless no step at all kept what the property relies on."""
-    if statistics.steps and not statistics.admitted[prop.name]:
+    """Held, unless no step at all kept what the property relies on, or a case that it speaks of never occurred."""
+    if statistics.steps and not statistics.admitted[prop]:
         return Unknown("no step kept what the property is given, or assumes: nothing was tested", 0)
+    never = [one.words for place, one in enumerate(cases(prop)) if not statistics.occurred[prop, place]]
+    if never and prop.kept_by is not None:  # the machine by itself comes there; that the whole did not is told
+        return replace(held, notes={**held.notes, NEVER: "; ".join(never)})
+    if never:
+        return Vacuous(f"{'; '.join(never)} never occurred in {statistics.steps} steps: nothing was tested of it")
     return held
 
 

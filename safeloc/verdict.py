@@ -1,7 +1,7 @@
 """What a prover, a test or a replay says of a property: a value that carries its evidence.
 
 There is no truth value: read it by `match`, or call `require_proved`. Verdicts are ordered from worst to best,
-Violated < Unknown < Held < Proved; a report's headline is the worst.
+Violated < Unknown < Vacuous < NotAsked < Held < Proved; a report's headline is the worst.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ class Proved(_NoTruth):
 
     For `reachable`, `witness` is a run that comes there and there is no invariant.
     `rechecked` names what confirmed it (cvc5, interpreter); `certificates` maps file name -> SMT-LIB2 text.
+    `by_construction` says what needed no solver and why, such as divisors that are positive constants.
     """
 
     invariant: Bool | None
@@ -38,6 +39,7 @@ class Proved(_NoTruth):
     rechecked: tuple[str, ...] = ()
     certificates: Mapping[str, str] = field(default_factory=dict)
     witness: Trace | None = None
+    by_construction: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +63,24 @@ class Unknown(_NoTruth):
 
 
 @dataclass(frozen=True, eq=False)
+class Vacuous(_NoTruth):
+    """Nothing speaks against it, and it says nothing: what it speaks of never happens, or its assumption has an end.
+
+    `trace` is a run into the dead end, where that is the reason.
+    """
+
+    reason: str
+    trace: Trace | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NotAsked(_NoTruth):
+    """There was nothing to ask, such as a module that declares no property: no news, and not good news."""
+
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
 class Held(_NoTruth):
     """Not violated in the runs that were made: evidence, no proof."""
 
@@ -70,15 +90,19 @@ class Held(_NoTruth):
     notes: Mapping[str, str] = field(default_factory=dict)
 
 
-Verdict: TypeAlias = Proved | Violated | Unknown
-Result: TypeAlias = Verdict | Held
+Verdict: TypeAlias = Proved | Violated | Unknown | Vacuous
+Result: TypeAlias = Verdict | Held | NotAsked
 
 
 def word(result: Result) -> str:
-    """proved, held, unknown or violated."""
+    """The verdict as one of the words of WORST_FIRST."""
     match result:
         case Proved():
             return "proved"
+        case Vacuous():
+            return "vacuous"
+        case NotAsked():
+            return "not asked"
         case Held():
             return "held"
         case Unknown():
@@ -89,12 +113,12 @@ def word(result: Result) -> str:
             assert_never(result)
 
 
-WORST_FIRST = ("violated", "unknown", "held", "proved")
+WORST_FIRST = ("violated", "unknown", "vacuous", "not asked", "held", "proved")
 
 
 def worst(words: Iterable[str]) -> str:
-    """The worst of several verdict words; `proved` when there are none."""
-    return min(words, key=WORST_FIRST.index, default="proved")
+    """The worst of several verdict words; `not asked` when there are none."""
+    return min(words, key=WORST_FIRST.index, default="not asked")
 
 
 def require_proved(verdict: Verdict) -> Proved:
@@ -107,5 +131,7 @@ def require_proved(verdict: Verdict) -> Proved:
             raise NotProvedError(f"violated (found by {engine}) {reason}{run}")
         case Unknown(reason, depth):
             raise NotProvedError(f"undecided: {reason} (no violation up to depth {depth})")
+        case Vacuous(reason):
+            raise NotProvedError(f"vacuous: {reason}")
         case _:
             assert_never(verdict)

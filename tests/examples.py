@@ -116,7 +116,7 @@ def odometer() -> Example:
     built = build_odometer(tolerance_mm=1000)
     machine, margin = built.machine, built.margin
     error = abs_(built.truth - exact_to(built.position, NM))
-    contained = (error <= exact_to(machine.output("margin_mm"), NM)) | ~machine.flag("valid")
+    contained = machine.flag("valid").implies(error <= exact_to(machine.output("margin_mm"), NM))
     return single(machine, always("containment", contained), always("small margin", margin <= 900 * 10**6), 4)
 
 

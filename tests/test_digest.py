@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.digest import declaration_digest
+from safeloc.composition import compose
+from safeloc.digest import declaration_digest, full_digest
 from safeloc.expr import floor_div, number
 from safeloc.machine import ANY, Initial, Machine, Transition, modes
 from safeloc.system import TransitionSystem, lower
@@ -65,3 +66,53 @@ def test_examples_differ() -> None:
     system = gauge()
     still = replace(system, next={var: var for var in system.state})
     assert declaration_digest(system) != declaration_digest(still)
+
+
+# ------------------------------------------------------------------ all that verdicts depend on
+
+
+def world(*, assumed: int = 5, lemma: str = "small", ghost: bool = True, row: str = "see") -> Machine:
+    """A machine with an environment, different in one respect."""
+    table = modes("ON", "OFF")
+    value, seen, truth = number("value", MM, 0, 9), number("seen", MM, 0, 9), number("truth", MM, 0, 9)
+    rows = [Transition(row, table, table[0], value > 2, {seen: value})]
+    state: dict[object, object] = {seen: 0} if ghost else {seen: 0, truth: 0}
+    return Machine(
+        "world",
+        table,
+        [value],
+        state,  # type: ignore[arg-type] # written shorter than its type
+        {},
+        rows,
+        ghosts={truth: 0} if ghost else {},
+        ghost_moves={truth: truth} if ghost else {},
+        assumption=value <= assumed,
+        lemmas={lemma: seen <= 9},
+    )
+
+
+DEEPER = {
+    "assumption": world(assumed=6),
+    "lemma's name": world(lemma="little"),
+    "ghost": world(ghost=False),
+    "transition's name": world(row="hear"),
+}
+
+
+@pytest.mark.parametrize("what", DEEPER)
+def test_what_a_proof_rests_on_shows_in_the_full_digest(what: str) -> None:
+    """Assumption, lemmas, ghosts and names of transitions: each makes another full digest."""
+    assert full_digest(lower(world())) != full_digest(lower(DEEPER[what]))
+    assert full_digest(lower(world())) == full_digest(lower(world()))
+
+
+def test_the_assumption_is_not_in_the_digest_of_snapshots() -> None:
+    """A snapshot of a machine with another assumption is taken: what it means to run is the same."""
+    assert declaration_digest(lower(world())) == declaration_digest(lower(world(assumed=6)))
+
+
+def test_the_parts_of_a_composition_show() -> None:
+    """What one machine assumes of those before it is a part of the full digest of the whole."""
+    one, other = (compose("whole", [world(assumed=limit)], {}).system for limit in (5, 6))
+    same_whole = replace(other, assume=one.assume)
+    assert full_digest(one) != full_digest(same_whole)

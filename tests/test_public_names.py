@@ -27,7 +27,7 @@ PUBLIC = {
     verdict: ("Held", "Proved", "Unknown", "Violated", "require_proved"),
     errors: (
         "EngineError", "InputError", "ModelError", "NotProvedError", "PropertyError", "SafelocError", "SnapshotError",
-        "StreamError", "TruthValueError", "UnitError",
+        "StreamError", "TruthValueError", "UnforeseenError", "UnitError",
     ),
 }  # fmt: skip
 HEAVY = ("cvc5", "hypothesis", "jinja2", "numpy", "pyarrow", "pydantic", "pytest", "rich", "transitions", "typer", "z3")

@@ -9,13 +9,33 @@ from safeloc.expr import TRUE, boolean
 from safeloc.interpret import run
 from safeloc.machine import Machine, Transition, modes
 from safeloc.system import lower
-from safeloc.verdict import WORST_FIRST, Held, Proved, Result, Unknown, Verdict, Violated, require_proved, word, worst
+from safeloc.verdict import (
+    WORST_FIRST,
+    Held,
+    NotAsked,
+    Proved,
+    Result,
+    Unknown,
+    Vacuous,
+    Verdict,
+    Violated,
+    require_proved,
+    word,
+    worst,
+)
 
 OFF, ON = modes("OFF", "ON")
 PUSHED = boolean("pushed")
 LAMP = Machine("lamp", (OFF, ON), [PUSHED], {}, {}, [Transition("light", OFF, ON, PUSHED)])
 TRACE = run(lower(LAMP), [{"pushed": False}, {"pushed": True}])
-RESULTS: tuple[Result, ...] = (Violated(TRACE, "bmc"), Unknown("time"), Held("runs", 3, 40), Proved(TRUE, "spacer"))
+RESULTS: tuple[Result, ...] = (
+    Violated(TRACE, "bmc"),
+    Unknown("time"),
+    Vacuous("never happens"),
+    NotAsked("no property"),
+    Held("runs", 3, 40),
+    Proved(TRUE, "spacer"),
+)
 
 
 @pytest.mark.parametrize("result", RESULTS, ids=word)
@@ -33,14 +53,17 @@ def test_words_and_their_order() -> None:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        ([], "proved"),
+        ([], "not asked"),
+        (["proved", "held", "not asked"], "not asked"),
+        (["not asked", "vacuous"], "vacuous"),
+        (["vacuous", "unknown"], "unknown"),
         (["proved", "held"], "held"),
         (["held", "unknown", "proved"], "unknown"),
         (["unknown", "violated"], "violated"),
     ],
 )
 def test_the_headline_is_the_worst(words: list[str], expected: str) -> None:
-    """One violation outweighs everything; a report of nothing has nothing against it."""
+    """One violation outweighs everything; a report of nothing was not asked anything."""
     assert worst(words) == expected
 
 

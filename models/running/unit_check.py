@@ -198,7 +198,7 @@ class UnitCheck:
         by_check = self._keeps_law(self.unit, true_step, self.apart, self.apart_after)
         still = true_step.eq(0) & self.next_wander.eq(self.wander)
         lawful = self.lawful.eq(ODOMETER_LAWFUL)
-        return ite_bool(lawful, by_odometer, by_check & self.standing.implies(still))
+        return ite(lawful, by_odometer, by_check & self.standing.implies(still))
 
     def _keeps_law(self, unit: Odometer, true_step: Num, apart: Num, apart_after: Num) -> Bool:
         """The unit's own wander is that of what is told, less what the units are apart; it rests without a distance."""
@@ -207,12 +207,7 @@ class UnitCheck:
         error = true_step - exact_to(unit.step.value, NM) - change
         measured = between(-unit.most_error, error, unit.most_error)
         within = between(-half, self.next_wander - apart_after, half)
-        return ite_bool(unit.admitted, measured & within, change.eq(0))
-
-
-def ite_bool(condition: Bool, then: Bool, other: Bool) -> Bool:
-    """`then` where the condition holds, else `other`."""
-    return condition.implies(then) & (condition | other)
+        return ite(unit.admitted, measured & within, change.eq(0))
 
 
 def unit_check(odometer: Odometer, law: ErrorLaw, band_mm: int) -> UnitCheck:

@@ -44,6 +44,12 @@ def clauses(own: Parts, trusted: Trusted) -> dict[str, Bool]:
     }
 
 
+def can_stop(own: Parts, place: Num, speed: Num) -> Bool:
+    """The vehicle can come to a stop before the coordinates end; without it the movement would have to end with them."""
+    at_rest = place + exact_to(speed * Lit(own.config.stopping_ms, MS), NM)
+    return between(own.truth.low, at_rest, own.truth.high)
+
+
 def assumption(own: Parts) -> Bool:
     """The movement of the vehicle; the rest is in `clauses`."""
     config, period = own.config, Lit(own.config.period_ms, MS)
@@ -53,6 +59,7 @@ def assumption(own: Parts) -> Bool:
         [
             between(-config.way_nm, ran, config.way_nm),
             between(-config.speed_change_um_s, sped, config.speed_change_um_s),
+            can_stop(own, own.next_truth, own.next_speed),
         ]
     )
 

@@ -106,6 +106,11 @@ class SatelliteConfig(Config):
         return self.max_speed_mm_s * 1_000 * self.period_ms + self.way_nm
 
     @property
+    def stopping_ms(self) -> int:
+        """So long at the present speed is no shorter a way than the one to a stop, from any speed."""
+        return -(-self.way_at_most_nm // self.speed_change_um_s)
+
+    @property
     def least_range_prediction_mm(self) -> int:
         """State error + its speed error over T + A T^2: predictor and truth may differ by 2 A ([D] figures, section 6)."""
         nm = self.state_error_mm * NM_PER_MM + self.state_speed_error_mm_s * self.period_ms * 1_000 + 2 * self.way_nm

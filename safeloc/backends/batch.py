@@ -81,7 +81,7 @@ def compile_batch(system: TransitionSystem, keep: Sequence[str] = ()) -> Batch:
 
 def soundly_64_bits(system: TransitionSystem) -> None:
     """InputError where a term might leave 64 bits, whichever branch is taken."""
-    wide = beyond_int64([*system.next.values(), *system.fired.values(), *system.outputs.values()])
+    wide = beyond_int64([*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init])
     if wide:
         raise InputError(
             f"{system.name}: {len(wide)} terms may leave 64 bits, for example {wide[0]!r}; narrow the ranges."

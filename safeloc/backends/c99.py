@@ -129,7 +129,9 @@ if ({p}_init(&state{first}) == {upper}_OK) {{
 - One call of `{p}_step` is one cycle; the machine has no clock of its own.
 - Inputs are never clipped or replaced. A refused input is a fault to handle: mend it, or declare it absent.
 - No term leaves 64 bits while inputs and state are in their ranges; `{p}_step` checks the inputs, and `{p}_check_state`
-  the state where the host may have damaged it.
+  the state where the host may have damaged it. Every state that steps lead to from the first one is in its ranges. One
+  that was damaged and passes the check is in them too, but need not be one of those: a step from it may lead out of
+  them, so check after each step as well, or go back to a snapshot, whose checksum sees the damage.
 - A state belongs to its caller; two threads may use two states.
 - Snapshots fit the declaration they were taken of (`{upper}_DECLARATION`) and others are refused.
 

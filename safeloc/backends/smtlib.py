@@ -7,9 +7,9 @@ answer to its `check-sat` is `unsat`. Shared sub-terms become definitions, so th
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import assert_never
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar, assert_never
 
 from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar
 from safeloc.nodes import (
@@ -37,35 +37,54 @@ _TAKEN = re.compile(
 )
 
 
+FORMAT = "safeloc-certificate/1"
+Key = TypeVar("Key", bound=Hashable)
+
+
 @dataclass(frozen=True, eq=False)
-class Query:
-    """Hypotheses, and goals (name -> term) that are to follow from them."""
+class Query(Generic[Key]):
+    """Hypotheses, and goals that are to follow from them.
+
+    goals   by a key that no two of them share (an object or a number; what it is as text is for people)
+    about   what the query is part of (system, rule, property, ...), for whoever reads the text without us
+    """
 
     name: str
     hypotheses: Sequence[Bool]
-    goals: Mapping[str, Bool]
+    goals: Mapping[Key, Bool]
+    about: Mapping[str, str] = field(default_factory=dict)
 
 
-def to_smtlib(query: Query) -> str:
-    """The query as text with one `check-sat` a goal; every answer is expected to be `unsat`."""
+def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
+    """The query as text with one `check-sat` a goal; every answer is expected to be `unsat`.
+
+    relies_on  files of the certificates whose results are hypotheses here
+    """
     names: dict[Expr, str] = {}
     nodes = in_order([*query.hypotheses, *query.goals.values()])
     logic = "QF_NIA" if any(_is_product(node) for node in nodes) else "QF_LIA"
-    lines = [f"; {query.name}", f"(set-logic {logic})", "(set-info :status unsat)"]
-    for node in nodes:
-        lines += _line(node, names, len(lines))
+    lines = [f"; {_comment(line)}" for line in _header(query, relies_on)]
+    lines += [f"(set-logic {logic})", "(set-info :status unsat)"]
+    for number, node in enumerate(nodes):
+        lines += _line(node, names, number)
     lines += [f"(assert {names[term]})" for term in query.hypotheses]
-    for name, goal in query.goals.items():
-        lines += ["(push 1)", f"; {_comment(name)}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
+    for key, goal in query.goals.items():
+        lines += ["(push 1)", f"; {_comment(str(key))}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
     return "\n".join(lines) + "\n"
+
+
+def _header(query: Query[Key], relies_on: Sequence[str]) -> list[str]:
+    about = [f"{key}: {value}" for key, value in query.about.items()]
+    return [FORMAT, f"name: {query.name}", *about, *(f"relies on: {file}" for file in relies_on)]
 
 
 def _is_product(node: Node) -> bool:
     return isinstance(node, Mul) and not (isinstance(node.left, Lit) or isinstance(node.right, Lit))
 
 
-def _comment(name: str) -> str:
-    return name.replace("\n", " ")
+def _comment(text: str) -> str:
+    """On one line, whatever a name holds: the rest of it must not become a command."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:

@@ -105,7 +105,7 @@ def _claims(told: Iterable[str]) -> dict[str, int]:
     claims = {}
     for one in told:
         flag, _, accuracy = one.partition("=")
-        if not flag or not accuracy.isdecimal():
+        if not flag or not (accuracy.isascii() and accuracy.isdecimal()):
             raise InputError(f"--satellite {one!r}: expected FLAG=MM, for instance NARROW_INT3=1000.")
         claims[flag] = int(accuracy)
     return claims

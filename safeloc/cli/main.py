@@ -18,11 +18,14 @@ from safeloc.cli.guard import guard
 from safeloc.cli.line_drive import drive
 from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
+from safeloc.cli.recheck import recheck
 from safeloc.cli.replay import as_table, replay_stream, whole_run
 from safeloc.cli.run import run
-from safeloc.cli.show import EXIT_CODES, Progressing, err, findings_table, out, print_json, result
+from safeloc.cli.show import Progressing, code, err, findings_table, out, print_json, result, summed_up
 from safeloc.cli.simulate import simulate
+from safeloc.cli.unasked import nothing_asked, nothing_tested
 from safeloc.errors import InputError
+from safeloc.provers.antecedents import found
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import CHECKS, obligations
 from safeloc.provers.portfolio import prove as prove_all
@@ -33,7 +36,7 @@ from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.streams.steps import read_steps
 from safeloc.testing import run_tests
-from safeloc.verdict import Proved, word, worst
+from safeloc.verdict import Proved, word
 
 app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("list")(list_)
@@ -44,12 +47,13 @@ app.command("guard")(guard)
 app.command("export")(export)
 app.command("simulate")(simulate)
 app.command("run")(run)
+app.command("recheck")(recheck)
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
 ]
 ConfigOption = Annotated[Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")]
-JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/1)")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/2)")]
 DepthOption = Annotated[int, typer.Option(help="steps of bounded search", min=1)]
 
 
@@ -84,7 +88,7 @@ def prove(
     owed = _owed(loaded) if only is None else 0
     with Progressing(_claims(loaded, chosen) + owed, quiet=as_json) as progress:
         progress.say(f"proving {loaded.name}", _claims(loaded, chosen))
-        findings = prove_all(loaded.system, chosen, limits, jobs=jobs, on_finding=progress.add)
+        findings = [*nothing_asked(loaded), *_proved(loaded, chosen, limits, jobs, progress)]
         if only is None:
             findings += _obliged(loaded, limits, jobs, progress)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
@@ -110,10 +114,28 @@ def _owed(target: Target) -> int:
     return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
 
 
+def _recordings(target: Target) -> list[Recording]:
+    return [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
+
+
+def _proved(
+    target: Target, properties: Sequence[Property], limits: Limits, jobs: int, progress: Progressing
+) -> list[Finding]:
+    return prove_all(
+        target.system, properties, limits, jobs=jobs, on_finding=progress.add, recordings=_recordings(target)
+    )
+
+
 def _obliged(target: Target, limits: Limits, jobs: int, progress: Progressing) -> list[Finding]:
     progress.say(f"obligations of {target.name}", _owed(target))
-    recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
-    return obligations(target.system, limits, jobs=jobs, on_finding=progress.add, recordings=recordings)
+    return obligations(
+        target.system,
+        limits,
+        jobs=jobs,
+        on_finding=progress.add,
+        recordings=_recordings(target),
+        properties=target.properties,
+    )
 
 
 @app.command()
@@ -131,7 +153,7 @@ def test(
     with Progressing(_owed(loaded) + len(loaded.properties), quiet=as_json) as progress:
         owed = _obliged(loaded, Limits(), jobs, progress)
         progress.say(f"testing {loaded.name}", len(loaded.properties))
-        findings = _tested(loaded, examples, steps, seed, owed)
+        findings = [*nothing_tested(loaded), *_tested(loaded, examples, steps, seed, owed)]
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
@@ -166,7 +188,7 @@ def replay(
         for line in as_table(rows):
             out.print(line, markup=False)
         findings_table(findings)
-    raise typer.Exit(EXIT_CODES[worst(word(finding.result) for finding in findings)])
+    raise typer.Exit(code(findings))
 
 
 @app.command()
@@ -199,7 +221,7 @@ def verify(
     with Progressing(sum(map(_work, loaded)), quiet=as_json) as progress:
         for one in loaded:
             progress.say(f"proving {one.name}", _claims(one, one.properties))
-            findings += prove_all(one.system, one.properties, limits, jobs=jobs, on_finding=progress.add)
+            findings += [*nothing_asked(one), *_proved(one, one.properties, limits, jobs, progress)]
             owed = _obliged(one, limits, jobs, progress)
             progress.say(f"testing {one.name}", len(one.properties))
             findings += [*owed, *_tested(one, examples, steps, seed, owed)]
@@ -207,9 +229,9 @@ def verify(
     page = write_folder(folder, findings, loaded)
     if as_json:
         raise typer.Exit(result(findings, loaded, as_json=True))
-    code = _summary(findings)
+    _summary(findings)
     err.print(f"report: {page}", markup=False)
-    raise typer.Exit(code)
+    raise typer.Exit(code(findings))
 
 
 def _work(target: Target) -> int:
@@ -228,19 +250,19 @@ def _distinct(targets: list[Target]) -> list[Target]:
 
 
 def _tested(target: Target, examples: int, steps: int, seed: int, owed: Sequence[Finding]) -> list[Finding]:
-    """Property tests that also start along reachability witnesses and shipped streams, so that deep modes are tested."""
+    """Property tests that also start along witnesses and shipped streams, so that deep modes and cases are tested."""
     witnesses = [f.result.witness for f in owed if isinstance(f.result, Proved)]
-    corpus = [run for run in (*witnesses, *(whole_run(target, path) for path in target.streams)) if run is not None]
+    occurring = found(target.system, target.properties).runs()
+    streams = [whole_run(target, path) for path in target.streams]
+    corpus = [run for run in (*witnesses, *occurring, *streams) if run is not None]
     return run_tests(target.system, target.properties, examples=examples, steps=steps, seed=seed, corpus=corpus)
 
 
-def _summary(findings: Sequence[Finding]) -> int:
-    wrong = [finding for finding in findings if word(finding.result) in ("violated", "unknown")]
+def _summary(findings: Sequence[Finding]) -> None:
+    wrong = [finding for finding in findings if word(finding.result) not in ("proved", "held")]
     if wrong:
-        findings_table(wrong)
-    counts = {verdict: sum(word(f.result) == verdict for f in findings) for verdict in EXIT_CODES}
-    out.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count))
-    return EXIT_CODES[worst(word(finding.result) for finding in findings)]
+        findings_table(wrong, sum_up=False)
+    out.print(summed_up(findings), markup=False)
 
 
 def _shipped_streams(target: Target, progress: Progressing) -> list[Finding]:

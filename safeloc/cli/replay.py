@@ -7,16 +7,19 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 
 from safeloc.border import Fault
 from safeloc.catalogue import Target
 from safeloc.cli.recordings import counted, recorded_steps
+from safeloc.cli.unasked import reason
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Num, Var
 from safeloc.interpret import read_inputs, run
 from safeloc.monitor import check_all
 from safeloc.nodes import Value
+from safeloc.outside import quoted
 from safeloc.results import Finding, Replayed
 from safeloc.spec import Property
 from safeloc.streams.steps import StepStream, read_steps
@@ -24,7 +27,7 @@ from safeloc.system import TransitionSystem, without_ghosts
 from safeloc.terms import variables
 from safeloc.trace import Trace, shown
 from safeloc.units import Enumeration
-from safeloc.verdict import Held, Result, Unknown, Violated
+from safeloc.verdict import Held, NotAsked, Result, Violated
 
 
 @dataclass(frozen=True)
@@ -90,28 +93,31 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if target.reported is not None and any(value is not None for value in truth):
         findings.append(_containment(target, path, rows, trace, truth, started))
+    unchecked = [prop for prop in asked if prop not in properties]
+    if not findings:
+        findings.append(_nothing_checked(target, path, unchecked, started))
     if faults is not None:
         findings.append(_border(target, path, len(rows), faults, started))
     replayed = Replayed(path.stem, trace, tuple(truth))
     findings = [replace(finding, replayed=replayed) for finding in findings]
-    return rows, _noted(target, path, findings, [prop for prop in asked if prop not in properties], started)
+    return rows, _noted(findings, unchecked)
 
 
-def _noted(
-    target: Target, path: Path, findings: Sequence[Finding], unchecked: Sequence[Property], started: float
-) -> list[Finding]:
-    """The findings, the first of them with a note of what was not checked; undecided where that is all."""
+def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[Finding]:
+    """The findings, the first of them with a note of what was not checked."""
     if not unchecked:
         return list(findings)
     names = "; ".join(prop.name for prop in unchecked)
     note = {"not checked": f"{_number(unchecked)} ({names}), the stream has no ghosts"}
-    if findings:
-        return [replace(findings[0], notes=note), *findings[1:]]
-    reason = "every property speaks of ghosts, and the stream has none; simulate one, or record the truth as truth_mm"
+    return [replace(findings[0], notes={**findings[0].notes, **note}), *findings[1:]]
+
+
+def _nothing_checked(target: Target, path: Path, unchecked: Sequence[Property], started: float) -> Finding:
+    """Neither a property nor the truth: no news of the recording, and not good news."""
+    ghosts = "every property speaks of ghosts, and the stream has none; simulate one, or record the truth as truth_mm"
     said, name = "something of the recording was checked", f"{target.name}/replay/{path.stem}: nothing checked"
-    seconds = time.monotonic() - started
-    method = f"replay of {path.name}"
-    return [Finding(name, target.name, "replay", said, Unknown(reason, 0), method, seconds, notes=note)]
+    why, seconds = NotAsked(ghosts if unchecked else reason(target)), time.monotonic() - started
+    return Finding(name, target.name, "replay", said, why, f"replay of {path.name}", seconds)
 
 
 def _number(unchecked: Sequence[Property]) -> str:
@@ -161,15 +167,15 @@ def _first_bad(system: TransitionSystem, stream: StepStream, rows: Sequence[Mapp
 
 
 def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) -> None:
-    """A column nobody reads is a misspelt name, unless it is a remark."""
+    """A column nobody reads is a misspelt name, unless it is a remark; with nothing under it as well."""
     known = _names(system)
-    for line, step in zip(stream.lines, stream.steps, strict=True):
-        for name in step:
-            if name not in known and name not in REMARKS:
-                close = difflib.get_close_matches(name, known, n=1)
-                hint = f" Did you mean {close[0]!r}?" if close else ""
-                inputs = sorted(one for one in known if not one.endswith(".present"))
-                raise StreamError(f"{path}:{line}: {system.name} has no input {name!r}; it has {inputs}.{hint}")
+    steps = ((name, line) for line, step in zip(stream.lines, stream.steps, strict=True) for name in step)
+    for name, line in chain(stream.columns.items(), steps):
+        if name not in known and name not in REMARKS:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            inputs = sorted(one for one in known if not one.endswith(".present"))
+            raise StreamError(f"{path}:{line}: {system.name} has no input {quoted(name)}; it has {inputs}.{hint}")
 
 
 REMARKS = ("truth_mm", "time_ms")

@@ -14,7 +14,7 @@ import typer
 from safeloc.catalogue import load_target
 from safeloc.cli.files import same_file
 from safeloc.embedding import Program
-from safeloc.embedding.controller import period_of
+from safeloc.embedding.making import period_of
 from safeloc.errors import InputError, SnapshotError
 from safeloc.nodes import Value
 from safeloc.service.address import address
@@ -26,11 +26,13 @@ from safeloc.service.messages import VEHICLE
 from safeloc.service.outlets import Outlet, Stdout, ToFile
 from safeloc.service.pace import LONGEST_GAP_MS
 from safeloc.service.saving import Saver, claimed, read_saved
+from safeloc.service.supervised import Supervised
 from safeloc.service.tcp import TcpPort
 from safeloc.service.udp import UdpPort
 from safeloc.service.watchdog import Watchdog
 
 STDOUT, STDERR = 1, 2
+VEHICLES_PER_PEER = 250
 BACK = "back"
 
 
@@ -67,20 +69,31 @@ def run(
     gap_ms: Annotated[
         int, typer.Option("--longest-gap-ms", help="silence that is charged; after a longer one: anew", min=1)
     ] = LONGEST_GAP_MS,
+    of_a_peer: Annotated[
+        int, typer.Option("--vehicles-per-peer", help="that one peer may speak for, over tcp and udp", min=1)
+    ] = VEHICLES_PER_PEER,
+    alive: Annotated[
+        Path | None, typer.Option("--alive", help="a file that is touched every second while the process is well")
+    ] = None,
     to_its_end: Annotated[bool, typer.Option("--until-end", help="of a file: do not wait for more")] = False,
 ) -> None:
     """Run a machine as a process of its own: lines in, one report a cycle out, until SIGTERM or the end of the lines."""
-    _require_apart(source, sink, snapshot)
+    _require_apart(source, sink, snapshot, alive)
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
-    ways = Ways(period, inputs, source.startswith("udp:"), gap_ms, expected=_expected(expect), first=_first(first))
+    most = of_a_peer if source.startswith(("tcp:", "udp:")) else None
+    ways = Ways(
+        period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
+        first=_first(first),
+    )  # fmt: skip
     fleet, journal = Fleet(program, ways, _own(target, vehicles)), Journal(STDERR)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
     )()  # the only ones that take a file for stdin
     feed = _feed(source, journal, to_its_end=to_its_end)
     watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
-    parts = Parts(selector, feed, _outlet(sink, feed, selector), fleet, journal, None, every_ms / 1_000, watchdog)
+    outlet, supervised = _outlet(sink, feed, selector), Supervised(alive)
+    parts = Parts(selector, feed, outlet, fleet, journal, None, every_ms / 1_000, watchdog, supervised)
     with claimed(snapshot):
         if snapshot is None:
             Loop(parts).run()
@@ -89,9 +102,10 @@ def run(
     raise typer.Exit(exit_code(fleet))
 
 
-def _require_apart(source: str, sink: str | None, snapshot: Path | None) -> None:
-    """InputError where one file is to be two of what is read, what is told and what is remembered."""
-    kinds = {"--from": source, "--to": sink or "", "--snapshot": "" if snapshot is None else f"file:{snapshot}"}
+def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: Path | None) -> None:
+    """InputError where one file is to be two of what is read, what is told, what is remembered and the sign of life."""
+    kinds = {"--from": source, "--to": sink or ""}
+    kinds |= {name: f"file:{path}" for name, path in (("--snapshot", snapshot), ("--alive", alive)) if path is not None}
     files = {option: Path(told[5:]) for option, told in kinds.items() if told.startswith("file:") and told[5:]}
     for (one, file), (other, same) in combinations(files.items(), 2):
         if same_file(file, same):

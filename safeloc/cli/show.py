@@ -12,11 +12,19 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from safeloc.report.data import report_data
+from safeloc.report.headline import Said, counted, headline
 from safeloc.results import Finding
-from safeloc.verdict import Held, Proved, Unknown, Violated, word, worst
+from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 
-EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3}
-COLOURS: Mapping[str, str] = {"proved": "green", "held": "cyan", "violated": "bold red", "unknown": "yellow"}
+EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
+COLOURS: Mapping[str, str] = {
+    "proved": "green",
+    "held": "cyan",
+    "violated": "bold red",
+    "unknown": "yellow",
+    "vacuous": "magenta",
+    "not asked": "yellow",
+}
 
 
 class _Console(Console):
@@ -82,8 +90,8 @@ class Progressing:
             err.print(f"{word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)", markup=False)
 
 
-def findings_table(findings: Sequence[Finding]) -> None:
-    """The verdict table (plain lines in a pipe), then the evidence of everything that is not well."""
+def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
+    """The verdict table (plain lines in a pipe), the evidence of everything that is not well, and the headline."""
     if not out.is_terminal:
         for finding in findings:
             out.print(f"{word(finding.result):9} {finding.id}  [{finding.method}]", markup=False)
@@ -93,8 +101,19 @@ def findings_table(findings: Sequence[Finding]) -> None:
         _evidence(finding)
         for what, text in finding.notes.items():
             out.print(f"\n{what}: {text}", markup=False)
-    counts = {verdict: sum(word(f.result) == verdict for f in findings) for verdict in EXIT_CODES}
-    out.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count) or "nothing to check")
+    if sum_up:
+        out.print(summed_up(findings), markup=False)
+
+
+def summed_up(findings: Sequence[Finding]) -> str:
+    """One line: what all findings together say, and how many there are of each verdict."""
+    said = [Said(finding.kind, word(finding.result)) for finding in findings]
+    return ": ".join(part for part in (headline(said), counted(said)) if part)
+
+
+def code(findings: Sequence[Finding]) -> int:
+    """The exit code of the worst finding; that of `not asked` where there is none."""
+    return EXIT_CODES[worst(word(finding.result) for finding in findings)]
 
 
 def _table(findings: Sequence[Finding]) -> None:
@@ -123,6 +142,12 @@ def _evidence(finding: Finding) -> None:
                 out.print(trace.table(), markup=False)
         case Unknown(reason, depth):
             out.print(f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} (clean up to step {depth})")
+        case Vacuous(reason, trace):
+            out.print(f"\n[magenta]vacuous[/] {_escape(finding.id)}: {_escape(reason)}")
+            if trace is not None:
+                out.print(trace.table(), markup=False)
+        case NotAsked(reason):
+            out.print(f"\n[yellow]not asked[/] {_escape(finding.id)}: {_escape(reason)}")
         case Held(notes=notes) if finding.kind == "replay" and notes:
             out.print(
                 f"\n{finding.id}: " + ", ".join(f"{what}: {number}" for what, number in notes.items()), markup=False
@@ -144,4 +169,4 @@ def result(findings: Sequence[Finding], targets: Iterable[Any], *, as_json: bool
         print_json(report_data(findings, targets))
     else:
         findings_table(findings)
-    return EXIT_CODES[worst(word(finding.result) for finding in findings)]
+    return code(findings)

@@ -51,7 +51,7 @@ def _over(topology: Topology, told: str) -> Route:
 
 def _place(told: str, option: str) -> Place:
     edge, _, position = told.rpartition("@")
-    if not edge or not position.isdecimal():
+    if not edge or not (position.isascii() and position.isdecimal()):
         raise InputError(f"{option} {told!r}: expected EDGE@MM, for instance 301@0.")
     return Place(edge, int(position))
 

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from itertools import islice
-from typing import get_args
+from typing import NoReturn, get_args
 
 from safeloc.backends.compiled import Row
 from safeloc.backends.runtime import Follower
@@ -26,7 +26,7 @@ from safeloc.embedding import memory
 from safeloc.embedding.entries import Told
 from safeloc.embedding.judging import judged, stated
 from safeloc.embedding.listeners import Listeners
-from safeloc.embedding.period import configured_period_ms
+from safeloc.embedding.making import NotCopiedError, a_mapping, as_expected, as_program, in_words, period_of
 from safeloc.embedding.program import Program
 from safeloc.embedding.report import Report
 from safeloc.errors import InputError
@@ -34,6 +34,8 @@ from safeloc.nodes import Value
 from safeloc.streams.cycles import Cycle, CycleBuilder
 from safeloc.streams.records import Record, Unusable
 from safeloc.target import Target
+
+ANOTHER = "make another one of the same program, and give it this one's snapshot."
 
 EVERY = "*"
 """The channel of a fault that concerns every channel of the cycle."""
@@ -50,8 +52,10 @@ class Controller:
     expected   channel -> records it makes in every cycle; one with fewer gives no input
     first      values of state variables declared ANY
 
-    InputError for a period that is missing, below 1 ms or another than the configuration's, a start that is no whole
-    number, and for a wrong `first`.
+    It is not copied: two that share what they remember would both be wrong. `snapshot` and `restore` make another one.
+
+    InputError for what is no program or target, a period that is missing, below 1 ms or another than the configuration's,
+    a start or a count that is no whole number, and for a wrong `first`.
     """
 
     def __init__(
@@ -63,8 +67,9 @@ class Controller:
         expected: Mapping[str, int] | None = None,
         first: Mapping[str, Value] | None = None,
     ) -> None:
-        self.program = program if isinstance(program, Program) else Program(program)
-        self.setting = memory.Setting(period_of(self.program, period_ms), dict(expected or {}), dict(first or {}))
+        self.program = as_program(program)
+        first = a_mapping("first", first)
+        self.setting = memory.Setting(period_of(self.program, period_ms), as_expected(expected), first)
         self._first = self._state = self.program.first(first)
         self._builder = self._building(start_ms)
         self._lock = threading.RLock()
@@ -85,6 +90,7 @@ class Controller:
         record; nothing has happened then. Exceptions of listeners come out as one ExceptionGroup after the step.
         """
         taken = _listed(records)
+        in_words("lost", lost)
         with self._alone():
             if len(taken) > MOST_RECORDS:
                 lost = lost or f"more than {MOST_RECORDS} records in one cycle"
@@ -107,7 +113,10 @@ class Controller:
         with its reason, and then nothing else of the cycle is used: half a reading may mean something else.
         InputError for a name that the machine does not have; nothing has happened then.
         """
-        self.program.require_known(inputs)
+        self.program.require_known(a_mapping("inputs", inputs))
+        in_words("lost", lost)
+        if truth_mm is not None and type(truth_mm) is not int:
+            raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out.")
         with self._alone():
             told, faults = stated(self.program, inputs)
             refused = _with_loss(tuple(faults), lost)
@@ -119,6 +128,8 @@ class Controller:
         InputError where the machine's first state claims something about the world, which only a host that knows it to
         be so may say, by making a new controller.
         """
+        if not in_words("reason", reason):
+            raise InputError("reason is empty; say in words why it begins anew.")
         with self._alone():
             self._require_quiet(reason)
             if start_ms is not None:
@@ -145,6 +156,11 @@ class Controller:
         its first state is a claim about the world: neither going on nor beginning anew would be sound.
         """
         return self._halted
+
+    @property
+    def may_begin_anew(self) -> bool:
+        """Whether its first state claims nothing about the world."""
+        return self.program.quiet(self._first)
 
     # ------------------------------------------------------------------ who is told
 
@@ -191,6 +207,15 @@ class Controller:
             self._listeners.place(self._report.modes)
             return self._report
 
+    def __copy__(self) -> NoReturn:
+        raise NotCopiedError(f"{self.program.name}: a controller is not copied; {ANOTHER}")
+
+    def __deepcopy__(self, _memo: object) -> NoReturn:
+        self.__copy__()
+
+    def __reduce_ex__(self, _protocol: object) -> NoReturn:
+        raise NotCopiedError(f"{self.program.name}: a controller is not pickled; {ANOTHER}")
+
     # ------------------------------------------------------------------ inside
 
     @contextmanager
@@ -209,8 +234,8 @@ class Controller:
                 self._busy = False
 
     def _building(self, start_ms: int, done: int = 0, deliveries: Deliveries | None = None) -> CycleBuilder:
-        if type(start_ms) is not int:  # NaN is later than nothing: every record would be in time
-            raise InputError(f"start_ms is {start_ms!r}; give whole ms of the records' clock.")
+        if type(start_ms) is not int or start_ms < 0:  # NaN is later than nothing: every record would be in time
+            raise InputError(f"start_ms is {start_ms!r}; give whole ms of the records' clock, from 0.")
         period_ms, expected = self.setting.period_ms, self.setting.expected
         return CycleBuilder(
             period_ms, start_ms=start_ms, channels=self.program.channels, expected=expected, done=done,
@@ -256,24 +281,13 @@ class Controller:
         return self.program.report(self._state, (), builder.done, builder.end_ms - builder.period_ms, (), "", None)
 
 
-def period_of(program: Program, given: int | None) -> int:
-    """The cycle's length: the configuration's, or the one given for a machine that has none; InputError."""
-    configured = configured_period_ms(program.name, program.target.config)
-    period_ms = given if configured is None else configured
-    if period_ms is None:
-        raise InputError(f"{program.name} does not say how long its cycle is; give period_ms.")
-    if given not in (None, period_ms):
-        raise InputError(
-            f"{program.name} is configured for cycles of {period_ms} ms, not {given} ms; change one of them."
-        )
-    return period_ms
-
-
 KINDS = frozenset((*get_args(Record), Unusable))
 
 
 def _listed(records: Iterable[Record | Unusable]) -> list[Record | Unusable]:
     """At most one more than is taken, so that a flood shows without being held."""
+    if not isinstance(records, Iterable):
+        raise InputError(f"expected records (safeloc.streams.records), got {type(records).__name__}.")
     taken = list(islice(records, MOST_RECORDS + 1))
     for record in taken:
         if type(record) not in KINDS:

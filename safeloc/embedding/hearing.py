@@ -78,11 +78,13 @@ class Hearing:
                 told = {at: value for at, value in told.items() if at not in inputs}
         return told, tuple(faults)
 
-    def require_known(self, inputs: Collection[str]) -> None:
+    def unknown(self, names: Collection[str]) -> list[str]:
+        """Those that are no inputs."""
+        return [] if self._names.issuperset(names) else [name for name in names if name not in self.entries]
+
+    def require_known(self, names: Collection[str]) -> None:
         """InputError for a name that is no input."""
-        if self._names.issuperset(inputs):
-            return
-        unknown = [name for name in inputs if name not in self.entries]
+        unknown = self.unknown(names)
         if unknown:
             close = difflib.get_close_matches(str(unknown[0]), self.entries, 1)
             hint = f" Did you mean {close[0]!r}?" if close else ""

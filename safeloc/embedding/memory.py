@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from safeloc.backends.compiled import Row
 from safeloc.embedding.program import Program
@@ -13,6 +16,7 @@ from safeloc.errors import InputError, SnapshotError
 from safeloc.interpret import admitted
 from safeloc.nodes import Value
 
+Whole = Annotated[int, Field(ge=0)]
 Delivered = Mapping[str, tuple[int, int | None]]
 
 
@@ -53,22 +57,47 @@ def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
     )
 
 
+class Body(BaseModel):
+    """What a snapshot must hold, field by field: a checksum that fits says nothing of that."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    kind: str
+    version: int
+    machine: str
+    config: dict[str, Any]
+    program: str
+    setting: dict[str, Any]
+    start_ms: Whole
+    done: Whole
+    deliveries: dict[str, tuple[Whole, int | None]]
+    state: dict[str, bool | int]
+    halted: str
+
+
 def restored(program: Program, setting: Setting, data: bytes) -> Kept:
     """What the snapshot holds; SnapshotError where it does not fit this program and setting."""
-    body = opened(data)
-    require_same("machine", program.name, body["machine"])
-    require_same("configuration", program.config, body["config"])
-    require_same("build of the machine", program.fingerprint, body["program"])
-    require_same("setting", _told(setting), body["setting"])
-    return Kept(body["start_ms"], body["done"], _deliveries(body), _state(program, body["state"]), body["halted"])
+    body = _body(opened(data))
+    require_same("machine", program.name, body.machine)
+    require_same("configuration", program.config, body.config)
+    require_same("build of the machine", program.fingerprint, body.program)
+    require_same("setting", _told(setting), body.setting)
+    return Kept(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted)
+
+
+def _body(content: Mapping[str, Any]) -> Body:
+    try:
+        return Body.model_validate_json(json.dumps(content))
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_input=False, include_context=False)[0]
+        where = ".".join(map(str, found["loc"]))
+        raise SnapshotError(
+            f"the snapshot holds something else than it should ({where}: {found['msg']}); begin anew without it."
+        ) from error
 
 
 def _told(setting: Setting) -> dict[str, Any]:
     return {"period_ms": setting.period_ms, "expected": dict(setting.expected), "first": dict(setting.first)}
-
-
-def _deliveries(body: Mapping[str, Any]) -> Delivered:
-    return {channel: (time_ms, number) for channel, (time_ms, number) in body["deliveries"].items()}
 
 
 def _state(program: Program, values: Mapping[str, object]) -> Row:

@@ -10,6 +10,7 @@ from decimal import Decimal
 
 from safeloc.errors import InputError
 from safeloc.guard.deliveries import SPEED_UNITS, Delivery
+from safeloc.outside import quoted, refusal
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 TIME_UNITS = {"ms": 1, "s": 1_000}
@@ -67,8 +68,8 @@ def delivery(number: int, fields: Mapping[str, object], columns: Columns) -> Del
     """A line's fields as a delivery; what cannot be understood is told in `wrong`."""
     try:
         return _delivery(number, fields, columns)
-    except InputError as error:
-        return Delivery(number, wrong=str(error))
+    except Exception as error:  # the rule of every border (safeloc.outside)
+        return Delivery(number, wrong=refusal(error))
 
 
 def _delivery(number: int, fields: Mapping[str, object], columns: Columns) -> Delivery:
@@ -97,18 +98,20 @@ def _empty(value: object) -> bool:
 def decimal(name: str, value: object) -> float:
     """A number as it was told, NaN and infinities included; InputError for what is none."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise InputError(f"{name!r}: {value!r} is no number.")
+        raise InputError(f"{name!r}: {quoted(value)} is no number.")
+    if isinstance(value, str) and not (value.isascii() and "_" not in value):
+        raise InputError(f"{name!r}: {quoted(value)} is no number in ASCII digits.")
     try:
         return float(value)
     except (ValueError, OverflowError) as error:
-        raise InputError(f"{name!r}: {value!r} is no number.") from error
+        raise InputError(f"{name!r}: {quoted(value)} is no number.") from error
 
 
 def speed_mm_s(name: str, value: object, unit: str) -> int:
     """A speed over ground in mm/s, to the nearest; InputError for what no vehicle has."""
     speed = decimal(name, value) * SPEED_UNITS[unit]
     if not 0 <= speed <= FASTEST_MM_S:
-        raise InputError(f"{name!r}: {value!r} {unit} is no speed over ground.")
+        raise InputError(f"{name!r}: {quoted(value)} {unit} is no speed over ground.")
     return round(speed)
 
 
@@ -118,7 +121,7 @@ def milliseconds(name: str, value: object, unit: str) -> int:
         return _since_epoch(name, value)
     told = decimal(name, value)
     if not math.isfinite(told) or abs(told) * TIME_UNITS[unit] > LONGEST_TIME_MS:
-        raise InputError(f"{name!r}: {value!r} is no time.")
+        raise InputError(f"{name!r}: {quoted(value)} is no time.")
     exact = Decimal(value.strip() if isinstance(value, str) else told)
     return math.floor(exact * TIME_UNITS[unit])
 
@@ -126,8 +129,8 @@ def milliseconds(name: str, value: object, unit: str) -> int:
 def _since_epoch(name: str, text: str) -> int:
     try:
         when = datetime.fromisoformat(text.strip())
-    except ValueError as error:
-        raise InputError(f"{name!r}: {text!r} is no time (ISO 8601).") from error
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"{name!r}: {quoted(text)} is no time (ISO 8601).") from error
     return milliseconds_of(when)
 
 

@@ -13,8 +13,11 @@ from typing import Any
 from safeloc.errors import EngineError, InputError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.fields import milliseconds_of, speed_mm_s
+from safeloc.outside import shortened
 
 SENTENCES = ("RMC", "GGA", "GNS", "GLL")
+LONGEST_SENTENCE = 1_000
+"""Characters; NMEA 0183 allows 82."""
 HALF_A_DAY = timedelta(hours=12)
 
 
@@ -40,12 +43,16 @@ def _known(text: str) -> bool:
 
 def _delivery(number: int, text: str, parse: Callable[[str], Any], clock: _Clock) -> Delivery:
     try:
-        said = parse(text)
+        if not text.isascii():
+            raise InputError("not ASCII, as NMEA is")
+        said = parse(text[:LONGEST_SENTENCE])
         if said is None:
             raise InputError("no sentence")
         return _of(number, said, clock)
-    except (InputError, ValueError, TypeError, AttributeError) as error:
-        return Delivery(number, wrong=f"{error}".splitlines()[0] if f"{error}" else type(error).__name__)
+    except InputError as error:
+        return Delivery(number, wrong=f"{error}".splitlines()[0] if f"{error}" else "no sentence")
+    except Exception as error:  # the parser is somebody else's, and fails in its own ways
+        return Delivery(number, wrong=shortened(error))
 
 
 def _of(number: int, said: Any, clock: _Clock) -> Delivery:

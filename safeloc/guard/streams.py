@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from safeloc.errors import StreamError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.fields import Columns, delivery
+from safeloc.outside import shortened
 
 LONGEST_LINE = 100_000
 
@@ -52,7 +53,7 @@ def _of_object(number: int, line: str, columns: Columns) -> Delivery:
     try:
         found = json.loads(line)
     except (ValueError, RecursionError) as error:
-        return Delivery(number, wrong=f"not JSON ({error})")
+        return Delivery(number, wrong=f"not JSON ({shortened(error)})")
     if not isinstance(found, dict):
         return Delivery(number, wrong=f"expected an object, got {type(found).__name__}")
     return delivery(number, found, columns)

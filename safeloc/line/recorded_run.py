@@ -11,11 +11,10 @@ projected position is then taken for the truth.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 
@@ -23,6 +22,8 @@ from safeloc.errors import StreamError
 from safeloc.line.elements import BaliseGroup
 from safeloc.line.projection import WGS84, Projector
 from safeloc.line.routes import Route
+from safeloc.outside import quoted
+from safeloc.streams.files import bounded, csv_rows, streaming
 from safeloc.streams.records import NM_PER_MM, DistanceRecord, End, MarkerRecord, Record, TruthRecord
 
 ENDS: tuple[End, End] = ("front", "rear")
@@ -78,19 +79,20 @@ class Reading:
 
 def read_fixes(path: Path, columns: Columns | None = None) -> tuple[Fix, ...]:
     """All fixes of a CSV log. StreamError with file and line for missing columns, times out of order and no numbers."""
-    at = columns or Columns()
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            table = csv.DictReader(file)
-            missing = {at.time, at.x, at.y, at.status} - set(table.fieldnames or ())
-            if missing:
-                raise StreamError(f"{path}:1: columns {sorted(missing)} are missing; it has {table.fieldnames}.")
-            rows = [(table.line_num, row) for row in table]
-    except (OSError, UnicodeDecodeError) as error:
-        raise StreamError(f"{path}: cannot be read: {error}.") from error
+    with streaming(path):
+        return _fixes(path, columns or Columns())
+
+
+def _fixes(path: Path, at: Columns) -> tuple[Fix, ...]:
+    table = bounded(path, csv_rows(path))
+    _, names = next(table, (1, []))
+    missing = {at.time, at.x, at.y, at.status} - set(names)
+    if missing:
+        raise StreamError(f"{path}:1: columns {sorted(missing)} are missing; it has {quoted(names)}.")
+    rows = [(line, dict(zip(names, cells, strict=False))) for line, cells in table if cells]
     if not rows:
         raise StreamError(f"{path}: has no fixes.")
-    start = _time(path, rows[0][0], rows[0][1][at.time])
+    start = _time(path, rows[0][0], rows[0][1].get(at.time))
     fixes = tuple(_fix(path, number, row, at, start) for number, row in rows)
     for (number, _), (before, after) in zip(rows[1:], pairwise(fixes), strict=True):
         if after.time_ms <= before.time_ms:
@@ -99,21 +101,23 @@ def read_fixes(path: Path, columns: Columns | None = None) -> tuple[Fix, ...]:
 
 
 def _fix(path: Path, number: int, row: dict[str, str], at: Columns, start: datetime) -> Fix:
-    elapsed = _time(path, number, row[at.time]) - start
-    x, y = (_coordinate(path, number, column, row[column]) for column in (at.x, at.y))
-    return Fix(round(elapsed.total_seconds() * 1000), x, y, row[at.status])
+    elapsed = _time(path, number, row.get(at.time)) - start
+    x, y = (_coordinate(path, number, column, row.get(column)) for column in (at.x, at.y))
+    return Fix(round(elapsed.total_seconds() * 1000), x, y, row.get(at.status, ""))
 
 
 def _time(path: Path, number: int, text: str | None) -> datetime:
+    """A time; one without a zone is UTC."""
     try:
-        return datetime.fromisoformat(text or "")
+        found = datetime.fromisoformat(text or "")
+        return found if found.tzinfo is not None else found.replace(tzinfo=UTC)
     except ValueError as error:
         raise StreamError(f"{path}:{number}: {text!r} is no time (ISO 8601).") from error
 
 
 def _coordinate(path: Path, number: int, column: str, text: str | None) -> float:
     try:
-        value = float(text or "")
+        value = float(text if text and text.isascii() and "_" not in text else "")
     except ValueError as error:
         raise StreamError(f"{path}:{number}: column {column!r}: {text!r} is no number.") from error
     if not math.isfinite(value):

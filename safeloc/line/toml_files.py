@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,11 @@ from pydantic import ValidationError
 from safeloc.errors import InputError
 from safeloc.line.model import Line
 from safeloc.line.toml_place import line_of
+from safeloc.outside import quoted, read_text, reading, refuse_beyond, shortened
 
+LARGEST_TEXT = 50_000_000
+"""Bytes of a line as TOML or JSON: a hundred thousand edges."""
+MOST_DOTS = 2_000
 SHIPPED = Path(__file__).resolve().parents[1] / "models" / "lines"
 
 
@@ -22,12 +27,15 @@ def from_toml(text: str, name: str) -> Line:
 
     Raises InputError with line and key for anything that does not fit, a wrong checksum included.
     """
+    _refuse_long_keys(text, name)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: not TOML: {error}.") from error
     except RecursionError as error:
         raise InputError(f"{name}: nested too deeply to be a line.") from error
+    except ValueError as error:  # a number of thousands of digits
+        raise InputError(f"{name}: not TOML: {shortened(error)}.") from error
     return _line(data, name, lambda path: f"{name}:{line_of(text, path)}")
 
 
@@ -39,6 +47,10 @@ def from_json(text: str, name: str) -> Line:
         raise InputError(f"{name}:{error.lineno}: not JSON: {error.msg}.") from error
     except RecursionError as error:
         raise InputError(f"{name}: nested too deeply to be a line.") from error
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{name}: not JSON: {shortened(error)}.") from error
     return _line(data, name, lambda _: name)
 
 
@@ -49,11 +61,15 @@ def to_toml(line: Line) -> str:
 
 def load_line(path: Path) -> Line:
     """A line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}.") from error
-    return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
+    with reading(path):
+        text = read_text(path, LARGEST_TEXT)
+        return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
+
+
+def _refuse_long_keys(text: str, name: str) -> None:
+    """Keys of many parts take time that grows with the square of them, one key a line or many in one."""
+    for number, line in enumerate(text.splitlines(), 1):
+        refuse_beyond(f"{name}:{number}", line.count("."), MOST_DOTS, "points in one line")
 
 
 def shipped_lines() -> dict[str, Path]:
@@ -90,7 +106,7 @@ def _told(error: ValidationError, where: Any) -> str:
     message = first["msg"].removeprefix("Value error, ")
     told = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
-    got = f" (got {first['input']!r})" if key and not isinstance(first["input"], (dict, list)) else ""
+    got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
     return f"{told.rstrip('.')}{got}.{more}"
 
 
@@ -98,9 +114,9 @@ def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, A
     """TOML refuses a key that is given twice; JSON would take the last one."""
     found = dict(pairs)
     if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise InputError(f"{name}: key {twice!r} is given twice.")
+        counts = Counter(key for key, _ in pairs)
+        twice = next(key for key, count in counts.items() if count > 1)
+        raise InputError(f"{name}: key {quoted(twice)} is given twice.")
     return found
 
 

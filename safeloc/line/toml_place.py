@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-_HEADER = re.compile(r"^\s*(\[\[?)\s*([A-Za-z0-9_.\-\s]+?)\s*\]\]?")
+_HEADER = re.compile(r"\s*(\[\[?)([A-Za-z0-9_.\-\s]+)\]")
 _KEY = re.compile(r"^\s*([A-Za-z0-9_-]+)\s*=")
 
 
@@ -17,7 +17,7 @@ def line_of(text: str, path: Sequence[str | int]) -> int:
     for number, content in enumerate(text.splitlines(), 1):
         here: tuple[str | int, ...] | None = None
         if header := _HEADER.match(content):
-            here = table = _enter(header.group(2), header.group(1) == "[[", counts)
+            here = table = _enter(header.group(2).strip(), header.group(1) == "[[", counts)
         elif key := _KEY.match(content):
             here = (*table, key.group(1))
         if here is not None and len(here) > best_depth and tuple(path[: len(here)]) == here:

@@ -19,27 +19,28 @@ from dataclasses import dataclass, field
 
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, NumVar
+from safeloc.provers.facts import Fact, about, range_of
 from safeloc.provers.implication import Failure, Undecided, unproved
 from safeloc.provers.inherited import Alone, inherit
 from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.recheck import certify
-from safeloc.system import Part, TransitionSystem, environment, in_range
+from safeloc.system import Part, TransitionSystem, environment, first_without_the_world, in_range
 from safeloc.terms import Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)
 class Base:
-    """Proved facts by name, what was dropped and why, and the texts that cvc5 has confirmed.
+    """Proved facts, what was dropped and why, and the texts that cvc5 has confirmed.
 
     `seconds` is the time that was allowed: with more of it, what is undecided may yet be proved.
     """
 
-    always: Mapping[str, Bool]
-    facts: Mapping[str, Bool]
-    refuted: Mapping[str, Failure]
+    always: Mapping[Fact, Bool]
+    facts: Mapping[Fact, Bool]
+    refuted: Mapping[Fact, Failure]
     certificates: Mapping[str, str]
     seconds: float
-    kept: Mapping[str, Bool] = field(default_factory=dict)
+    kept: Mapping[Fact, Bool] = field(default_factory=dict)
     heard: Sequence[str] = ()
 
     @property
@@ -54,24 +55,32 @@ class Base:
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """Terms to be proved inductive together, on top of what is proved already."""
+    """Terms to be proved inductive together, on top of what is proved already.
+
+    first    what is known of the first state
+    allowed  what is known of every step
+    """
 
     system: TransitionSystem
     name: str
+    first: Bool
     allowed: Bool
     given: Sequence[Bool]
     relies_on: Sequence[str]
 
-    def queries(self, kept: Mapping[str, Bool]) -> tuple[Query, Query]:
+    def queries(self, kept: Mapping[Fact, Bool]) -> tuple[Query[Fact], Query[Fact]]:
         """Initiation and consecution of the conjunction."""
         system, after = self.system, Substitution(dict(self.system.next))
-        name, first = f"{system.name} {self.name}", [system.init, in_range(system.state), *self.given]
-        later = {key: after.bool(term) for key, term in kept.items()}
+        first = [self.first, in_range(system.state), *self.given]
         step = [self.allowed, *self.given, *kept.values()]
-        return Query(f"{name} initially", first, dict(kept)), Query(f"{name} in every step", step, later)
+        later = {key: after.bool(term) for key, term in kept.items()}
+        return self._query("start", first, dict(kept)), self._query("step", step, later)
+
+    def _query(self, when: str, hypotheses: Sequence[Bool], goals: Mapping[Fact, Bool]) -> Query[Fact]:
+        head = about(self.system, f"layer {when}", layer=self.name)
+        return Query(f"{self.system.name} {self.name} {when}", hypotheses, goals, head)
 
 
-LAYERS = ("always", "facts")
 _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDictionary()
 
 
@@ -97,23 +106,19 @@ def remember(system: TransitionSystem, known: Base) -> None:
     _KNOWN[system] = known
 
 
-def range_name(var: NumVar) -> str:
-    """The name under which a variable's range is proved."""
-    return f"range of {var.name}"
-
-
 def _prove(system: TransitionSystem, seconds: float) -> Base:
     own, hidden = _ranges(system, ghosts=False), _ranges(system, ghosts=True)
     had = inherit(system, [_alone(part, seconds) for part in system.parts], seconds)
     ends = deadline(seconds)
-    free = {name: term for name, term in system.lemmas.items() if not set(variables([term])) & system.ghosts}
+    lemmas = {Fact("lemma", name): term for name, term in system.lemmas.items()}
+    free = {key: term for key, term in lemmas.items() if not set(variables([term])) & system.ghosts}
     wanted = _without({**own, **free}, had.always)
-    always, texts, failed = _inductive(_board(system, had.always), wanted, ends)
+    always, texts, failed = _inductive(_board(system, had.always, list(had.certificates)), wanted, ends)
     always |= had.always
-    rest = _without({**hidden, **system.lemmas}, {**always, **had.facts})
+    rest = _without({**hidden, **lemmas}, {**always, **had.facts})
     world = _world(system, {**always, **had.facts}, [*had.certificates, *texts])
     facts, more_texts, refuted = _inductive(world, rest, ends)
-    refuted |= {name: why for name, why in failed.items() if name in own} | had.refuted
+    refuted |= {key: why for key, why in failed.items() if key in own} | had.refuted
     certificates = {**had.certificates, **texts, **more_texts}
     return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept, had.heard)
 
@@ -123,54 +128,56 @@ def _alone(part: Part, seconds: float) -> Alone:
     return Alone(known.always, known.facts, known.certificates)
 
 
-def _without(terms: Mapping[str, Bool], known: Mapping[str, Bool]) -> dict[str, Bool]:
-    return {name: term for name, term in terms.items() if name not in known}
+def _without(terms: Mapping[Fact, Bool], known: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
+    return {key: term for key, term in terms.items() if key not in known}
 
 
-def ranges_and_lemmas(system: TransitionSystem) -> dict[str, Bool]:
-    """All that is to be proved, by name."""
+def ranges_and_lemmas(system: TransitionSystem) -> dict[Fact, Bool]:
+    """All that is to be proved."""
     ranges = {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True)}
-    return {**ranges, **system.lemmas}
+    return {**ranges, **{Fact("lemma", name): term for name, term in system.lemmas.items()}}
 
 
-def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[str, Bool]:
+def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[Fact, Bool]:
     numeric = [var for var in system.state if isinstance(var, NumVar)]
-    return {range_name(var): in_range([var]) for var in numeric if (var in system.ghosts) == ghosts}
+    return {range_of(var): in_range([var]) for var in numeric if (var in system.ghosts) == ghosts}
 
 
-def _board(system: TransitionSystem, known: Mapping[str, Bool]) -> _Layer:
-    return _Layer(system, "always", environment(system, assume=False), list(known.values()), ())
+def _board(system: TransitionSystem, known: Mapping[Fact, Bool], relies_on: Sequence[str]) -> _Layer:
+    """For all inputs in range, and whatever the environment is at the start: `initially` may speak of ghosts."""
+    first = first_without_the_world(system)
+    return _Layer(system, "always", first, environment(system, assume=False), list(known.values()), relies_on)
 
 
-def _world(system: TransitionSystem, always: Mapping[str, Bool], relies_on: Sequence[str]) -> _Layer:
-    return _Layer(system, "facts", environment(system), list(always.values()), relies_on)
+def _world(system: TransitionSystem, always: Mapping[Fact, Bool], relies_on: Sequence[str]) -> _Layer:
+    return _Layer(system, "facts", system.init, environment(system), list(always.values()), relies_on)
 
 
 def _inductive(
-    layer: _Layer, terms: Mapping[str, Bool], ends: Deadline
-) -> tuple[dict[str, Bool], dict[str, str], dict[str, Failure]]:
+    layer: _Layer, terms: Mapping[Fact, Bool], ends: Deadline
+) -> tuple[dict[Fact, Bool], dict[str, str], dict[Fact, Failure]]:
     """The greatest part that is inductive together, its texts, and what fell out."""
-    kept, refuted = dict(terms), dict[str, Failure]()
+    kept, refuted = dict(terms), dict[Fact, Failure]()
     while kept:
         both = layer.queries(kept)
-        failed = {name: why for query in both for name, why in unproved(query, ends.left).items()}
+        failed = {key: why for query in both for key, why in unproved(query, ends.left).items()}
         texts: dict[str, str] = {}
         if not failed:
             texts, failed = _confirmed(both, layer.relies_on, ends)
         if not failed:
             return kept, texts, refuted
         refuted |= failed
-        kept = {name: term for name, term in kept.items() if name not in failed}
+        kept = {key: term for key, term in kept.items() if key not in failed}
     return {}, {}, refuted
 
 
 def _confirmed(
-    both: tuple[Query, Query], relies_on: Sequence[str], ends: Deadline
-) -> tuple[dict[str, str], dict[str, Failure]]:
+    both: tuple[Query[Fact], Query[Fact]], relies_on: Sequence[str], ends: Deadline
+) -> tuple[dict[str, str], dict[Fact, Failure]]:
     texts: dict[str, str] = {}
-    failed: dict[str, Failure] = {}
+    failed: dict[Fact, Failure] = {}
     for query in both:
         certificate = certify(query, seconds=ends.left, relies_on=relies_on)
         texts[certificate.file] = certificate.text
-        failed |= {name: Undecided("cvc5 could not confirm it in time") for name in certificate.undecided}
+        failed |= {key: Undecided("cvc5 could not confirm it in time") for key in certificate.undecided}
     return texts, failed

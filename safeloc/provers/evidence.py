@@ -20,7 +20,7 @@ def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[st
     initial = _shown(goal, state)
     steps: list[Step] = []
     if not holds(goal.good, state):
-        return Trace(goal.original, initial, ())
+        return Trace(goal.plain, initial, ())
     for record in stream:
         inputs = read_inputs(system, record)
         if not evaluate([allowed], {**state, **inputs})[0]:
@@ -29,7 +29,7 @@ def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[st
         named = {var.name: value for var, value in inputs.items()}
         steps.append(Step(named, fired_names(fired), _shown(goal, state), outputs(system, state)))
         if not holds(goal.good, state):
-            return Trace(goal.original, initial, tuple(steps))
+            return Trace(goal.plain, initial, tuple(steps))
     return None
 
 

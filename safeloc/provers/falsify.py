@@ -17,7 +17,9 @@ import z3
 
 from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.backends.smt import Unrolling
+from safeloc.errors import InputError
 from safeloc.expr import NumVar, Var
+from safeloc.machine import Any_
 from safeloc.nodes import Value
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.shorten import shortened
@@ -42,6 +44,8 @@ def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
     if goal.prop.kind == "reachable":
         return Unknown("falsify: looks for violations only")
     ends, search = deadline(limits.seconds), _Search(goal, limits.seed + seed)
+    if not search.begins(ends):
+        return Unknown("falsify: no first state found that satisfies `initially`")
     runs = 0
     while not ends.passed:
         runs += 1
@@ -84,7 +88,32 @@ class _Search:
         self._stream: list[Record] = []
         self._near: list[_Near] = []
         self._archive: dict[Row, _Reached] = {}
+        self._known: Record = {}
         self._labels = [n for n, var in enumerate(goal.system.state) if not _is_quantity(var)]
+
+    def begins(self, ends: Deadline) -> bool:
+        """Whether there is a first state to start from: one met by chance, or else one that the solver knows."""
+        try:
+            self._known = first_state(self.goal.system, self._draw)
+        except InputError:
+            return self._solved(ends)
+        return True
+
+    def _solved(self, ends: Deadline) -> bool:
+        solver, system = z3.Solver(), self.goal.system
+        solver.set("timeout", milliseconds(ends.left))
+        solver.add(self._unrolling.initially())
+        if solver.check() != z3.sat:
+            return False
+        open_ = [var for var in system.state if isinstance(system.initial[var], Any_)]
+        self._known = self._unrolling.values(solver.model(), 0, open_)
+        return True
+
+    def _first(self) -> Mapping[str, Value]:
+        try:
+            return first_state(self.goal.system, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.3)))
+        except InputError:  # `initially` is too narrow to be met by chance
+            return self._known
 
     def run(self) -> list[Record] | None:
         """One run by one habit; its stream if it breaks the property."""
@@ -112,7 +141,7 @@ class _Search:
             self.first, self._stream = known.first, list(known.stream)
             return known.state
         hidden = {var.name for var in self.goal.observers}
-        chosen = first_state(self.goal.system, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.3)))
+        chosen = self._first()
         self.first = {name: value for name, value in chosen.items() if name not in hidden}
         self._stream = []
         return self._code.first({**self.first})

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import z3
 
 from safeloc.backends.smt import Terms, constant
-from safeloc.backends.smtlib import Query
+from safeloc.backends.smtlib import Key, Query
 from safeloc.expr import Bool, Var
 from safeloc.nodes import And, Value
 from safeloc.provers.limits import deadline, milliseconds
@@ -44,23 +44,23 @@ class Undecided:
 Failure = Refuted | Undecided
 
 
-def unproved(query: Query, seconds: float, seed: int = 0) -> dict[str, Failure]:
-    """The goals that do not follow, or are not decided within `seconds` for all of them together."""
+def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
+    """The goals, by their keys, that do not follow, or are not decided within `seconds` for all of them together."""
     named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
     terms, solver, ends = Terms(named), z3.Solver(), deadline(seconds)
     solver.set("random_seed", seed)
     solver.add(*(terms.bool(term) for term in query.hypotheses))
-    failed: dict[str, Failure] = {}
-    for name, goal in query.goals.items():
+    failed: dict[Key, Failure] = {}
+    for key, goal in query.goals.items():
         if ends.passed:
-            failed[name] = Undecided(f"time limit of {seconds:g} s")
+            failed[key] = Undecided(f"time limit of {seconds:g} s")
             continue
         solver.set("timeout", milliseconds(ends.left))
         solver.push()
         solver.add(z3.Not(terms.bool(goal)))
         failure = _failure(solver, goal, named)
         if failure is not None:
-            failed[name] = failure
+            failed[key] = failure
         solver.pop()
     return failed
 

@@ -16,7 +16,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.backends.smtlib import Query
+from safeloc.composition import lemma_name
 from safeloc.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.provers.facts import Fact, about, heard_by, owed_to, range_of
 from safeloc.provers.implication import Failure, Undecided, conjuncts, unproved
 from safeloc.provers.limits import deadline
 from safeloc.provers.recheck import certify
@@ -32,8 +34,8 @@ PATIENCE = 3  # a contract speaks of several machines at once, and without it no
 class Alone:
     """What a machine keeps by itself, over its own state: for all inputs, and under its assumption."""
 
-    always: Mapping[str, Bool]
-    facts: Mapping[str, Bool]
+    always: Mapping[Fact, Bool]
+    facts: Mapping[Fact, Bool]
     certificates: Mapping[str, str]
 
 
@@ -44,27 +46,22 @@ class Inherited:
     `heard` names the machines that were shown to hear no more than they may hear.
     """
 
-    always: dict[str, Bool] = field(default_factory=dict)
-    facts: dict[str, Bool] = field(default_factory=dict)
-    kept: dict[str, Bool] = field(default_factory=dict)
+    always: dict[Fact, Bool] = field(default_factory=dict)
+    facts: dict[Fact, Bool] = field(default_factory=dict)
+    kept: dict[Fact, Bool] = field(default_factory=dict)
     certificates: dict[str, str] = field(default_factory=dict)
-    refuted: dict[str, Failure] = field(default_factory=dict)
+    refuted: dict[Fact, Failure] = field(default_factory=dict)
     heard: list[str] = field(default_factory=list)
 
 
-def contract_name(part: Part) -> str:
-    """The name under which what a machine is owed is proved."""
-    return f"what {part.name} is owed is kept"
+def contracts(system: TransitionSystem) -> dict[Fact, Bool]:
+    """What the machines of a composition owe each other; over the state before a step and its inputs."""
+    return {owed_to(part): part.owed for part in system.parts if part.owed is not TRUE}
 
 
-def contracts(system: TransitionSystem) -> dict[str, Bool]:
-    """What the machines of a composition owe each other, by name; over the state before a step and its inputs."""
-    return {contract_name(part): part.owed for part in system.parts if part.owed is not TRUE}
-
-
-def contract_properties(system: TransitionSystem) -> list[Property]:
+def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]:
     """The same as properties of the whole."""
-    return [always(name, _before_the_step(system, term)) for name, term in contracts(system).items()]
+    return [(key, always(str(key), _before_the_step(system, term))) for key, term in contracts(system).items()]
 
 
 def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
@@ -78,29 +75,30 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
         found.certificates |= own.certificates
-        heard = proof.confirm(f"what {part.name} hears is in range", part.heard, found, always=True)
+        heard = proof.confirm(heard_by(part), part.heard, found, always=True)
         if heard:
             found.heard.append(part.name)
             found.always |= _renamed(part, own.always)
-        name = contract_name(part)
-        owed = heard and proof.confirm(name, part.owed, found, always=False)
+        owed = heard and proof.confirm(owed_to(part), part.owed, found, always=False)
         if owed:
             found.facts |= _renamed(part, own.facts)
-            found.kept |= {} if part.owed is TRUE else {name: part.owed}
+            found.kept |= {} if part.owed is TRUE else {owed_to(part): part.owed}
     return found
 
 
-def _renamed(part: Part, facts: Mapping[str, Bool]) -> dict[str, Bool]:
+def _renamed(part: Part, facts: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
     """Facts of a machine, as the whole names them."""
-    ranges = {f"range of {var.name}": _twin(part, var) for var in part.alone.state if isinstance(var, NumVar)}
-    named = {name: f"range of {ranges[name]}" if name in ranges else f"{part.name}: {name}" for name in facts}
-    return {named[name]: part.into.bool(term) for name, term in facts.items()}
+    ranges = {range_of(var): range_of(_twin(part, var)) for var in part.alone.state if isinstance(var, NumVar)}
+    return {
+        ranges.get(key, Fact("lemma", lemma_name(part.machine, key.of))): part.into.bool(term)
+        for key, term in facts.items()
+    }
 
 
-def _twin(part: Part, var: NumVar) -> str:
+def _twin(part: Part, var: NumVar) -> NumVar:
     twin = part.into(var)
     assert isinstance(twin, NumVar)
-    return twin.name
+    return twin
 
 
 class _Proof:
@@ -111,27 +109,29 @@ class _Proof:
         self._after, self._relevance = Substitution(dict(system.next)), Relevance(system)
         self._free, self._lawful = environment(system, assume=False), environment(system)
 
-    def confirm(self, name: str, term: Bool, found: Inherited, *, always: bool) -> bool:
+    def confirm(self, fact: Fact, term: Bool, found: Inherited, *, always: bool) -> bool:
         """Whether the term holds in every step, by z3 and cvc5; what speaks against it goes into `refuted`."""
         known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
         states = [] if always else list(found.facts.values())
         given = [self._free if always else self._lawful, *known]
-        given += [self._after.bool(fact) for fact in (*found.always.values(), *states)]
+        given += [self._after.bool(one) for one in (*found.always.values(), *states)]
         for number, goals in enumerate(self._alike(term), 1):
-            query = Query(f"{self._system.name} {name} {number}", self._relevance.select(given, goals.values()), goals)
+            head = about(self._system, fact.kind, of=fact.of, group=number)
+            wanted = self._relevance.select(given, goals.values())
+            query = Query(f"{self._system.name} {fact} {number}", wanted, goals, head)
             failed = unproved(query, self.ends.left)
             if not failed:
                 certificate = certify(query, seconds=self.ends.left, relies_on=list(found.certificates))
                 found.certificates[certificate.file] = certificate.text
                 failed = {goal: Undecided("cvc5 could not confirm it in time") for goal in certificate.undecided}
             if failed:
-                found.refuted[name] = next(iter(failed.values()))
+                found.refuted[fact] = next(iter(failed.values()))
                 return False
         return True
 
-    def _alike(self, term: Bool) -> list[dict[str, Bool]]:
-        """The parts of a term, those together that speak of the same machines."""
-        groups: dict[frozenset[int], dict[str, Bool]] = {}
+    def _alike(self, term: Bool) -> list[dict[int, Bool]]:
+        """The parts of a term by number, those together that speak of the same machines."""
+        groups: dict[frozenset[int], dict[int, Bool]] = {}
         for number, part in enumerate(conjuncts(term), 1):
-            groups.setdefault(self._relevance.machines([part]), {})[f"part {number}"] = part
+            groups.setdefault(self._relevance.machines([part]), {})[number] = part
         return list(groups.values())

@@ -1,7 +1,7 @@
 """k-induction: unbounded proofs, with the system's proved base as hypotheses.
 
-k = 1 keeps a one-step inductive invariant; k > 1 is certified by its own base and step queries. Every text is
-re-checked by cvc5 before the verdict is Proved.
+k = 1 keeps a one-step inductive invariant; k > 1 is certified by the base queries of 1 to k (that of k alone says nothing of
+a run that ends before) and its step query. Every text is re-checked by cvc5 before the verdict is Proved.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from dataclasses import replace
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
 from safeloc.provers.base import Base, base
+from safeloc.provers.facts import about
+from safeloc.provers.given import nothing_given
 from safeloc.provers.implication import Undecided, conjuncts, unproved
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.recheck import ENGINE, certify
@@ -29,26 +31,31 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
     """
     known, ends = base(goal.original, seconds=limits.seconds), deadline(limits.seconds)
     if goal.original.parts and not goal.observers:
-        implied = Query(
-            f"{goal.original.name} {goal.prop.name} of every state", given_facts(goal, known), {"good": goal.good}
-        )
+        head = about(goal.original, "implied", property=goal.prop.name)
+        name = f"{goal.original.name} {goal.prop.name} of every state"
+        implied = Query(name, given_facts(goal, known), {"good": goal.good}, head)
         if not unproved(implied, ends.left, limits.seed):
             return _proved(goal, known, 1, (implied,), limits.seconds)
+    starts: list[Query[str]] = []
     for k in range(1, limits.induction + 1):
         start, later = queries(goal, known, k)
+        starts.append(start)
         failed = unproved(start, ends.left, limits.seed)
         if failed:
             return Unknown(f"k = {k}, start: {next(iter(failed.values()))}", k - 2)
         failed = unproved(later, ends.left, limits.seed)
         if not failed:
-            return _proved(goal, known, k, (start, later), limits.seconds)
+            return _proved(goal, known, k, (*starts, later), limits.seconds)
         undecided = [str(why) for why in failed.values() if isinstance(why, Undecided)]
         if undecided:
             return Unknown(f"k = {k}: {undecided[0]}", k - 1)
     return Unknown(f"not {limits.induction}-inductive with the proved ranges and lemmas", limits.induction - 1)
 
 
-def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query, ...], seconds: float) -> Verdict:
+def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], seconds: float) -> Verdict:
+    empty = nothing_given(goal, seconds)
+    if empty is not None:
+        return empty
     made = [certify(query, seconds=seconds, relies_on=list(known.certificates)) for query in texts_of]
     if any(one.undecided for one in made):
         return Unknown(f"proved by {k}-induction in z3, but cvc5 could not confirm it in time", k - 1)
@@ -66,7 +73,7 @@ def _wanted(goal: Goal) -> Bool:
     return all_of([goal.good, goal.helper, in_range(goal.observers)])
 
 
-def queries(goal: Goal, known: Base, k: int) -> tuple[Query, Query]:
+def queries(goal: Goal, known: Base, k: int) -> tuple[Query[str], Query[str]]:
     """Base: `good` in the first k states. Step: after k good states comes another. One question a conjunct."""
     name = f"{goal.original.name} {goal.prop.name}"
     kept = [] if goal.prop.unconditional else list(known.kept.values())
@@ -77,7 +84,11 @@ def queries(goal: Goal, known: Base, k: int) -> tuple[Query, Query]:
     first = [goal.system.init, in_range(goal.system.state), *given, *allowed[:-1]]
     early = {key: part for step in range(k) for key, part in _parts(f"good after {step} steps", hold[step])}
     late = dict(_parts("good after the last step", hold[k]))
-    return Query(f"{name} initially", first, early), Query(f"{name} in every step", [*facts, *allowed, *hold[:k]], late)
+    later = [*facts, *allowed, *hold[:k]]
+    start, step = (
+        about(goal.original, f"induction {when}", property=goal.prop.name, k=k) for when in ("start", "step")
+    )
+    return Query(f"{name} start", first, early, start), Query(f"{name} step", later, late, step)
 
 
 def _parts(name: str, term: Bool) -> list[tuple[str, Bool]]:

@@ -11,26 +11,32 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal, assert_never
 
+from safeloc.backends.smtlib import Query
+from safeloc.composition import inherited_term
 from safeloc.errors import PropertyError
 from safeloc.expr import TRUE
-from safeloc.provers.base import LAYERS, Base, base, known_base, ranges_and_lemmas, remember
+from safeloc.provers import antecedents
+from safeloc.provers.base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.provers.bmc import Exhausted, bmc, search
+from safeloc.provers.dead_ends import given_lasts
 from safeloc.provers.evidence import confirmed
+from safeloc.provers.facts import Fact, about, owed_to
 from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
-from safeloc.provers.inherited import contract_name, contract_properties, contracts
-from safeloc.provers.kinduction import kinduction
+from safeloc.provers.inherited import contract_properties, contracts
+from safeloc.provers.kinduction import given_facts, kinduction
 from safeloc.provers.limits import Limits, deadline
-from safeloc.provers.reachability import can_go_on
-from safeloc.provers.recheck import ENGINE, file_name
+from safeloc.provers.recheck import ENGINE
+from safeloc.provers.recorded import Recording
+from safeloc.provers.settle import Settled, settled
 from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
 from safeloc.spec import Goal, Property, always, observe
-from safeloc.system import TransitionSystem
-from safeloc.terms import variables
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.system import Part, TransitionSystem, in_range
+from safeloc.terms import alike, variables
+from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 
 GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
@@ -44,10 +50,8 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     ends, said, depth = deadline(limits.seconds), list[str](), -1
     for name, engine, share in _ENGINES:
         verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share)))
-        if isinstance(verdict, Proved) and goal.prop.given is not TRUE and not can_go_on(goal.system, limits):
-            return Unknown(
-                "empty: no run keeps what the property is given, so that nothing is said by its proof", depth
-            )
+        if isinstance(verdict, Proved):
+            return given_lasts(goal, verdict, limits)
         if not isinstance(verdict, Unknown):
             return verdict
         said.append(f"{name}: {verdict.reason}")
@@ -72,6 +76,8 @@ def _reach(goal: Goal, limits: Limits) -> Verdict:
     never = kinduction(goal, half)
     if isinstance(never, Proved):
         return Violated(None, never.engine, f"no run comes there: proved by {never.engine}")
+    if isinstance(never, Vacuous):
+        return never
     return Unknown(found.reason, found.depth)
 
 
@@ -82,18 +88,19 @@ def prove(
     *,
     jobs: int = 1,
     on_finding: OnFinding | None = None,
+    recordings: Sequence[Recording] = (),
 ) -> list[Finding]:
     """A Finding for every declared lemma and every property, in order; `on_finding` is told of each as it comes.
 
-    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. PropertyError if
-    two properties would share a name or a certificate's file.
+    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. What `recordings`
+    show to happen need not be found by search. PropertyError if two properties share a name.
     """
     _check_names(properties)
     known, seconds = proved_base(system, limits)
     lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)]
     claims = [*lemmas, *(_property_claim(system, prop) for prop in properties)]
     findings: dict[int, Finding] = {}
-    for index, finding in _findings(claims, limits, jobs):
+    for index, finding in _findings(claims, _Cases(system, properties, limits, recordings), jobs):
         findings[index] = finding
         if on_finding is not None:
             on_finding(finding)
@@ -101,17 +108,13 @@ def prove(
 
 
 def _check_names(properties: Sequence[Property]) -> None:
+    """A report tells properties apart by name."""
     seen: dict[str, Property] = {}
     for prop in properties:
-        if prop.name in LAYERS:
-            raise PropertyError(
-                f"{prop.src}: property {prop.name!r} has the name of a certificate of the base; rename it."
-            )
-        other = seen.setdefault(file_name(prop.name), prop)
+        other = seen.setdefault(prop.name, prop)
         if other is not prop:
             raise PropertyError(
-                f"{prop.src}: property {prop.name!r} has the name of {other.name!r} ({other.src}), or one that gives "
-                "the same file name; rename one of them."
+                f"{prop.src}: property {prop.name!r} has the name of another one ({other.src}); rename one of them."
             )
 
 
@@ -158,43 +161,68 @@ def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
 
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     """What a machine keeps by itself, where it hears what it may hear and is owed what it assumes; else as of the whole."""
-    assert goal.prop.kept_by is not None
-    machine, own = goal.prop.kept_by
-    part = next(part for part in goal.original.parts if part.alone.machines[0] is machine)
+    inherited = _inherited(goal)
+    if inherited is None:
+        return prove_one(goal, limits)
+    part, own = inherited
     known = base(goal.original, seconds=limits.seconds)
     free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
-    owed = free or part.owed is TRUE or contract_name(part) in known.kept
+    owed = free or part.owed is TRUE or owed_to(part) in known.kept
     if not owed or part.name not in known.heard:
         return prove_one(goal, limits)
-    verdict = prove_one(observe(part.alone, own), replace(limits, seconds=limits.seconds / 2))
+    first, half = _at_first(goal, known, limits), replace(limits, seconds=limits.seconds / 2)
+    verdict = prove_one(observe(part.alone, own), half) if not first.failed else None
     if isinstance(verdict, Proved):
-        return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself")
-    return prove_one(goal, replace(limits, seconds=limits.seconds / 2))
+        texts = {**known.certificates, **verdict.certificates, **first.texts}
+        return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself", certificates=texts)
+    return prove_one(goal, half)
+
+
+def _inherited(goal: Goal) -> tuple[Part, Property] | None:
+    """The machine and its own property, where what is claimed of the whole is what that says of it, and nothing else."""
+    if goal.prop.kept_by is None:
+        return None
+    machine, own = goal.prop.kept_by
+    part = next((part for part in goal.original.parts if part.machine is machine), None)
+    plain = own.kind == goal.prop.kind == "always" and own.given is goal.prop.given is TRUE
+    if part is None or not plain or own.unconditional != goal.prop.unconditional:
+        return None
+    return (part, own) if alike(inherited_term(part.into, own), goal.prop.term) else None
+
+
+def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
+    """A property of steps becomes one of states where an input is wired, and is then required of the first state too."""
+    if goal.observers:
+        return Settled({}, {})
+    first = [goal.system.init, in_range(goal.system.state), *given_facts(goal, known)]
+    head = about(goal.original, "first state", property=goal.prop.name)
+    query = Query(f"{goal.original.name} {goal.prop.name} first state", first, {"good": goal.good}, head)
+    return settled(query, deadline(limits.seconds), list(known.certificates))
 
 
 def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
     """Proved lemmas; for one that was dropped, a run that breaks it is searched."""
     for name, term in system.lemmas.items():
-        goal = observe(system, always(name, term))
-        if name in known.refuted:
-            yield _Claim(goal, "lemma", _breaking(f"not used: {known.refuted[name]}"))
+        goal, key = observe(system, always(name, term)), Fact("lemma", name)
+        if key in known.refuted:
+            yield _Claim(goal, "lemma", _breaking(f"not used: {known.refuted[key]}"))
         else:
             verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
-            reach = "for all inputs in range" if name in known.always else "under the assumption"
+            reach = "for all inputs in range" if key in known.always else "under the assumption"
             method = f"1-induction, all lemmas together, {reach}, re-checked by {ENGINE}"
             yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
 
 
 def _contract_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
     """What machines of a composition owe each other; for what was not shown, a run that breaks it is searched."""
-    for prop in contract_properties(system):
+    for key, prop in contract_properties(system):
         goal = observe(system, prop)
-        if prop.name in known.kept:
-            verdict = Proved(known.kept[prop.name], "1-induction", 1, (ENGINE,), known.certificates)
+        if key in known.kept:
+            verdict = Proved(known.kept[key], "1-induction", 1, (ENGINE,), known.certificates)
             method = f"assume-guarantee: what is known of the machines before it, re-checked by {ENGINE}"
             yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
         else:
-            why = known.refuted.get(prop.name, "a machine before it does not keep what it should")
+            why = known.refuted.get(key, "a machine before it does not keep what it should")
             yield _Claim(goal, "lemma", _breaking(f"not shown: {why}"))
 
 
@@ -206,31 +234,72 @@ def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:
     return prover
 
 
-def _findings(claims: Sequence[_Claim], limits: Limits, jobs: int) -> Iterator[tuple[int, Finding]]:
+@dataclass(frozen=True, eq=False)
+class _Cases:
+    """What the search for the cases that properties speak of has to know."""
+
+    system: TransitionSystem
+    properties: Sequence[Property]
+    limits: Limits
+    recordings: Sequence[Recording]
+
+    def task(self) -> Task | None:
+        """The search; None where all is known."""
+        return antecedents.search_task(self.system, self.properties, self.limits, self.recordings)
+
+    def remember(self, packed: Sequence[antecedents.Outcome] | Lost) -> None:
+        """Keeps what the search found."""
+        antecedents.remember(self.system, self.properties, self.limits, len(self.recordings), packed)
+
+    def judged(self, prop: Property, verdict: Verdict) -> Verdict:
+        """Vacuous in the place of Proved where a case never occurs."""
+        return antecedents.found(self.system, [prop]).judged(prop, verdict)
+
+
+def _findings(claims: Sequence[_Claim], cases: _Cases, jobs: int) -> Iterator[tuple[int, Finding]]:
     """Findings as they come, with the place of their claim."""
-    open_: list[int] = []
-    for index, claim in enumerate(claims):
-        if claim.finding is None:
-            open_.append(index)
+    yield from ((index, claim.finding) for index, claim in enumerate(claims) if claim.finding is not None)
+    open_ = [index for index, claim in enumerate(claims) if claim.finding is None]
+    search, tasks = cases.task(), [_task(claims[index], cases.limits) for index in open_]
+    first = [] if search is None else [search]
+    kept = list[tuple[int, Verdict, float]]()
+    searching = bool(first)
+    for number, packed, seconds in in_processes([*first, *tasks], jobs):
+        if first and number == 0:
+            cases.remember(packed)
+            searching = False
+            yield from ((index, _decided(claims[index], cases, verdict, took)) for index, verdict, took in kept)
+            continue
+        index = open_[number - len(first)]
+        verdict = _received(packed, claims[index].goal)
+        if searching and _waits(claims[index], verdict):
+            kept.append((index, verdict, seconds))
         else:
-            yield index, claim.finding
-    tasks = [_task(claims[index], limits) for index in open_]
-    for number, packed, seconds in in_processes(tasks, jobs):
-        claim = claims[open_[number]]
-        verdict = _received(packed, claim.goal)
-        yield open_[number], _finding(claim.goal, claim.kind, verdict, _method(verdict), seconds)
+            yield index, _decided(claims[index], cases, verdict, seconds)
+
+
+def _waits(claim: _Claim, verdict: Verdict) -> bool:
+    """Whether the verdict depends on what occurs."""
+    return isinstance(verdict, Proved) and bool(antecedents.antecedents(claim.goal.prop))
+
+
+def _decided(claim: _Claim, cases: _Cases, verdict: Verdict, seconds: float) -> Finding:
+    method = _method(verdict)
+    judged = cases.judged(claim.goal.prop, verdict) if claim.kind == "property" else verdict
+    return _finding(claim.goal, claim.kind, judged, method, seconds)
 
 
 def _task(claim: _Claim, limits: Limits) -> Task:
     goal = claim.goal
-    return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), _end(limits))
+    end = _end(limits) * (1 if goal.prop.given is TRUE else 2)  # what is given has to be shown to last as well
+    return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), end)
 
 
 def _received(packed: Packed | Lost, goal: Goal) -> Verdict:
     """The verdict of another process; its trace is judged once more in this one."""
     if isinstance(packed, Lost):
         return Unknown(packed.reason)
-    verdict = unpack(packed, goal.original, goal.system)
+    verdict = unpack(packed, goal.plain, goal.system)
     trace = verdict.trace if isinstance(verdict, Violated) else verdict.witness if isinstance(verdict, Proved) else None
     if trace is not None:
         confirmed(goal, trace.initial, [step.inputs for step in trace.steps], "the prover's process")
@@ -260,6 +329,8 @@ def _method(verdict: Verdict) -> str:
             return f"{engine}, re-checked by {ENGINE}"
         case Violated(engine=engine):
             return f"{engine}, replayed in the interpreter"
+        case Vacuous():
+            return "proved, and nothing by it"
         case Unknown():
             return "k-induction, bounded search, Spacer, falsifiers"
         case _:

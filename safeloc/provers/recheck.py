@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Generic
 
 import cvc5
 
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.backends.smtlib import Key, Query, to_smtlib
 from safeloc.errors import EngineError
 from safeloc.provers.limits import Deadline, deadline, milliseconds
 
@@ -20,40 +22,44 @@ ALONE = {"decision": "justification"}  # for what is left: equalities of two cop
 FIRST_SECONDS = 10.0  # for each goal among the others, before it is tried alone: most take 1 s, and 15 s alone
 
 
+LONGEST_NAME = 150
+
+
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(Generic[Key]):
     """The text of a query, and which of its goals cvc5 could not decide in time (none: the proof is confirmed)."""
 
     file: str
     text: str
-    undecided: tuple[str, ...]
+    undecided: tuple[Key, ...]
 
 
-def certify(query: Query, *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate:
+def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate[Key]:
     """The query's text, each goal decided by cvc5. EngineError if cvc5 contradicts a goal or cannot read the text.
 
     `relies_on` names the files of the proofs whose results are hypotheses here.
     """
-    file = file_name(query.name)
-    text = "".join(f"; relies on {other}\n" for other in relies_on) + to_smtlib(query)
+    text = to_smtlib(query, relies_on)
+    file = file_name(query.name, text)
     ends = deadline(seconds)
     answers = recheck(file, text, len(query.goals), seconds=seconds, each=min(seconds, FIRST_SECONDS))
     left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
     return Certificate(file, text, tuple(goal for goal in left if not _confirmed_alone(query, goal, ends)))
 
 
-def _confirmed_alone(query: Query, goal: str, ends: Deadline) -> bool:
+def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
     """Whether cvc5 confirms one goal from the same hypotheses, in what is left of the time."""
     if ends.passed:
         return False
     one = Query(query.name, query.hypotheses, {goal: query.goals[goal]})
-    [answer] = recheck(file_name(query.name), to_smtlib(one), 1, seconds=ends.left, options=ALONE)
+    [answer] = recheck(query.name, to_smtlib(one), 1, seconds=ends.left, options=ALONE)
     return answer == "unsat"
 
 
-def file_name(name: str) -> str:
-    """The certificate's file for a query of this name."""
-    return "".join(letter if letter.isalnum() or letter in "_.@" else "-" for letter in name) + ".smt2"
+def file_name(name: str, text: str) -> str:
+    """The file of a certificate: its name for people, and a digest of its text, so that one file has one content."""
+    plain = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.") else "-" for letter in name)
+    return f"{plain[:LONGEST_NAME]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.smt2"
 
 
 def recheck(

@@ -8,12 +8,15 @@ assumption, replayed in the interpreter.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass
 
 from safeloc.errors import InputError
-from safeloc.expr import Var
+from safeloc.expr import Bool, Var
 from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, start, step
 from safeloc.nodes import Value
+from safeloc.provers.limits import Deadline
+from safeloc.runs.allowed import compiled_terms
 from safeloc.spec import Goal, Watch, watch
 from safeloc.system import TransitionSystem, environment
 from safeloc.trace import Step, Trace
@@ -29,16 +32,16 @@ class Recording:
     steps: Sequence[Mapping[str, object]]
 
 
-def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[str, Trace]:
+def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, Trace]:
     """The shortest recorded run to each goal that some recording comes to; all goals are of one system."""
-    found: dict[str, Trace] = {}
+    found: dict[Goal, Trace] = {}
     if not goals:
         return found
-    watched = watch(replace(goals[0].original, assume=goals[0].system.assume), goals)
+    watched = watch(goals[0].plain, goals)
     for recording in recordings:
-        for name, trace in _first_times(watched, recording):
-            if name not in found or len(trace.steps) < len(found[name].steps):
-                found[name] = trace
+        for goal, trace in _first_times(watched, recording):
+            if goal not in found or len(trace.steps) < len(found[goal].steps):
+                found[goal] = trace
     return found
 
 
@@ -58,10 +61,20 @@ def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: in
     return None
 
 
-def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[str, Trace]]:
+def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[str, Value], list[Mapping[str, Value]]]:
+    """First state and inputs of a recorded run as far as it keeps the assumption; no steps if it never begins."""
+    try:
+        state = start(system, _known(system, recording.first))
+    except InputError:
+        return {}, []
+    stream = [one.inputs for one, _ in _admissible(system, state, recording, frozenset())]
+    return dict(_named(state, frozenset())), stream
+
+
+def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
     """Each goal with the run up to the step in which the recording first comes to it."""
-    system, original, hidden = watched.system, watched.goals[0].original, frozenset(watched.observers)
-    left, taken = {goal.prop.name: goal for goal in watched.goals}, list[Step]()
+    system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
+    left, taken = list(watched.goals), list[Step]()
     try:
         state = start(system, _known(original, recording.first))
     except InputError:
@@ -69,9 +82,9 @@ def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[str, Tr
     initial = _named(state, hidden)
     for one, after in _admissible(system, state, recording, hidden):
         taken.append(one)
-        for name in [name for name, goal in left.items() if not holds(goal.good, after)]:
-            del left[name]
-            yield name, Trace(original, initial, tuple(taken))
+        for goal in [goal for goal in left if not holds(goal.good, after)]:
+            left.remove(goal)
+            yield goal, Trace(original, initial, tuple(taken))
 
 
 def _admissible(
@@ -98,3 +111,75 @@ def _known(system: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Va
 
 def _named(state: Values, hidden: frozenset[Var]) -> dict[str, Value]:
     return {var.name: value for var, value in state.items() if var not in hidden}
+
+
+# ------------------------------------------------------------------ many goals, by generated code
+
+
+def come_to(
+    system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
+) -> set[int]:
+    """The goals of the system, by number, that some recording comes to while it keeps what they rely on.
+
+    The runs are made by generated code: that something happens has to be known of many goals at little cost, and no
+    proof rests on it. What the clock leaves out is not found.
+    """
+    found = set[int]()
+    if goals and recordings:
+        replay = Replay(system, goals)
+        for recording in recordings:
+            found |= replay.found(recording, ends)
+    return found
+
+
+def known_first(system: TransitionSystem, recording: Recording) -> dict[str, Value]:
+    """The first values that a recording gives, of variables that the system has."""
+    return _known(system, recording.first)
+
+
+class Replay:
+    """The moves of a system with the observers of all goals, as plain code."""
+
+    def __init__(self, system: TransitionSystem, goals: Mapping[int, Goal]) -> None:
+        self.system, self._numbers = system, tuple(goals)
+        self.watched = watch(system, list(goals.values())).system
+        relied: dict[Bool, int] = {}
+        self._relies = [relied.setdefault(goal.system.assume, len(relied)) for goal in goals.values()]
+        self._moves = tuple(self.watched.next)
+        self._reads = (*self.watched.state, *system.inputs)
+        admissible = environment(system, assume=False)
+        self._step = compiled_terms(self._reads, [admissible, *relied, *self.watched.next.values()])
+        self._goods = compiled_terms(self.watched.state, [goal.good for goal in goals.values()])
+        self._relied = len(relied)
+
+    def found(self, recording: Recording, ends: Deadline) -> set[int]:
+        """The goals that it comes to."""
+        found = set[int]()
+        for state, kept in self.states(recording):
+            if ends.passed or not any(kept):
+                break
+            told = zip(self._numbers, self._goods(state), self._relies, strict=True)
+            found |= {number for number, good, relies in told if not good and kept[relies]}
+        return found
+
+    def states(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
+        """Each state, and what has been kept up to it; what the machine cannot take ends the recording."""
+        kept = [True] * self._relied
+        with suppress(InputError):
+            for state, now in self._each(recording):
+                kept = [was and one for was, one in zip(kept, now, strict=True)]
+                yield state, kept
+
+    def _each(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
+        """Each state, and what was kept in the step to it; as long as it is in range."""
+        names = {var.name for var in self.system.inputs}
+        values = start(self.watched, _known(self.system, recording.first))
+        yield [values[var] for var in self.watched.state], [True] * self._relied
+        for record in recording.steps:
+            inputs = read_inputs(self.system, {name: cell for name, cell in record.items() if name in names})
+            values |= inputs
+            admissible, *rest = self._step([values[var] for var in self._reads])
+            if not admissible:
+                return
+            values = dict(zip(self._moves, rest[self._relied :], strict=True))
+            yield [values[var] for var in self.watched.state], [bool(one) for one in rest[: self._relied]]

@@ -46,7 +46,7 @@ def shortened(
 
 def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
     """How many steps a stream takes to break the property; None if it does not, or breaks the assumption before."""
-    allowed, system = BoolVar("allowed"), goal.system
+    allowed, system = BoolVar("observer.allowed"), goal.system
     code = compile_system(
         replace(
             system,

@@ -16,6 +16,8 @@ from safeloc.backends.smtlib import Query
 from safeloc.errors import EngineError
 from safeloc.expr import TRUE, Bool, all_of
 from safeloc.provers.base import Base, base
+from safeloc.provers.facts import about
+from safeloc.provers.given import nothing_given
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import given_facts
 from safeloc.provers.limits import Deadline, Limits, deadline
@@ -97,6 +99,9 @@ def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
 
 def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verdict:
     """The invariant's three queries, by z3 and by cvc5."""
+    empty = nothing_given(goal, ends.left)
+    if empty is not None:
+        return empty
     certificates = dict(known.certificates)
     for query in queries(goal, given_facts(goal, known), invariant):
         failed = unproved(query, ends.left)
@@ -109,13 +114,22 @@ def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verd
     return Proved(all_of([*given_facts(goal, known), invariant]), "spacer", 0, (ENGINE,), certificates)
 
 
-def queries(goal: Goal, facts: Sequence[Bool], invariant: Bool) -> tuple[Query, Query, Query]:
+def queries(goal: Goal, facts: Sequence[Bool], invariant: Bool) -> tuple[Query[str], Query[str], Query[str]]:
     """Initiation, consecution, and that the property follows."""
     system, name = goal.system, f"{goal.original.name} {goal.prop.name} spacer"
     after = Substitution(dict(system.next)).bool(invariant)
     first = [system.init, in_range(system.state), *facts]
     return (
-        Query(f"{name} initially", first, {"invariant": invariant}),
-        Query(f"{name} in every step", [environment(system), *facts, invariant], {"invariant after it": after}),
-        Query(f"{name} implies the property", [*facts, invariant], {"good": goal.good}),
+        Query(f"{name} start", first, {"invariant": invariant}, _about(goal, "start")),
+        Query(
+            f"{name} step",
+            [environment(system), *facts, invariant],
+            {"invariant after it": after},
+            _about(goal, "step"),
+        ),
+        Query(f"{name} implies", [*facts, invariant], {"good": goal.good}, _about(goal, "implies")),
     )
+
+
+def _about(goal: Goal, what: str) -> dict[str, str]:
+    return about(goal.original, f"invariant {what}", property=goal.prop.name)

@@ -14,11 +14,12 @@ from safeloc.expr import Bool, Expr, Var
 from safeloc.interpret import run
 from safeloc.nodes import Value
 from safeloc.provers.base import Base
+from safeloc.provers.facts import Fact
 from safeloc.provers.implication import Failure
 from safeloc.system import TransitionSystem
 from safeloc.terms import in_order
 from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 
 Flat = tuple[Any, ...]
 
@@ -94,13 +95,16 @@ Packed = tuple[Any, ...]
 def pack(verdict: Verdict) -> Packed:
     """The verdict as plain data."""
     match verdict:
-        case Proved(invariant, engine, depth, rechecked, certificates, witness):
+        case Proved(invariant, engine, depth, rechecked, certificates, witness, by_construction):
             term = None if invariant is None else pack_term(invariant)
-            return ("proved", term, engine, depth, rechecked, dict(certificates), pack_trace(witness))
+            run_ = pack_trace(witness)
+            return ("proved", term, engine, depth, rechecked, dict(certificates), run_, by_construction)
         case Violated(trace, engine, reason):
             return ("violated", pack_trace(trace), engine, reason)
         case Unknown(reason, depth):
             return ("unknown", reason, depth)
+        case Vacuous(reason, trace):
+            return ("vacuous", reason, pack_trace(trace))
         case _:
             assert_never(verdict)
 
@@ -108,19 +112,22 @@ def pack(verdict: Verdict) -> Packed:
 def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem) -> Verdict:
     """The verdict again: traces are runs of `system`, invariants speak of the variables of `observed`."""
     match packed:
-        case ("proved", term, engine, depth, rechecked, certificates, witness):
+        case ("proved", term, engine, depth, rechecked, certificates, witness, by_construction):
             invariant = None if term is None else unpack_term(term, observed)
-            return Proved(invariant, engine, depth, rechecked, certificates, unpack_trace(witness, system))
+            run_ = unpack_trace(witness, system)
+            return Proved(invariant, engine, depth, rechecked, certificates, run_, by_construction)
         case ("violated", trace, engine, reason):
             return Violated(unpack_trace(trace, system), engine, reason)
         case ("unknown", reason, depth):
             return Unknown(reason, depth)
+        case ("vacuous", reason, trace):
+            return Vacuous(reason, unpack_trace(trace, system))
         case _:
             raise AssertionError(packed)
 
 
 def pack_base(known: Base) -> Packed:
-    """A proved base: names of what holds, the rest as it is."""
+    """A proved base: which facts hold, the rest as it is."""
     always, facts = tuple(known.always), tuple(known.facts)
     return (
         always,
@@ -133,9 +140,9 @@ def pack_base(known: Base) -> Packed:
     )
 
 
-def unpack_base(packed: Packed, terms: Mapping[str, Bool]) -> Base:
-    """The base again, out of the terms by name."""
+def unpack_base(packed: Packed, terms: Mapping[Fact, Bool]) -> Base:
+    """The base again, out of the terms of its facts."""
     always, facts, certificates = packed[0], packed[1], packed[3]
-    refuted: Mapping[str, Failure] = packed[2]
-    always_, facts_, kept = ({name: terms[name] for name in names} for names in (always, facts, packed[5]))
+    refuted: Mapping[Fact, Failure] = packed[2]
+    always_, facts_, kept = ({key: terms[key] for key in keys} for keys in (always, facts, packed[5]))
     return Base(always_, facts_, refuted, certificates, packed[4], kept, packed[6])

@@ -1,4 +1,4 @@
-"""A report as plain data: `report.json`, schema `safeloc-report/1` (report.schema.json beside this file)."""
+"""A report as plain data: `report.json`, schema `safeloc-report/2` (report.schema.json beside this file)."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from safeloc.report.pictures import pictures_data
 from safeloc.requirements import Link, traceability
 from safeloc.results import Finding
 from safeloc.trace import Trace, present_inputs
-from safeloc.verdict import Held, Proved, Unknown, Violated, word, worst
+from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 
-SCHEMA = "safeloc-report/1"
+SCHEMA = "safeloc-report/2"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 PACKAGE = Path(__file__).parents[1]
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
@@ -83,7 +83,7 @@ def result_data(finding: Finding) -> dict[str, Any]:
         "method": finding.method,
         "depth": _depth(finding),
         "seconds": round(finding.seconds, 3),
-        "rechecked": list(finding.result.rechecked) if isinstance(finding.result, Proved) else [],
+        **_confirmation(finding),
         "requirements": list(finding.requirements),
         "assumption": finding.assumption,
         "reason": _reason(finding),
@@ -93,6 +93,16 @@ def result_data(finding: Finding) -> dict[str, Any]:
             **_left(finding),
         },
         "trace": None if _left(finding) else trace_data(_trace(finding), finding.truth_mm),
+    }
+
+
+def _confirmation(finding: Finding) -> dict[str, Any]:
+    """What confirmed it, the files of its certificates, and what is true by construction."""
+    proof = finding.result if isinstance(finding.result, Proved) else None
+    return {
+        "rechecked": [] if proof is None else list(proof.rechecked),
+        "certificates": [] if proof is None else sorted(proof.certificates),
+        "by_construction": "" if proof is None else proof.by_construction,
     }
 
 
@@ -108,25 +118,27 @@ def _depth(finding: Finding) -> int:
     match finding.result:
         case Proved(depth=depth) | Unknown(depth=depth):
             return depth
-        case Violated(trace=trace):
+        case Violated(trace=trace) | Vacuous(trace=trace):
             return 0 if trace is None else len(trace.steps)
         case Held(steps=steps):
             return steps
+        case NotAsked():
+            return 0
         case _:
             assert_never(finding.result)
 
 
 def _reason(finding: Finding) -> str:
-    return finding.result.reason if isinstance(finding.result, (Violated, Unknown)) else ""
+    return finding.result.reason if isinstance(finding.result, (Violated, Unknown, Vacuous, NotAsked)) else ""
 
 
 def _trace(finding: Finding) -> Trace | None:
     match finding.result:
-        case Violated(trace=trace):
+        case Violated(trace=trace) | Vacuous(trace=trace):
             return trace
         case Proved(witness=witness):
             return witness
-        case Held() | Unknown():
+        case Held() | Unknown() | NotAsked():
             return None
         case _:
             assert_never(finding.result)

@@ -21,7 +21,7 @@ from safeloc.report.page import file_names, to_html
 from safeloc.results import Finding
 from safeloc.streams.steps import write_steps
 from safeloc.trace import Trace
-from safeloc.verdict import Held, Proved, Unknown, Violated
+from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 
 DATA = "report.json"
 EVIDENCE = {"certificates": "*.smt2", "traces": "*.jsonl"}
@@ -131,9 +131,9 @@ def _write_evidence(folder: Path, findings: Sequence[Finding]) -> None:
 
 def _run_of(finding: Finding) -> Trace | None:
     match finding.result:
-        case Proved(witness=trace) | Violated(trace=trace):
+        case Proved(witness=trace) | Violated(trace=trace) | Vacuous(trace=trace):
             return trace
-        case Held() | Unknown():
+        case Held() | Unknown() | NotAsked():
             return None
         case _:
             assert_never(finding.result)

@@ -1,4 +1,7 @@
-"""Findings as JUnit XML, for continuous integration servers: violated is a failure, unknown an error."""
+"""Findings as JUnit XML, for continuous integration servers.
+
+Violated is a failure; unknown, vacuous and not asked are errors: none of them is good news.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from typing import assert_never
 from xml.etree import ElementTree
 
 from safeloc.results import Finding
-from safeloc.verdict import Held, Proved, Unknown, Violated
+from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 
 
 def to_junit(findings: Sequence[Finding]) -> str:
@@ -16,7 +19,7 @@ def to_junit(findings: Sequence[Finding]) -> str:
     for machine in dict.fromkeys(finding.machine for finding in findings):
         own = [finding for finding in findings if finding.machine == machine]
         failed = sum(isinstance(finding.result, Violated) for finding in own)
-        unsure = sum(isinstance(finding.result, Unknown) for finding in own)
+        unsure = sum(isinstance(finding.result, (Unknown, Vacuous, NotAsked)) for finding in own)
         counts = {"tests": str(len(own)), "failures": str(failed), "errors": str(unsure)}
         suite = ElementTree.SubElement(root, "testsuite", {"name": machine, **counts})
         for finding in own:
@@ -36,6 +39,11 @@ def _case(suite: ElementTree.Element, finding: Finding) -> None:
             failure.text = "" if trace is None else trace.table()
         case Unknown(reason, depth):
             ElementTree.SubElement(case, "error", message=f"undecided: {reason} (clean up to step {depth})")
+        case Vacuous(reason, trace):
+            error = ElementTree.SubElement(case, "error", message=f"vacuous: {reason}")
+            error.text = "" if trace is None else trace.table()
+        case NotAsked(reason):
+            ElementTree.SubElement(case, "error", message=f"not asked: {reason}")
         case Proved() | Held():
             pass
         case _:

@@ -13,8 +13,9 @@ from pydantic import BaseModel
 
 from safeloc.backends.diagram import to_svg
 from safeloc.catalogue import Target
-from safeloc.checks import input_variables
+from safeloc.checks.machine import input_variables
 from safeloc.config import derived_figures
+from safeloc.digest import full_digest
 from safeloc.machine import Any_, Machine, Transition
 from safeloc.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.ranges import bounds
@@ -30,6 +31,8 @@ def machine_data(target: Target) -> dict[str, Any]:
     signals: dict[str, Expr] = {var.name: var for var in (*system.state, *system.inputs)} | dict(system.outputs)
     return {
         "name": target.name,
+        "spec": target.spec,
+        "declaration": full_digest(system),
         "doc": target.doc,
         "state_variables": len(system.state),
         "inputs": len(system.inputs),

@@ -12,10 +12,10 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
+from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, Said, counted, headline
 from safeloc.report.traces import trace_charts, trace_rows
 
 TEMPLATE = Path(__file__).with_name("page.html.jinja")
-VERDICTS = ("proved", "held", "unknown", "violated")
 LONGEST_NAME = 150
 LONGEST_RUN, LAST_STEPS = 40, 20
 """A longer run is folded but for its last steps."""
@@ -38,9 +38,11 @@ def to_html(data: Data) -> str:
     shown = _shown_before(data["machines"])
     return template.render(
         data=data,
-        counts={verdict: sum(row["verdict"] == verdict for row in results) for verdict in VERDICTS},
+        headline=headline(_said(results)),
+        counted=counted(_said(results), ALWAYS_COUNTED),
         machines=[_machine(machine, results, shown) for machine in data["machines"]],
         undecided=[row for row in results if row["verdict"] == "unknown"],
+        empty=[row for row in results if row["verdict"] in ("vacuous", "not asked")],
         violated=[_violated(row, machines[row["machine"]], files) for row in results if row["verdict"] == "violated"],
         requirements=_requirements(data),
     )
@@ -97,10 +99,14 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
     }
 
 
+def _said(rows: Sequence[Data]) -> list[Said]:
+    return [Said(row["kind"], row["verdict"]) for row in rows]
+
+
 def _counted(rows: Sequence[Data], kinds: Sequence[str]) -> str:
     """Such as `21 proved, 1 unknown`."""
     found = Counter(row["verdict"] for row in rows if row["kind"] in kinds)
-    return ", ".join(f"{found[verdict]} {verdict}" for verdict in VERDICTS if found[verdict]) or "none"
+    return ", ".join(f"{found[verdict]} {verdict}" for verdict in BEST_FIRST if found[verdict]) or "none"
 
 
 def _named(row: Data) -> dict[str, Any]:
@@ -141,7 +147,7 @@ def _requirements(data: Data) -> dict[str, Any]:
 
 def _shown_by(rows: Sequence[Data]) -> list[tuple[str, str]]:
     """(what, verdict): each property, and whatever did not hold; tests and replays that held as a number."""
-    single = [row for row in rows if row["kind"] == "property" or row["verdict"] in ("unknown", "violated")]
+    single = [row for row in rows if row["kind"] == "property" or row["verdict"] not in ("proved", "held")]
     listed = [(row["id"].replace("/property/", ": "), row["verdict"]) for row in single]
     for kind, word in (("test", "property tests"), ("replay", "replays")):
         number = sum(row["kind"] == kind and row not in single for row in rows)

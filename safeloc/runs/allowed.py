@@ -26,7 +26,7 @@ class Condition:
         self.reads: dict[Var, int] = {var: place for place, var in enumerate(variables([term]))}
         self._compares = [node for node in in_order([term]) if isinstance(node, Compare)]
         self._along: dict[Var, Callable[[Sequence[Value]], Sequence[Value]]] = {}
-        self._truth = _function(tuple(self.reads), [term])
+        self._truth = compiled_terms(tuple(self.reads), [term])
 
     def holds(self, values: Mapping[Var, Value]) -> bool:
         """Whether the condition is true of the values."""
@@ -50,7 +50,7 @@ class Condition:
     def _changes(self, var: NumVar, row: list[Value], at: int) -> set[int]:
         if var not in self._along:
             reading = [node for node in self._compares if var in set(variables([node]))]
-            self._along[var] = _function(
+            self._along[var] = compiled_terms(
                 tuple(self.reads), [side for node in reading for side in (node.left, node.right)]
             )
         here = int(row[at])
@@ -60,8 +60,8 @@ class Condition:
         return {root + shift for root in roots for shift in (-1, 0, 1) if var.low <= root + shift <= var.high}
 
 
-def _function(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
-    """The terms as compiled code over a row of values of `reads`."""
+def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
+    """The terms as compiled code over a row of values of `reads`; without case analysis, so quickly made."""
     if not reads:
         constants = evaluate(terms, {})
         return lambda _row: constants

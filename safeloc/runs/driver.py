@@ -11,7 +11,7 @@ import math
 import random
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from safeloc.backends.compiled import Row, compile_system
@@ -19,7 +19,8 @@ from safeloc.expr import BoolVar, Expr, Var
 from safeloc.nodes import Value
 from safeloc.provers.shorten import shortened
 from safeloc.runs.allowed import slack
-from safeloc.runs.lawful import Pick, Repair, first_state
+from safeloc.runs.lawful import NoFirstStateError, Pick, Repair, first_state
+from safeloc.runs.occurring import Key, Occurring
 from safeloc.runs.profiles import Profile
 from safeloc.spec import Property, observe, watch
 from safeloc.system import TransitionSystem, environment
@@ -28,7 +29,12 @@ from safeloc.trace import Trace
 
 @dataclass
 class Statistics:
-    """What the runs did: how far they went, what fired, how often a step had to be given up, and how long it took."""
+    """What the runs did: how far they went, what fired, how often a step had to be given up, and how long it took.
+
+    admitted  of each property, the steps in which it was required
+    occurred  of each property and number of a case that it speaks of, the states of runs in which that occurred while
+              the property was required
+    """
 
     runs: int = 0
     steps: int = 0
@@ -38,7 +44,8 @@ class Statistics:
     lawful: int = 0
     seconds: float = 0.0
     fired: Counter[str] = field(default_factory=Counter)
-    admitted: Counter[str] = field(default_factory=Counter)
+    admitted: Counter[Property] = field(default_factory=Counter)
+    occurred: Counter[tuple[Property, int]] = field(default_factory=Counter)
 
     def notes(self, transitions: Sequence[str]) -> dict[str, str]:
         """For a report."""
@@ -71,26 +78,31 @@ class _Known:
 
 
 class Driver:
-    """Drives runs; `broken` names the first property that failed in the present one."""
+    """Drives runs; `broken` names the first property that failed in the present one.
+
+    NoFirstStateError where no first state is found and no run is known that could be begun with.
+    """
 
     def __init__(self, system: TransitionSystem, properties: Sequence[Property], corpus: Sequence[Trace] = ()) -> None:
         self.properties = [prop for prop in properties if prop.kind != "reachable"]
         self.goals = [observe(system, prop) for prop in self.properties]
         watched = watch(system, self.goals).system
-        allowed = BoolVar("allowed")
-        given: dict[Var, Expr] = {BoolVar(f"given {n}"): goal.prop.given for n, goal in enumerate(self.goals)}
+        self._occurring = Occurring(system, watched.state, self.properties)
+        flags, begin = self._occurring.moves, self._occurring.initial
+        allowed = BoolVar("observer.allowed")
+        given: dict[Var, Expr] = {BoolVar(f"observer.given {n}"): goal.prop.given for n, goal in enumerate(self.goals)}
         outputs: dict[str, Expr] = {f"good {n}": goal.good for n, goal in enumerate(self.goals)}
         self._whole = replace(
             watched,
-            state=(*watched.state, *given, allowed),
-            next={**watched.next, **given, allowed: environment(system)},
-            initial={**watched.initial, **dict.fromkeys(given, True), allowed: True},
+            state=(*watched.state, *flags, *given, allowed),
+            next={**watched.next, **flags, **given, allowed: environment(system)},
+            initial={**watched.initial, **begin, **dict.fromkeys(given, True), allowed: True},
             outputs=outputs,
         )
         self.system, self.code = system, compile_system(self._whole)
         self._kept = [True]
         self._repair = Repair(system)
-        self._usual = first_state(system, random.Random(0))
+        self._usual = _usual(system, corpus)
         self.statistics = Statistics()
         self._known = [self._recorded(trace) for trace in corpus]
         self.reset()
@@ -146,6 +158,7 @@ class Driver:
     def _start(self, state: Row, stream: list[dict[str, Value]], kept: Sequence[bool] = ()) -> None:
         self._state, self.stream = state, stream
         self._kept = list(kept) if kept else [True] * (len(self.goals) + 1)
+        self._count_cases(self._occurring.at_first(state))
         self.broken: Property | None = None
         self.statistics.runs += 1
         self._judge()
@@ -164,26 +177,36 @@ class Driver:
 
     def _step(self, inputs: Mapping[Var, Value]) -> None:
         kept, tail = self._kept, len(self.goals) + 1
-        state, fired = self.code.step(self._state, tuple(inputs[var] for var in self.system.inputs))
+        before, row = self._state, tuple(inputs[var] for var in self.system.inputs)
+        state, fired = self.code.step(before, row)
         self._state = state
         self._kept = [was and bool(now) for was, now in zip(kept, state[-tail:], strict=True)]
         self.stream.append({var.name: inputs[var] for var in self.system.inputs})
         self._judge()
         self._count(fired)
+        self._count_cases(self._occurring.after(before, row, state, fired))
 
     def _judge(self) -> None:
         goods = self.code.outputs(self._state)
-        for prop, good, given in zip(self.properties, goods, self._kept, strict=False):
-            if not good and given and (self.kept or prop.unconditional):
+        for number, (prop, good) in enumerate(zip(self.properties, goods, strict=True)):
+            if not good and self._required(number):
                 self.broken = prop
                 return
+
+    def _count_cases(self, occurring: Iterable[Key]) -> None:
+        for number, place in occurring:
+            self.statistics.occurred[self.properties[number], place] += self._required(number)
+
+    def _required(self, number: int) -> bool:
+        """Whether what a property relies on has been kept so far."""
+        return self._kept[number] and (self.kept or self.properties[number].unconditional)
 
     def _count(self, fired: Sequence[int]) -> None:
         done = self.statistics
         done.steps += 1
         done.lawful += self.kept
-        for prop, given in zip(self.properties, self._kept, strict=False):
-            done.admitted[prop.name] += given and (self.kept or prop.unconditional)
+        for number, prop in enumerate(self.properties):
+            done.admitted[prop] += self._required(number)
         done.deepest = max(done.deepest, len(self.stream))
         done.fired.update(self.code.fired(fired).values())
 
@@ -201,3 +224,13 @@ class Driver:
         self.statistics.known += len(self.stream)
         self.statistics.seconds += time.perf_counter() - started
         return _Known(self.first, tuple(self.stream), tuple(states), tuple(kept), self.broken is not None)
+
+
+def _usual(system: TransitionSystem, corpus: Sequence[Trace]) -> dict[str, Value]:
+    """A first state near zero; where none is found, the one of a known run."""
+    try:
+        return first_state(system, random.Random(0))
+    except NoFirstStateError:
+        if not corpus:
+            raise
+        return dict(corpus[0].initial)

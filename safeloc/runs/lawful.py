@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from safeloc.errors import InputError
 from safeloc.expr import BoolVar, Lit, NumVar, Var
+from safeloc.interpret import start
 from safeloc.machine import Any_
 from safeloc.nodes import Value
 from safeloc.runs.allowed import Condition, Segment, common, conjuncts
@@ -26,6 +27,10 @@ Pick = Callable[[NumVar, int, int], int]
 def any_end(draw: random.Random) -> Pick:
     """Chooses either end of what is allowed, or a value inside."""
     return lambda _var, low, high: draw.choice((low, high, draw.randint(low, high)))
+
+
+class NoFirstStateError(InputError):
+    """No values were found that satisfy `initially`."""
 
 
 class Repair:
@@ -98,8 +103,17 @@ class Repair:
         return False
 
 
+def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:
+    """Whether a run of the system can start there: a run for all inputs may start where its environment never would."""
+    try:
+        start(system, first)
+    except InputError:
+        return False
+    return True
+
+
 def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: float = 0.0) -> dict[str, Value]:
-    """Values for what is open at the start, such that `initially` holds; InputError if none were found.
+    """Values for what is open at the start, such that `initially` holds; NoFirstStateError if none were found.
 
     adventurous: the share of variables that begin at an end of their range instead of near zero
     """
@@ -110,7 +124,7 @@ def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: f
         values = {var: _first_value(system, var, draw, share) for var in system.state}
         if _mended(conditions, free, values, draw):
             return {var.name: values[var] for var in free}
-    raise InputError(f"{system.name}: no first state found that satisfies `initially`; give one explicitly.")
+    raise NoFirstStateError(f"{system.name}: no first state found that satisfies `initially`; give one explicitly.")
 
 
 def _mended(

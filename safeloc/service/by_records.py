@@ -7,6 +7,8 @@ from typing import Any
 
 from safeloc.border import Reason
 from safeloc.embedding.controller import MOST_RECORDS
+from safeloc.errors import SnapshotError
+from safeloc.service.kept import Kept, KeptRecords, kept_as
 from safeloc.service.messages import Ended, Said, Step
 from safeloc.service.pace import Pace
 from safeloc.service.vehicle import MakeController, Vehicle
@@ -62,8 +64,13 @@ class RecordsVehicle(Vehicle):
     def _own(self) -> Mapping[str, Any]:
         return {"pending": [[line, _row(record)] for line, record in self._pending]}
 
-    def _restore_own(self, kept: Mapping[str, Any]) -> None:
-        self._pending = [(line, _record(row)) for line, row in kept["pending"]]
+    def _checked(self, content: Mapping[str, Any]) -> Kept:
+        kept = kept_as(KeptRecords, content)
+        self._pending = [(line, _record(row)) for line, row in kept.pending]
+        return kept
+
+    def _forget_open(self) -> None:
+        self._pending = []
 
 
 def _row(record: Record | Unusable) -> dict[str, Any]:
@@ -73,7 +80,11 @@ def _row(record: Record | Unusable) -> dict[str, Any]:
 
 
 def _record(row: Mapping[str, Any]) -> Record | Unusable:
-    if "why" in row:
-        reason, detail = row["why"]
-        return Unusable(row["time_ms"], row["channel"], Reason[reason], detail)
-    return RECORD.validate_python(row)
+    """SnapshotError for what is no record."""
+    try:
+        if "why" in row:
+            reason, detail = row["why"]
+            return Unusable(int(row["time_ms"]), str(row["channel"]), Reason[reason], str(detail))
+        return RECORD.validate_python(row)
+    except (LookupError, TypeError, ValueError) as error:
+        raise SnapshotError(f"the snapshot holds a record that is none ({type(error).__name__}).") from error

@@ -6,19 +6,23 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from safeloc.service.counting import AGREEING_LINES
+from safeloc.service.kept import Kept, KeptSteps, kept_as
 from safeloc.service.messages import TRUTH, Ended, Said, Step
 from safeloc.service.vehicle import Told, Vehicle
 
 
 class StepsVehicle(Vehicle):
-    """With cycle numbers a lost line is a gap, and every cycle of it a step without inputs. Without them a line that
-    cannot be read is such a step, and a loss of unknown length ends in beginning anew.
+    """With cycle numbers a lost line is a gap, and every cycle of it a step without inputs. Without them a line that says
+    something wrong is such a step. What cannot be read at all may have been any number of steps, their line ends being
+    damaged: as every loss of unknown length, it ends in beginning anew.
 
     A stream may leave out what is as it was in the step before (`begin_stream`). After a step that was lost, what is
     left out is not known, and steps are not used until they say it again.
     """
 
     _numbered = False
+    _bare = 0
     _kept: tuple[str, ...] = ()
     _before: Mapping[str, Any] = MappingProxyType({})
 
@@ -27,16 +31,16 @@ class StepsVehicle(Vehicle):
         self._kept, self._before = kept, {}
 
     def finish(self) -> list[Told]:
-        """Nothing waits for an end."""
+        """Nothing waits for an end, but a loss of unknown length for its consequence."""
+        if self._lost_until_heard and not self._numbered and self.controller is not None and not self.stopped:
+            self._go_on()
         return self._told()
 
     def _take(self, line: int, message: Said | Ended | Step) -> None:
         assert isinstance(message, Step)
         cycle = message.cycle
-        if cycle is None and self._numbered:
-            self._refuse(line, "no cycle number, though steps before had one")
+        if not self._counted_as_before(line, cycle):
             return
-        self._numbered = cycle is not None
         period_ms = self._pace.period_ms
         if self.controller is None:
             self.controller = self._make(0 if cycle is None else (cycle - 1) * period_ms)
@@ -44,11 +48,25 @@ class StepsVehicle(Vehicle):
             self._go_on()
         elif not self._reached(line, cycle * period_ms):
             return
+        self._numbered = cycle is not None
         whole = None if self.stopped else self._filled(line, message)
         if whole is not None:
             self._lost = self._lost_until_heard = ""
             step = self._guarded(lambda one: one.step_inputs(whole.inputs, truth_mm=whole.truth_mm))
             self._tell(step, {})
+
+    def _counted_as_before(self, line: int, cycle: int | None) -> bool:
+        """Whether the step has a cycle number if those before had one; a sender that gives none any more is followed."""
+        if cycle is not None or not self._numbered:
+            self._bare = 0
+            return True
+        self._bare += 1
+        if self._bare < AGREEING_LINES:
+            self._refuse(line, "no cycle number, though steps before had one")
+            return False
+        self._bare = 0
+        self._doubt("its steps have no cycle number any more")
+        return True
 
     def _filled(self, line: int, message: Step) -> Step | None:
         """The step with what it leaves out; None, and a step that is not used, where the one before is not known."""
@@ -70,7 +88,7 @@ class StepsVehicle(Vehicle):
         assert self.controller is not None
         if self._lost_until_heard:
             self._before = {}
-            self._anew(self._lost_until_heard, self.controller.next_end_ms - self._pace.period_ms)
+            self._anew(self._lost_until_heard)
 
     def _reached(self, line: int, end_ms: int) -> bool:
         """Whether the step that ends then is the next one, the cycles between having been charged."""
@@ -85,7 +103,7 @@ class StepsVehicle(Vehicle):
         return not self.stopped
 
     def _missed(self, why: str) -> None:
-        """A step that cannot be read; with cycle numbers, the gap will show."""
+        """A step that says something wrong; with cycle numbers, the gap will show."""
         if self.controller is not None and not self._numbered and not self.stopped:
             self._lost = why
             self._close()
@@ -97,10 +115,15 @@ class StepsVehicle(Vehicle):
     def _anything_open(self) -> bool:
         return False
 
-    def _own(self) -> Mapping[str, Any]:
-        return {"numbered": self._numbered, "kept": list(self._kept), "before": dict(self._before)}
+    def _forget_open(self) -> None:
+        self._before = {}
 
-    def _restore_own(self, kept: Mapping[str, Any]) -> None:
-        self._numbered = kept["numbered"]
-        self.begin_stream(tuple(kept.get("kept", ())))
-        self._before = dict(kept.get("before", {}))
+    def _own(self) -> Mapping[str, Any]:
+        return {"numbered": self._numbered, "bare": self._bare, "kept": list(self._kept), "before": dict(self._before)}
+
+    def _checked(self, content: Mapping[str, Any]) -> Kept:
+        kept = kept_as(KeptSteps, content)
+        self._numbered, self._bare = kept.numbered, kept.bare
+        self.begin_stream(kept.kept)
+        self._before = kept.before
+        return kept

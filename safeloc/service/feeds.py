@@ -5,18 +5,21 @@ from __future__ import annotations
 import hashlib
 import os
 import selectors
+import stat
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from safeloc.errors import InputError
+from safeloc.service.kept import KeptPlace, kept_as
 from safeloc.service.lines import Line, LineCutter
 
-AT_ONCE = 65_536
-"""Bytes read before others have their turn."""
+AT_ONCE = 16_384
+"""Bytes read before others have their turn: some thousand lines at the most."""
 
 AGAIN_S = 0.01
 """How soon a file that has ended is looked at again."""
@@ -73,6 +76,11 @@ class Feed(ABC):
         """How soon to `look` again; None: no need to."""
         return None
 
+    @property
+    def live(self) -> bool:
+        """Whether who says nothing now is silent, and not just further back in what is being read."""
+        return True
+
     def position(self) -> Mapping[str, Any]:
         """Where the next line stands, for a snapshot."""
         return {}
@@ -98,6 +106,12 @@ class Stdin(Feed):
         self._cutter = LineCutter()
         self._selector: selectors.BaseSelector | None = None
         self._reading = False
+        self._is_file = _is_file(fd)
+
+    @property
+    def live(self) -> bool:
+        """Not of a file that is redirected here."""
+        return not self._is_file
 
     def open(self, selector: selectors.BaseSelector) -> None:
         """Begin."""
@@ -115,7 +129,12 @@ class Stdin(Feed):
             self._selector.register(self._fd, selectors.EVENT_READ, self._ready)
 
     def _ready(self, _mask: int) -> Iterator[Event]:
-        data = os.read(self._fd, AT_ONCE)
+        try:
+            data = os.read(self._fd, AT_ONCE)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            raise InputError(f"standard input cannot be read: {error.strerror}.") from error
         for line in self._cutter.feed(data) if data else ():
             yield Arrived(self.ORIGIN, line)
         if not data:
@@ -166,12 +185,18 @@ class GrowingFile(Feed):
             return None
         return AGAIN_S if self._at_end else 0.0
 
+    @property
+    def live(self) -> bool:
+        """Only while more is waited for: before, lines are read as fast as can be, whenever they were said."""
+        return self._at_end and not self._to_its_end
+
     def look(self) -> Iterator[Event]:
-        """The next part of the file."""
+        """The next part of the file; InputError where it cannot be read."""
         if self._held or self._over or not self._opened():
             return
         assert self._file is not None
-        data = self._file.read(AT_ONCE)
+        with self._in_words():
+            data = self._file.read(AT_ONCE)
         self._at_end = not data
         for line in self._cutter.feed(data):
             yield Arrived(self.origin, line)
@@ -191,14 +216,14 @@ class GrowingFile(Feed):
 
     def go_on(self, position: Mapping[str, Any]) -> str:
         """Go on behind the last line that was used, if it still stands there."""
-        consumed = position.get("consumed")
-        if position.get("file") != self.origin or not isinstance(consumed, int):
+        if position.get("file") != self.origin:
             return f"lines came from elsewhere before, {position.get('file', 'no file')}"
-        self._open(consumed)
-        if self._mark(consumed) != position["mark"]:
+        place = kept_as(KeptPlace, position)
+        self._open(place.consumed)
+        if self._mark(place.consumed) != place.mark:
             self._close()
             return f"{self._path} is another file than before"
-        self._cutter = LineCutter(position["line"], consumed)
+        self._cutter = LineCutter(place.line, place.consumed)
         return ""
 
     def close(self) -> None:
@@ -213,30 +238,43 @@ class GrowingFile(Feed):
         return self._file is not None
 
     def _open(self, at: int) -> None:
+        if self._path.exists() and not (self._path.is_file() or self._path.is_dir()):
+            raise InputError(f"{self._path}: a device or a pipe; give it as standard input.")
+        with self._in_words():
+            try:
+                self._file = FileIO(self._path)
+            except FileNotFoundError:
+                self._file = None
+            else:
+                self._file.seek(at)
+
+    @contextmanager
+    def _in_words(self) -> Iterator[None]:
+        """What the system refuses is an InputError that says so."""
         try:
-            self._file = FileIO(self._path)
-            self._file.seek(at)
-        except FileNotFoundError:
-            self._file = None
-        except OSError as error:
-            raise InputError(f"{self._path}: cannot be read: {error.strerror}.") from error
+            yield
+        except (OSError, OverflowError) as error:
+            why = error.strerror if isinstance(error, OSError) else str(error)
+            raise InputError(f"{self._path}: cannot be read: {why}.") from error
 
     def _mark(self, consumed: int) -> str | None:
         """A digest of what stands before a position; None where the file does not reach there."""
         if self._file is None:
             return None
         begin = max(0, consumed - MARK)
-        before = os.pread(self._file.fileno(), consumed - begin, begin)
+        with self._in_words():
+            before = os.pread(self._file.fileno(), consumed - begin, begin)
         return hashlib.sha256(before).hexdigest() if len(before) == consumed - begin else None
 
     def _replaced(self) -> bool:
         """Whether the name leads to another file now, or this one was cut."""
         assert self._file is not None
-        own = os.fstat(self._file.fileno())
-        try:
-            named = self._path.stat()
-        except FileNotFoundError:
-            return False
+        with self._in_words():
+            own = os.fstat(self._file.fileno())
+            try:
+                named = self._path.stat()
+            except FileNotFoundError:
+                return False
         return (named.st_dev, named.st_ino) != (own.st_dev, own.st_ino) or own.st_size < self._file.tell()
 
     def _begin_other(self) -> Iterator[Event]:
@@ -252,3 +290,10 @@ class GrowingFile(Feed):
         if self._file is not None:
             self._file.close()
             self._file = None
+
+
+def _is_file(fd: int) -> bool:
+    try:
+        return stat.S_ISREG(os.fstat(fd).st_mode)
+    except OSError:
+        return False  # a descriptor that is closed: reading from it will say so

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from safeloc.embedding import Controller, Program
+from safeloc.errors import SnapshotError
 from safeloc.nodes import Value
 from safeloc.service.by_records import RecordsVehicle
 from safeloc.service.by_steps import StepsVehicle
 from safeloc.service.lines import Line
-from safeloc.service.messages import ALONE, Header, Message, Reader, Refused
+from safeloc.service.messages import ALONE, Header, Message, Reader, Refused, shortened
 from safeloc.service.pace import LONGEST_GAP_MS, Pace
 from safeloc.service.vehicle import Told, Vehicle
 
@@ -26,6 +28,8 @@ class Ways:
     inputs          lines are inputs of steps, not records
     numbered        every line needs its number, for lines may be lost unseen on their way
     longest_gap_ms  silence that is charged cycle by cycle; after a longer one a vehicle begins anew
+    most_vehicles   of the process; one that is silent and has no place makes room for a new one
+    most_of_a_peer  vehicles that one peer may speak for; None: as many as there is room for
     """
 
     period_ms: int
@@ -33,6 +37,7 @@ class Ways:
     numbered: bool = False
     longest_gap_ms: int = LONGEST_GAP_MS
     most_vehicles: int = MOST_VEHICLES
+    most_of_a_peer: int | None = None
     expected: Mapping[str, int] = field(default_factory=dict)
     first: Mapping[str, Value] = field(default_factory=dict)
 
@@ -45,20 +50,37 @@ class Tally:
     refused: int = 0
     cycles: int = 0
     rejections: int = 0
+    failed: int = 0
+
+
+Answer = Callable[[], list[Told]]
 
 
 class Fleet:
     """Vehicles by name. Origins are the peers that lines come from; a vehicle is of the one that spoke of it last.
 
     own        vehicle -> program, where it is not the common one
+    clock      seconds, for how long a vehicle has been silent
     withdrew   a place was withdrawn: set here, cleared by who has saved that
+    by_clock   something happened that the lines alone do not say: the same
+    on_failure is told of an exception that nobody planned, and of which vehicle
 
     InputError where no controller can be made of these figures.
     """
 
-    def __init__(self, program: Program, ways: Ways, own: Mapping[str, Program] | None = None) -> None:
-        self.ways, self.tally, self.withdrew = ways, Tally(), False
+    def __init__(
+        self,
+        program: Program,
+        ways: Ways,
+        own: Mapping[str, Program] | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.ways, self.tally = ways, Tally()
+        self.withdrew = self.by_clock = False
+        self.on_failure: Callable[[str, Exception], None] = lambda _vehicle, _error: None
         self.vehicles: dict[str, Vehicle] = {}
+        self._clock = clock
+        self._heard: dict[str, float] = {}
         self.origins: dict[str, str] = {}
         self._flawed: set[str] = set()
         self._program, self._own = program, own or {}
@@ -79,17 +101,19 @@ class Fleet:
             if whole:
                 self._flawed.add(origin)
             return self._whoever(origin, line, message)
+        told: list[Told] = []
         if name not in self.vehicles:
-            refused = self._admitted(name, line, message, whole and origin not in self._flawed)
-            if refused is not None:
+            told = self._admitted(name, origin, line, message, whole and origin not in self._flawed)
+            if name not in self.vehicles:
                 if whole:
                     self._flawed.add(origin)
-                return self._counted([refused])
+                return self._counted(told)
         vehicle = self.vehicles[name]
+        self._heard[name] = self._clock()
         if self.origins.setdefault(name, origin) != origin:
             self.origins[name] = origin
             vehicle.be_unsure("another peer speaks for it")
-        return self._of_one(vehicle, vehicle.heed(line.number, message))
+        return [*told, *self._of_one(vehicle, partial(vehicle.heed, line.number, message), line.number)]
 
     def _begun(self, header: Header, whole: bool) -> list[Told]:
         """A step stream of the vehicle that needs no name."""
@@ -100,15 +124,39 @@ class Fleet:
             vehicle.begin_stream(header.kept)
         return []
 
-    def _admitted(self, name: str, line: Line, message: Message, whole: bool) -> Told | None:
-        """A new vehicle; the refusal where its first line says nothing, or there are too many."""
-        if isinstance(message, Refused):
-            return {"vehicle": name, "event": "refused", "line": line.number, "reason": message.reason}
+    def _admitted(self, name: str, origin: str, line: Line, message: Message, whole: bool) -> list[Told]:
+        """A new vehicle, and what was forgotten for it; the refusal where its first line says nothing, or there is no
+        room."""
+        told: list[Told] = []
+        reason = message.reason if isinstance(message, Refused) else self._no_room(origin, told)
+        if reason:
+            told.append({"vehicle": name, "event": "refused", "line": line.number, "reason": shortened(reason)})
+        else:
+            self.vehicles[name] = self._made(name, whole)
+        return told
+
+    def _no_room(self, origin: str, told: list[Told]) -> str:
+        """Why there is none for one more vehicle of this peer; "" if there is, now that another one may be forgotten."""
+        own = self._of(origin)
+        most = self.ways.most_of_a_peer
+        if most is not None and len(own) >= most:
+            return "" if self._forgot(own, told) else f"{len(own)} vehicles of this peer already"
         if len(self.vehicles) >= self.ways.most_vehicles:
-            reason = f"{len(self.vehicles)} vehicles already"
-            return {"vehicle": name, "event": "refused", "line": line.number, "reason": reason}
-        self.vehicles[name] = self._made(name, whole)
-        return None
+            return "" if self._forgot(list(self.vehicles), told) else f"{len(self.vehicles)} vehicles already"
+        return ""
+
+    def _forgot(self, names: list[str], told: list[Told]) -> bool:
+        """Whether one of them was forgotten: that which has been silent longest, past the longest gap, without a place."""
+        silent = self._clock() - self.ways.longest_gap_ms / 1_000
+        found = [name for name in names if self._heard[name] < silent and self.vehicles[name].forgettable]
+        if not found:
+            return False
+        name = min(found, key=self._heard.__getitem__)
+        del self.vehicles[name], self._heard[name]
+        self.origins.pop(name, None)
+        self.by_clock = True
+        told.append({"vehicle": name, "event": "forgotten", "reason": "silent and without a place; its room is needed"})
+        return True
 
     def gone(self, origin: str, why: str) -> None:
         """A peer that went away: what it said last may not have arrived."""
@@ -119,11 +167,18 @@ class Fleet:
     def silence(self, name: str, why: str) -> list[Told]:
         """A vehicle whose cycle should be over by now."""
         vehicle = self.vehicles[name]
-        return self._of_one(vehicle, vehicle.silence(why))
+        return self._of_one(vehicle, partial(vehicle.silence, why))
+
+    def withdraw(self, name: str, why: str) -> list[Told]:
+        """A vehicle of which nothing was heard for so long that its place cannot stand."""
+        vehicle = self.vehicles[name]
+        told = self._of_one(vehicle, partial(vehicle.withdraw, why))
+        self.by_clock = self.by_clock or bool(told)
+        return told
 
     def finish(self) -> list[Told]:
         """Nothing more will come, from anyone."""
-        return [told for vehicle in self.vehicles.values() for told in self._of_one(vehicle, vehicle.finish())]
+        return [told for vehicle in self.vehicles.values() for told in self._of_one(vehicle, vehicle.finish)]
 
     def make_ready_to_save(self) -> None:
         """What snapshots say of the programs takes long the first time: now, and not while lines wait."""
@@ -146,10 +201,17 @@ class Fleet:
         return lambda: {name: make() for name, make in frozen.items()}
 
     def restore(self, kept: Mapping[str, Mapping[str, Any]], unsure: str = "") -> None:
-        """Go on where `freeze` was called. `unsure`: why lines may have been lost since; "" if none can have been."""
+        """Go on where `freeze` was called. `unsure`: why lines may have been lost since; "" if none can have been.
+
+        SnapshotError where a vehicle's part is of something else, or is none.
+        """
         for name, one in kept.items():
             vehicle = self.vehicles[name] = self._made(name, whole=True)
-            vehicle.restore(one)
+            self._heard[name] = self._clock()
+            try:
+                vehicle.restore(one)
+            except SnapshotError as error:
+                raise SnapshotError(f"vehicle {name}: {error}") from error
             if unsure:
                 vehicle.be_unsure(unsure)
 
@@ -167,13 +229,19 @@ class Fleet:
         told = self._counted([{"event": "refused", "line": line.number, "reason": refused.reason}])
         why = f"line {line.number}: {refused.reason}"
         doubted = [] if line.cut else [self.vehicles[name] for name in self._of(origin)]
-        return [*told, *(one for vehicle in doubted for one in self._of_one(vehicle, vehicle.missed(why)))]
+        return [*told, *(one for vehicle in doubted for one in self._of_one(vehicle, partial(vehicle.missed, why)))]
 
     def _of(self, origin: str) -> list[str]:
         return [name for name, whose in self.origins.items() if whose == origin]
 
-    def _of_one(self, vehicle: Vehicle, told: list[Told]) -> list[Told]:
-        """What a vehicle told, counted, and noted if it withdrew a place."""
+    def _of_one(self, vehicle: Vehicle, answer: Answer, line: int | None = None) -> list[Told]:
+        """What a vehicle tells, counted, and noted if it withdrew a place. If it fails, that is its own affair."""
+        try:
+            told = answer()
+        except Exception as error:  # whatever it is: the others go on, and nothing of this one is trusted
+            told = vehicle.fail(shortened(f"{type(error).__name__}: {error}"), line)
+            self.tally.failed += 1
+            self.on_failure(vehicle.name, error)
         if vehicle.withdrew:
             vehicle.withdrew, self.withdrew = False, True
         return self._counted(told) if told else told

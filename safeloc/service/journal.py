@@ -11,6 +11,9 @@ from datetime import UTC, datetime
 MOST_A_SECOND = 20
 """Lines of one event; further ones of that second are counted."""
 
+SHORTER = (1_000, 200, 40)
+"""Characters that are left of each text of an event that is too long for one line, tried in turn."""
+
 
 class Journal:
     """Writes to a file descriptor; a reader that does not read costs lines of the log, and they are counted."""
@@ -39,8 +42,8 @@ class Journal:
             return
         left_out = {"left_out": self._left_out} if self._left_out else {}
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
-        line = json.dumps({"time": now, "level": level, "event": event, **fields, **left_out}, default=str)
-        if self._written_out(f"{line}\n".encode()):
+        head = {"time": now, "level": level, "event": event}
+        if self._written_out(_fitting(head, {**fields, **left_out})):
             self._left_out = 0
         else:
             self._left_out += 1
@@ -58,8 +61,27 @@ class Journal:
         poll.register(self._fd, select.POLLOUT)
         try:
             if poll.poll(0):
-                os.write(self._fd, line[: select.PIPE_BUF])
+                os.write(self._fd, line)
                 return True
         except OSError:
             pass  # nobody reads the log any more, and there is nowhere else to say so
         return False
+
+
+def _fitting(head: dict[str, str], fields: dict[str, object]) -> bytes:
+    """One line of at most PIPE_BUF bytes; where something was left out, it says `shortened`."""
+    line = _line({**head, **fields})
+    for length in SHORTER:
+        if len(line) <= select.PIPE_BUF:
+            return line
+        short = {name: _shortened(value, length) for name, value in fields.items()}
+        line = _line({**head, **short, "shortened": True})
+    return line if len(line) <= select.PIPE_BUF else _line({**head, "shortened": True})
+
+
+def _shortened(value: object, length: int) -> object:
+    return value if isinstance(value, int | float | None) else str(value)[:length]
+
+
+def _line(fields: dict[str, object]) -> bytes:
+    return json.dumps(fields, default=str).encode() + b"\n"

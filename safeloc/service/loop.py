@@ -3,6 +3,9 @@
 A report that withdraws a place leaves only after the withdrawal is on disk: a process that is killed and started
 again can then never report a place that it had withdrawn, unless a reference brought it back. Where the lines can be
 read again (a file, without watchdog) that is not needed: the same lines withdraw it again.
+
+After an exception that nobody planned nothing is saved: what is in memory is not trusted, and the process that is
+started next goes on from the snapshot before, as after kill -9.
 """
 
 from __future__ import annotations
@@ -14,22 +17,33 @@ import selectors
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from safeloc.embedding.snapshot import require_same
+from safeloc.errors import SafelocError
 from safeloc.service.feeds import Arrived, Event, Feed, Left, Over
 from safeloc.service.fleet import Fleet
 from safeloc.service.journal import Journal
+from safeloc.service.kept import KeptProcess, kept_as
 from safeloc.service.outlets import Outlet
+from safeloc.service.replies import Allowance
 from safeloc.service.saving import Saver
+from safeloc.service.supervised import Supervised
 from safeloc.service.vehicle import Told
 from safeloc.service.watchdog import Watchdog
 
 TURN_S = 0.000_2
 """How long the thread that writes snapshots may keep the interpreter before the loop has its turn."""
+
+STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+
+LAST_TURN_S = 1.0
+"""How long the turn may take in which the process is told to stop; what is left of it then is not heard."""
 
 LAST_WORDS_S = 5.0
 """How long a reader may take for what waits for it when the process ends."""
@@ -37,7 +51,10 @@ LAST_WORDS_S = 5.0
 
 @dataclass(frozen=True)
 class Parts:
-    """What the loop is made of; no saver without snapshots, no watchdog unless asked for."""
+    """What the loop is made of; no saver without snapshots, no watchdog unless asked for.
+
+    Without a watchdog, a vehicle that ends no cycle for as long as the longest gap has its place withdrawn.
+    """
 
     selector: selectors.BaseSelector
     feed: Feed
@@ -47,6 +64,7 @@ class Parts:
     saver: Saver | None = None
     save_every_s: float = 1.0
     watchdog: Watchdog | None = None
+    supervised: Supervised = field(default_factory=lambda: Supervised(None, {}))
 
 
 class Loop:
@@ -55,22 +73,26 @@ class Loop:
     def __init__(self, parts: Parts) -> None:
         self._parts = parts
         self._over = False
-        self._stop = ""
+        self._stop, self._stop_by = "", float("inf")
+        self._failed = False
         self._saved_at = time.monotonic()
         self._changed = False
         self._replays = parts.feed.replays and parts.watchdog is None
+        gap_s = parts.fleet.ways.longest_gap_ms / 1_000
+        self._clock = parts.watchdog or Watchdog(gap_s, gap_s)
+        self._allowance = Allowance() if isinstance(parts.outlet, Feed) else None
+        parts.fleet.on_failure = self._vehicle_failed
 
     def restore(self, saved: Mapping[str, Any]) -> None:
         """Go on from a snapshot; InputError where it does not fit."""
-        parts = self._parts
-        require_same("way of reading lines", "steps" if parts.fleet.ways.inputs else "records", saved["lines"])
-        unsure = parts.feed.go_on(saved["feed"])
-        parts.fleet.restore(saved["vehicles"], unsure)
-        parts.outlet.trim(saved["outlet"], self._replays and not unsure)
-        if parts.watchdog is not None:
-            for name in parts.fleet.vehicles:
-                parts.watchdog.ended(name, time.monotonic())
-        parts.journal.info("resumed", vehicles=len(saved["vehicles"]), unsure=unsure)
+        parts, kept = self._parts, kept_as(KeptProcess, saved)
+        require_same("way of reading lines", "steps" if parts.fleet.ways.inputs else "records", kept.lines)
+        unsure = parts.feed.go_on(kept.feed)
+        parts.fleet.restore(kept.vehicles, unsure)
+        parts.outlet.trim(kept.outlet, self._replays and not unsure)
+        for name in parts.fleet.vehicles:
+            self._clock.ended(name, time.monotonic())
+        parts.journal.info("resumed", vehicles=len(kept.vehicles), unsure=unsure)
 
     def run(self) -> None:
         """Until there is no more. Errors come out after what waits was saved and handed over, as far as possible."""
@@ -84,10 +106,18 @@ class Loop:
         try:
             with self._signals():
                 parts.journal.info("started", pid=os.getpid(), machine=parts.fleet.name)
+                parts.supervised.ready()
                 while not self._over and not self._stop:
                     self._once()
+                    parts.supervised.living()
                 if self._over:
                     self._tell(parts.fleet.finish(), "")
+        except (SafelocError, BrokenPipeError):
+            raise  # planned: what is in memory is as it should be
+        except BaseException as error:
+            self._failed = True
+            parts.journal.error("failed", why=f"{type(error).__name__}: {error}", trace=_trace(error))
+            raise
         finally:
             self._end()
 
@@ -107,22 +137,20 @@ class Loop:
 
     @property
     def _must_save(self) -> bool:
-        """Whether what waits withdraws a place that the snapshot on disk still has."""
-        parts = self._parts
-        return parts.fleet.withdrew and parts.saver is not None and not self._replays
+        """Whether what waits withdraws a place that the snapshot on disk still has, and lines do not withdraw again."""
+        fleet = self._parts.fleet
+        return self._parts.saver is not None and (fleet.by_clock or (fleet.withdrew and not self._replays))
 
     def _hand_over(self) -> None:
         parts = self._parts
         if parts.saver is not None and self._must_save:
             parts.saver.save(self._content())
-            parts.fleet.withdrew = False
+            parts.fleet.withdrew = parts.fleet.by_clock = False
         parts.outlet.flush()
 
     def _patience_s(self) -> float | None:
         parts = self._parts
-        limits = [parts.feed.again_s]
-        if parts.watchdog is not None:
-            limits.append(parts.watchdog.next_s(time.monotonic()))
+        limits = [parts.feed.again_s, self._clock.next_s(time.monotonic()), parts.supervised.wait_s()]
         if parts.saver is not None and self._changed:
             limits.append(max(0.0, self._saved_at + parts.save_every_s - time.monotonic()))
         return min((limit for limit in limits if limit is not None), default=None)
@@ -133,30 +161,57 @@ class Loop:
             match event:
                 case Arrived(origin, line):
                     self._changed = True
+                    if self._allowance is not None:
+                        self._allowance.said(origin, len(line.text))
                     self._tell(fleet.heed(origin, line, whole=whole), origin)
                 case Left(origin, why):
                     fleet.gone(origin, why)
+                    if self._allowance is not None:
+                        self._allowance.left(origin)
                 case Over():
                     self._over = True
+            if time.monotonic() > self._stop_by:
+                return  # lines that were read and not heard are charged as any that came while nobody listened
 
     def _watch(self) -> None:
-        watchdog = self._parts.watchdog
-        if watchdog is not None:
-            for name in watchdog.overdue(time.monotonic()):
-                self._tell(self._parts.fleet.silence(name, "the watchdog ended the cycle"), "", watched=True)
+        """Vehicles that are silent: with a watchdog their cycles are ended, without one their places are withdrawn."""
+        parts, clock, now = self._parts, self._clock, time.monotonic()
+        if not parts.feed.live or parts.outlet.full:
+            clock.pass_over(now)
+            return
+        for name in clock.overdue(now):
+            if parts.watchdog is not None:
+                self._tell(parts.fleet.silence(name, "the watchdog ended the cycle"), "", watched=True)
+            else:
+                why = f"it ended no cycle for {parts.fleet.ways.longest_gap_ms} ms"
+                self._tell(parts.fleet.withdraw(name, why), "", watched=True)
+                clock.forget(name)
 
     def _tell(self, told: list[Told], origin: str, *, watched: bool = False) -> None:
         """To whoever speaks for the vehicle, or else to who sent the line."""
         parts = self._parts
         for one in told:
             vehicle = one.get("vehicle", "")
-            parts.outlet.put(parts.fleet.origins.get(vehicle, origin), json.dumps(one).encode() + b"\n")
-            if "event" in one:
+            self._put(parts.fleet.origins.get(vehicle, origin), one)
+            event = one.get("event")
+            if event is not None:
                 parts.journal.warning(**one)
-            if parts.watchdog is not None and one.get("event") == "halted":
-                parts.watchdog.forget(vehicle)
-            elif parts.watchdog is not None and "mode" in one and not watched:
-                parts.watchdog.ended(vehicle, time.monotonic())
+            if event in ("halted", "forgotten"):
+                self._clock.forget(vehicle)
+            elif "mode" in one and not watched:
+                self._clock.ended(vehicle, time.monotonic())
+
+    def _put(self, origin: str, one: Told) -> None:
+        data = json.dumps(one).encode() + b"\n"
+        if self._allowance is not None and one.get("event") == "refused":
+            allowed = self._allowance.refusal(origin, one, len(data))
+            if allowed is None:
+                return
+            data = data if allowed is one else json.dumps(allowed).encode() + b"\n"
+        self._parts.outlet.put(origin, data)
+
+    def _vehicle_failed(self, vehicle: str, error: Exception) -> None:
+        self._parts.journal.error("vehicle failed", vehicle=vehicle, trace=_trace(error))
 
     # ------------------------------------------------------------------ snapshots
 
@@ -187,12 +242,13 @@ class Loop:
 
     @contextmanager
     def _signals(self) -> Iterator[None]:
-        """SIGTERM and SIGINT end the loop after its turn; a pipe wakes it."""
+        """SIGTERM, SIGINT and SIGHUP end the loop after its turn; a pipe wakes it. One that is ignored (nohup) stays so."""
         reading, writing = os.pipe()
         os.set_blocking(reading, False)
         os.set_blocking(writing, False)
         self._parts.selector.register(reading, selectors.EVENT_READ, lambda _mask: self._woken(reading))
-        before = {number: signal.signal(number, self._told_to_stop) for number in (signal.SIGTERM, signal.SIGINT)}
+        heeded = [number for number in STOPPING if signal.getsignal(number) is not signal.SIG_IGN]
+        before = {number: signal.signal(number, self._told_to_stop) for number in heeded}
         wakeup = signal.set_wakeup_fd(writing)
         try:
             yield
@@ -206,6 +262,7 @@ class Loop:
 
     def _told_to_stop(self, number: int, _frame: object) -> None:
         self._stop = signal.Signals(number).name
+        self._stop_by = min(self._stop_by, time.monotonic() + LAST_TURN_S)
 
     def _woken(self, reading: int) -> Iterator[Event]:
         os.read(reading, 1_024)
@@ -214,21 +271,22 @@ class Loop:
     def _end(self) -> None:
         """What waits is handed over, then saved: nothing that was saved is unsaid, or the other way round."""
         parts = self._parts
+        parts.supervised.ending()
         try:
-            self._last_words()
+            if not self._failed:
+                self._last_words()
         finally:
             try:
                 if parts.saver is not None:
-                    parts.saver.save(self._content())
+                    if not self._failed:
+                        parts.saver.save(self._content())
                     parts.saver.end()
             finally:
                 parts.feed.close()
                 if not isinstance(parts.outlet, Feed):
                     parts.outlet.close()
-                tally = parts.fleet.tally
-                parts.journal.info(
-                    "stopped", why=self._stop or "no more to read", wrong=parts.fleet.wrong, **vars(tally)
-                )
+                why = "failed" if self._failed else self._stop or "no more to read"
+                parts.journal.info("stopped", why=why, wrong=parts.fleet.wrong, **vars(parts.fleet.tally))
 
     def _last_words(self) -> None:
         parts = self._parts
@@ -239,6 +297,12 @@ class Loop:
             parts.outlet.flush()
         if parts.outlet.waiting:
             parts.journal.warning("unsent", why=f"not read within {LAST_WORDS_S} s")
+
+
+def _trace(error: BaseException) -> str:
+    """Where it came from, the innermost first."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return " < ".join(f"{Path(frame.filename).name}:{frame.lineno} {frame.name}" for frame in reversed(frames))
 
 
 def exit_code(fleet: Fleet) -> int:

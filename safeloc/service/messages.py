@@ -12,14 +12,14 @@ from __future__ import annotations
 
 import json
 import re
-import reprlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 from safeloc.embedding import Program
 from safeloc.errors import InputError
+from safeloc.outside import quoted, refusal
 from safeloc.service.lines import Line
 from safeloc.streams.record_files import record_or_fault
 from safeloc.streams.records import Record, Unusable
@@ -30,6 +30,15 @@ ALONE = "1"
 
 TRUTH = "truth_mm"
 """Of a step: where the vehicle really is, no input but a remark."""
+
+LONGEST_REASON = 300
+"""Characters of a reason: an answer is not to be much longer than what it answers."""
+
+MOST_NAMES = 1_000
+"""Names in one line; the largest machine has some hundred inputs."""
+
+MOST_RECORD_NAMES = 32
+"""Names in a record; it has at most nine."""
 
 VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 
@@ -107,7 +116,7 @@ class Reader:
         self._ghosts = {var.name for var in program.target.system.ghosts}
 
     def read(self, line: Line) -> Message:
-        """Never raises: what cannot be read is Refused, with the reason."""
+        """Never raises: what cannot be read is Refused, with the reason; if safeloc itself failed, it says so and where."""
         if line.flaw:
             return Refused(line.flaw)
         vehicle: str | None = None
@@ -119,8 +128,8 @@ class Reader:
                 raise InputError("no number: what brings these lines may lose some; count them from 1 for each vehicle")
             envelope = Envelope(vehicle, number)
             return self._step(envelope, fields) if self._inputs else _record(envelope, fields)
-        except InputError as error:
-            return Refused(str(error), vehicle)
+        except Exception as error:  # the rule of every border (safeloc.outside)
+            return Refused(shortened(refusal(error)), vehicle)
 
     def _step(self, envelope: Envelope, fields: dict[str, Any]) -> Message:
         if "schema" in fields:
@@ -131,44 +140,55 @@ class Reader:
             raise InputError("no cycle: with vehicles named, a lost line shows only if each step has its number")
         truth_mm = fields.pop(TRUTH, None)
         if truth_mm is not None and type(truth_mm) is not int:
-            raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out")
+            raise InputError(f"truth_mm is {quoted(truth_mm)}; give whole mm, or leave it out")
         envelope_names = ("vehicle", "number", "cycle")
         inputs = {k: v for k, v in fields.items() if k not in self._ghosts and k not in envelope_names}
-        self._own.get(envelope.vehicle, self._program).require_known(inputs)
+        _require_known(self._own.get(envelope.vehicle, self._program), inputs)
         return Step(envelope, cycle, inputs, truth_mm)
 
     def _header(self, fields: Mapping[str, Any]) -> Header:
         if fields["schema"] != SCHEMA:
-            raise InputError(f"schema is {fields['schema']!r}; this version reads {SCHEMA!r}")
+            raise InputError(f"schema is {quoted(fields['schema'])}; this version reads {SCHEMA!r}")
         machine = fields.get("machine", "")
         if machine not in ("", self._program.name):
-            raise InputError(f"a stream of machine {machine!r}; here runs {self._program.name!r}")
+            raise InputError(f"a stream of machine {quoted(machine)}; here runs {self._program.name!r}")
         first = fields.get("first", {})
         if not isinstance(first, dict):
             raise InputError("`first` must be an object of initial values")
         board = {name: value for name, value in first.items() if name not in self._ghosts}
         if board != self._first:
-            raise InputError(f"the stream begins with {board}, the machine here with {dict(self._first)}; give --first")
+            raise InputError(
+                f"the stream begins with {quoted(board)}, the machine here with {dict(self._first)}; give --first"
+            )
         return Header(self._kept(fields.get("kept", [])))
 
     def _kept(self, names: object) -> tuple[str, ...]:
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
             raise InputError("`kept` must be a list of inputs that are in every step")
         kept = [name for name in names if name not in self._ghosts]
-        self._program.require_known([name for name in kept if name != TRUTH])
+        _require_known(self._program, [name for name in kept if name != TRUTH])
         return tuple(kept)
+
+
+def _require_known(program: Program, names: Collection[str]) -> None:
+    """InputError, in a few words: names that nearly fit are not looked for, which would take longer than a step."""
+    unknown = program.unknown(names)
+    if unknown:
+        raise InputError(f"{program.name} has no input {quoted(unknown[0])}")
 
 
 def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
     fields.pop("vehicle", None)
     fields.pop("number", None)
+    if len(fields) > MOST_RECORD_NAMES:
+        raise InputError(f"{len(fields)} names in one record; none has more than {MOST_RECORD_NAMES}")
     if "kind" not in fields:
         raise InputError("no kind: not a record; lines that are the inputs of steps are read with --inputs")
     if fields["kind"] != "cycle":
         return Said(envelope, record_or_fault(fields))
     time_ms = fields.get("time_ms")
     if type(time_ms) is not int or time_ms < 0 or len(fields) > 2:
-        raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {fields}")
+        raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {quoted(fields)}")
     return Ended(envelope, time_ms)
 
 
@@ -176,6 +196,8 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise InputError("a name is given twice")
+    if len(found) > MOST_NAMES:
+        raise InputError(f"{len(found)} names in one line; at most {MOST_NAMES} are read")
     return found
 
 
@@ -205,10 +227,15 @@ def _decoded(text: str) -> object:
     return _DECODER.decode(text)
 
 
+def shortened(text: str) -> str:
+    """With a mark where something was left out."""
+    return text if len(text) <= LONGEST_REASON else f"{text[:LONGEST_REASON]}... (shortened)"
+
+
 def _vehicle(fields: Mapping[str, Any]) -> str:
     vehicle = fields.get("vehicle", ALONE)
     if type(vehicle) is not str or not _is_name(vehicle):
-        raise InputError(f"vehicle is {reprlib.repr(vehicle)}; give text of up to 64 letters, digits and _ . : -")
+        raise InputError(f"vehicle is {quoted(vehicle)}; give text of up to 64 letters, digits and _ . : -")
     return vehicle
 
 
@@ -220,5 +247,5 @@ def _is_name(vehicle: str) -> bool:
 def _count(fields: Mapping[str, Any], name: str) -> int | None:
     value = fields.get(name)
     if value is not None and (type(value) is not int or not 1 <= value < 2**63):
-        raise InputError(f"{name} is {reprlib.repr(value)}; count from 1, in whole numbers")
+        raise InputError(f"{name} is {quoted(value)}; count from 1, in whole numbers")
     return value

@@ -7,6 +7,7 @@ import select
 import selectors
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -73,14 +74,26 @@ class Stdout(Outlet):
     def flush(self) -> None:
         """As much as is taken now; the selector says when there is room again."""
         while self._buffer and self._poll.poll(0):
-            written = os.write(self._fd, self._buffer[: select.PIPE_BUF])
+            written = self._written()
             del self._buffer[:written]
+            if not written:
+                break
         if bool(self._buffer) is not self._registered:
             self._registered = not self._registered
             if self._registered:
                 self._selector.register(self._fd, selectors.EVENT_WRITE, self._ready)
             else:
                 self._selector.unregister(self._fd)
+
+    def _written(self) -> int:
+        try:
+            return os.write(self._fd, self._buffer[: select.PIPE_BUF])
+        except BlockingIOError:
+            return 0
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise InputError(f"standard output cannot be written: {error.strerror}.") from error
 
     def _ready(self, _mask: int) -> Iterator[Event]:
         """There is room again. Nothing is handed over here: what must be saved before is, when the loop flushes."""
@@ -103,12 +116,20 @@ class ToFile(Outlet):
     def __init__(self, path: Path) -> None:
         self._path = path
         self._buffer = bytearray()
-        try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(f"{path}: a device or a pipe; reports go to a file, or to standard output.")
+        with self._in_words():
             self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            os.ftruncate(self._fd, self._last_end())
+            self._size = os.lseek(self._fd, 0, os.SEEK_END)
+
+    @contextmanager
+    def _in_words(self) -> Iterator[None]:
+        """What the system refuses is an InputError that says so."""
+        try:
+            yield
         except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror}.") from error
-        os.ftruncate(self._fd, self._last_end())
-        self._size = os.lseek(self._fd, 0, os.SEEK_END)
+            raise InputError(f"{self._path}: cannot be written: {error.strerror}.") from error
 
     def put(self, origin: str, data: bytes) -> None:
         """One line."""
@@ -118,10 +139,8 @@ class ToFile(Outlet):
     def flush(self) -> None:
         """All of it; InputError where the disk does not take it."""
         while self._buffer:
-            try:
+            with self._in_words():
                 written = os.write(self._fd, self._buffer)
-            except OSError as error:
-                raise InputError(f"{self._path}: cannot be written: {error.strerror}.") from error
             self._size += written
             del self._buffer[:written]
 
@@ -137,7 +156,8 @@ class ToFile(Outlet):
 
     def sync(self) -> None:
         """On disk."""
-        os.fsync(self._fd)
+        with self._in_words():
+            os.fsync(self._fd)
 
     def position(self) -> Mapping[str, Any]:
         """Bytes handed over."""
@@ -146,15 +166,16 @@ class ToFile(Outlet):
     def trim(self, position: Mapping[str, Any], replays: bool) -> None:
         """Where reports will be made again, those after the snapshot are taken away; InputError if some are missing."""
         size = position.get("size")
-        if not replays or position.get("file") != str(self._path) or not isinstance(size, int):
+        if not replays or position.get("file") != str(self._path) or type(size) is not int:
             return
         if self._size < size:
             raise InputError(
                 f"{self._path}: shorter than when the snapshot was taken ({self._size} bytes, then {size}); put it back, "
                 "name another file, or begin anew with --fresh."
             )
-        os.ftruncate(self._fd, size)
-        self._size = os.lseek(self._fd, 0, os.SEEK_END)
+        with self._in_words():
+            os.ftruncate(self._fd, size)
+            self._size = os.lseek(self._fd, 0, os.SEEK_END)
 
     def close(self) -> None:
         """No more writing."""

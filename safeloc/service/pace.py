@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 OUT_OF_STEP_CYCLES = 10
-"""For so many cycles of their own time, lines out of step have to agree before they are believed."""
+"""For so many cycles of their own time, lines out of step have to agree before their clock is believed to be set."""
+
+AT_ONCE_CYCLES = 10
+"""So far ahead one line is believed alone: that is a short silence, which is charged."""
+
+AGREEING_CYCLES = 2
+"""Further ahead, within the longest gap: for so many cycles of their own time lines have to agree."""
 
 LONGEST_GAP_MS = 60_000
 LATEST_MS = 2**53
@@ -23,6 +29,23 @@ class Pace:
         """The beginning of the cycle that holds this time, where cycles end at whole periods."""
         return max(0, (time_ms - 1) // self.period_ms * self.period_ms)
 
+    def at_once_ms(self, stride_ms: int) -> int:
+        """So far ahead one line is believed alone, of a vehicle whose last two times were so far apart."""
+        return min(self.longest_gap_ms, max(AT_ONCE_CYCLES * self.period_ms, 2 * stride_ms))
+
+
+class Rhythm:
+    """How seldom a vehicle speaks: the time of its last line, and how long after the one before that was."""
+
+    def __init__(self, last_ms: int | None = None, stride_ms: int = 0) -> None:
+        self.last_ms, self.stride_ms = last_ms, stride_ms
+
+    def heard(self, time_ms: int) -> None:
+        """A line in step."""
+        if time_ms != self.last_ms:
+            self.stride_ms = 0 if self.last_ms is None else max(0, time_ms - self.last_ms)
+            self.last_ms = time_ms
+
 
 class Streak:
     """Lines out of step in a row. One wrong clock value is one line; a clock that was set goes on from there."""
@@ -35,9 +58,14 @@ class Streak:
         """A line in step."""
         self.first_ms = None
 
-    def goes_on(self, time_ms: int) -> bool:
-        """One more line out of step; whether they have agreed for long enough to be believed."""
+    def end_before(self, time_ms: int) -> None:
+        """A late line does not agree with one that is ahead."""
+        if self.first_ms is not None and self.first_ms < time_ms:
+            self.end()
+
+    def goes_on(self, time_ms: int, cycles: int = OUT_OF_STEP_CYCLES) -> bool:
+        """One more line out of step; whether they have agreed for that long, and are believed."""
         if self.first_ms is None or not 0 <= time_ms - self.last_ms <= self._pace.longest_gap_ms:
             self.first_ms = time_ms
         self.last_ms = time_ms
-        return time_ms - self.first_ms >= OUT_OF_STEP_CYCLES * self._pace.period_ms
+        return time_ms - self.first_ms >= cycles * self._pace.period_ms

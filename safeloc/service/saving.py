@@ -5,6 +5,7 @@ One thread does all the writing, in the order asked for; of several that wait on
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import threading
@@ -17,11 +18,16 @@ from safeloc.embedding.snapshot import opened, sealed
 from safeloc.errors import InputError, SnapshotError
 
 KIND, VERSION = "safeloc-process", 1
+LONGEST = 268_435_456
+"""Bytes of a snapshot; a thousand vehicles with full cycles take less."""
+
 Content = Callable[[], Mapping[str, Any]]
 
 
 def write_whole(path: Path, data: bytes) -> None:
     """Durable once this returns: content and name are on disk. OSError where that cannot be done."""
+    if len(data) > LONGEST:
+        raise OSError(errno.EFBIG, f"{len(data)} bytes, and no more than {LONGEST} are read back")
     beside = path.with_name(f"{path.name}.new")
     with beside.open("wb") as file:
         file.write(data)
@@ -36,13 +42,16 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def read_saved(path: Path) -> dict[str, Any] | None:
-    """What was saved; None if there is none. SnapshotError where it is damaged, newer or something else."""
+    """What was saved; None if there is none. SnapshotError where it is damaged, newer, huge or something else."""
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(LONGEST + 1)
     except FileNotFoundError:
         return None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from error
+    if len(data) > LONGEST:
+        raise SnapshotError(f"{path}: over {LONGEST} bytes; no such process wrote that.")
     try:
         return opened(data, KIND, VERSION)
     except SnapshotError as error:
@@ -51,12 +60,14 @@ def read_saved(path: Path) -> dict[str, Any] | None:
 
 @contextmanager
 def claimed(path: Path | None) -> Iterator[None]:
-    """The snapshot file is this process's own; InputError where another process has it."""
+    """The snapshot file is this process's own; InputError where another process has it, or it is none."""
     if path is None:
         yield
         return
     if path.is_dir():
         raise InputError(f"{path}: a folder; name a file for the snapshots.")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: a device or a pipe; name a file for the snapshots.")
     lock = path.with_name(f"{path.name}.lock")
     try:
         file = lock.open("wb")

@@ -1,16 +1,31 @@
-"""Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles back."""
+"""Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles back.
+
+They take turns. Of what a peer sends a few lines are heard at once, and the rest when all others had their turn: who
+says little waits for nobody who says much.
+"""
 
 from __future__ import annotations
 
 import selectors
 import socket
+import time
+from collections import deque
 from collections.abc import Iterator
 
 from safeloc.service.address import Address, bound
-from safeloc.service.feeds import AT_ONCE, Arrived, Event, Feed, Left
+from safeloc.service.feeds import Arrived, Event, Feed, Left
 from safeloc.service.journal import Journal
-from safeloc.service.lines import LineCutter
+from safeloc.service.lines import Line, LineCutter
 from safeloc.service.outlets import FULL, Outlet
+
+AT_ONCE = 8_192
+"""Bytes read from one peer; no more is read until they were heard."""
+
+LINES_AT_ONCE = 16
+"""Lines of one peer before others have their turn; a vehicle says a handful in a cycle."""
+
+BEHIND_S = 0.003
+"""How long a turn may take for those that have said more."""
 
 MOST_PEERS = 200
 TOO_MUCH = 8 * FULL
@@ -25,11 +40,23 @@ class Peer:
         self._cutter = LineCutter()
         self._buffer = bytearray()
         self._mask = 0
+        self._lines: Iterator[Line] = iter(())
+        self._next: Line | None = None
         self.ended = False
+
+    @property
+    def behind(self) -> bool:
+        """Whether it has said more than was heard."""
+        return self._next is not None
+
+    @property
+    def deaf(self) -> bool:
+        """Whether so much waits for it that it is not heard."""
+        return len(self._buffer) > FULL
 
     def attend(self) -> None:
         """Tell the selector what is waited for now."""
-        reads = not (self.ended or self._port.held or len(self._buffer) > FULL)
+        reads = not (self.ended or self._port.held or self.deaf or self.behind)
         mask = (selectors.EVENT_READ if reads else 0) | (selectors.EVENT_WRITE if self._buffer else 0)
         if mask == self._mask:
             return
@@ -83,20 +110,36 @@ class Peer:
             self._port.drop(self, str(error.strerror))
             yield Left(self.origin, "the connection broke")
             return
-        for line in self._cutter.feed(data):
+        if data:
+            self._lines = self._cutter.feed(data)
+            self._next = next(self._lines, None)
+            yield from self.said()
+            return
+        self.ended = True
+        tail = self._cutter.tail()
+        if tail is not None:
+            yield Arrived(self.origin, tail._replace(cut=True))
+        yield Left(self.origin, "the peer closed the connection")
+        self._port.has_room(self)
+        self.attend()
+
+    def said(self) -> Iterator[Event]:
+        """A few of the lines that were read; with more, it has another turn."""
+        for _ in range(LINES_AT_ONCE):
+            line = self._next
+            if line is None:
+                break
+            self._next = next(self._lines, None)
             yield Arrived(self.origin, line)
-        if not data:
-            self.ended = True
-            tail = self._cutter.tail()
-            if tail is not None:
-                yield Arrived(self.origin, tail._replace(cut=True))
-            yield Left(self.origin, "the peer closed the connection")
-            self._port.has_room(self)
+        if self.behind:
+            self._port.another_turn(self)
+        if self.origin in self._port.peers:
             self.attend()
 
     def close(self) -> None:
-        """Away with it."""
+        """Away with it, and with what it said last."""
         self._buffer.clear()
+        self._lines, self._next = iter(()), None
         self.ended = True
         self.attend()
         self._sock.close()
@@ -107,9 +150,10 @@ class TcpPort(Feed, Outlet):
 
     def __init__(self, where: Address, journal: Journal) -> None:
         self._where, self._journal = where, journal
-        self._peers: dict[str, Peer] = {}
+        self.peers: dict[str, Peer] = {}
         self._left: list[Left] = []
         self._written: set[Peer] = set()
+        self._behind: deque[Peer] = deque()
         self._count = 0
         self.held = False
 
@@ -126,22 +170,36 @@ class TcpPort(Feed, Outlet):
         """A connection that is not read fills, and its sender waits."""
         if held is not self.held:
             self.held = held
-            for peer in self._peers.values():
+            for peer in self.peers.values():
                 peer.attend()
 
     def look(self) -> Iterator[Event]:
-        """Peers that were found gone while writing to them."""
+        """Peers that were found gone while writing to them; then more of what others have said, one after the other."""
         left, self._left = self._left, []
         yield from left
+        until, turns = time.monotonic() + BEHIND_S, len(self._behind)
+        while self._behind and turns and not self.held and time.monotonic() < until:
+            peer = self._behind.popleft()
+            if peer.deaf:
+                self._behind.append(peer)
+                turns -= 1  # a turn of those who cannot be heard: when all are, there is nothing to do
+            else:
+                turns = len(self._behind) + 1
+                yield from peer.said()
+
+    def another_turn(self, peer: Peer) -> None:
+        """It has said more than was heard."""
+        self._behind.append(peer)
 
     @property
     def again_s(self) -> float | None:
-        """At once while there is something to tell."""
-        return 0.0 if self._left else None
+        """At once while there is something to tell or to hear."""
+        heard = not self.held and any(not peer.deaf for peer in self._behind)
+        return 0.0 if self._left or heard else None
 
     def put(self, origin: str, data: bytes) -> None:
         """For a peer that is gone there is nobody to tell: counted in the log."""
-        peer = self._peers.get(origin)
+        peer = self.peers.get(origin)
         if peer is None:
             self._journal.warning("unsent", origin=origin, bytes=len(data))
         else:
@@ -166,21 +224,24 @@ class TcpPort(Feed, Outlet):
     @property
     def waiting(self) -> bool:
         """Whether anything waits for a peer."""
-        return any(peer.waiting for peer in self._peers.values())
+        return any(peer.waiting for peer in self.peers.values())
 
     def drop(self, peer: Peer, why: str) -> None:
         """No more of this peer. `why` is empty where it had ended by itself."""
-        if self._peers.pop(peer.origin, None) is not None:
+        if self.peers.pop(peer.origin, None) is not None:
             self._journal.info("peer left", peer=peer.origin, why=why or "closed")
             if not peer.ended:
                 self._left.append(Left(peer.origin, why))
             peer.close()
+            if peer in self._behind:
+                self._behind.remove(peer)
 
     def close(self) -> None:
         """No more reading and writing."""
-        for peer in list(self._peers.values()):
+        for peer in list(self.peers.values()):
             peer.close()
-        self._peers.clear()
+        self.peers.clear()
+        self._behind.clear()
         self.selector.unregister(self._listener)
         self._listener.close()
 
@@ -190,7 +251,7 @@ class TcpPort(Feed, Outlet):
         except OSError as error:
             self._journal.warning("peer not taken", why=error.strerror)
             return
-        if len(self._peers) >= MOST_PEERS:
+        if len(self.peers) >= MOST_PEERS:
             self._journal.warning("peer not taken", why=f"{MOST_PEERS} are there")
             sock.close()
             return
@@ -198,7 +259,7 @@ class TcpPort(Feed, Outlet):
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._count += 1
         peer = Peer(f"tcp:{self._count}", sock, self)
-        self._peers[peer.origin] = peer
+        self.peers[peer.origin] = peer
         peer.attend()
         self._journal.info("peer came", peer=peer.origin, address=f"{where[0]}:{where[1]}")
         yield from ()

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import selectors
 import socket
+import time
+from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,16 +16,25 @@ from safeloc.service.address import Address, bound
 from safeloc.service.feeds import Arrived, Event, Feed
 from safeloc.service.journal import Journal
 from safeloc.service.lines import LONGEST_LINE, Line
-from safeloc.service.outlets import Outlet
+from safeloc.service.outlets import FULL, Outlet
 
-AT_ONCE = 256
-"""Datagrams read before others have their turn."""
+LINES_AT_ONCE = 256
+"""Lines heard before others have their turn, give or take a datagram."""
+
+MOST_LINES = 256
+"""Lines of one datagram that are read; a vehicle says a handful in a cycle. The rest is refused as one."""
+
+TURN_S = 0.005
+"""How long a turn may take, give or take a datagram."""
 
 ROOM = 4_194_304
 """Bytes that the system is asked to keep for a burst."""
 
 MOST_WAITING = 10_000
 """Reports that wait to be sent, and addresses kept; with more, the oldest are given up, reports with a line in the log."""
+
+MOST_BYTES = 8 * FULL
+"""The same of all that wait together."""
 
 
 class UdpPort(Feed, Outlet):
@@ -33,7 +44,8 @@ class UdpPort(Feed, Outlet):
         self._where, self._journal = where, journal
         self._lines = 0
         self._addresses: dict[str, Any] = {}
-        self._waiting: list[tuple[str, bytes]] = []
+        self._waiting: deque[tuple[str, bytes]] = deque()
+        self._bytes = self._given_up = 0
         self._held = False
 
     def open(self, selector: selectors.BaseSelector) -> None:
@@ -57,19 +69,18 @@ class UdpPort(Feed, Outlet):
     def put(self, origin: str, data: bytes) -> None:
         """A report for the address that the vehicle's last line came from."""
         self._waiting.append((origin, data))
+        self._bytes += len(data)
+        while len(self._waiting) > MOST_WAITING or self._bytes > MOST_BYTES:
+            self._bytes -= len(self._waiting.popleft()[1])
+            self._given_up += 1
 
     def flush(self) -> None:
         """Each as a datagram, as far as they are taken."""
-        sent = 0
-        for origin, data in self._waiting:
-            if not self._sent(origin, data):
-                break
-            sent += 1
-        del self._waiting[:sent]
-        left_out = len(self._waiting) - MOST_WAITING
-        if left_out > 0:
-            del self._waiting[:left_out]
-            self._journal.warning("unsent", reports=left_out, why="the system takes no more")
+        while self._waiting and self._sent(*self._waiting[0]):
+            self._bytes -= len(self._waiting.popleft()[1])
+        if self._given_up:
+            self._journal.warning("unsent", reports=self._given_up, why="the system takes no more")
+            self._given_up = 0
 
     @property
     def full(self) -> bool:
@@ -106,7 +117,8 @@ class UdpPort(Feed, Outlet):
         return True
 
     def _ready(self, _mask: int) -> Iterator[Event]:
-        for _ in range(AT_ONCE):
+        until, before = time.monotonic() + TURN_S, self._lines
+        while self._lines < before + LINES_AT_ONCE and time.monotonic() < until:
             try:
                 data, where = self._socket.recvfrom(LONGEST_LINE)
             except BlockingIOError:
@@ -118,7 +130,11 @@ class UdpPort(Feed, Outlet):
             self._addresses[origin] = where
             if len(self._addresses) > MOST_WAITING:
                 del self._addresses[next(iter(self._addresses))]
-            for text in data.split(b"\n"):
-                if text:
-                    self._lines += 1
-                    yield Arrived(origin, Line(self._lines, text))
+            yield from self._said(origin, data)
+
+    def _said(self, origin: str, data: bytes) -> Iterator[Event]:
+        for number, text in enumerate(data.split(b"\n", MOST_LINES)):
+            if text:
+                self._lines += 1
+                flaw = f"more than {MOST_LINES} lines in one datagram" if number == MOST_LINES else ""
+                yield Arrived(origin, Line(self._lines, b"" if flaw else text, flaw))

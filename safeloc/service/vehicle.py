@@ -3,6 +3,8 @@
 What may be missing makes a cycle doubtful, and of a doubtful cycle nothing is used: a line that cannot be read, a
 number that was jumped over, a peer that went away. The loss lies between the vehicle's last line and its next one: so
 the cycle that was open and the one in which the next line comes are doubtful, and those between are empty.
+
+What nobody planned (an exception out of a machine) costs this vehicle its place, and no other one anything: see `fail`.
 """
 
 from __future__ import annotations
@@ -13,9 +15,10 @@ from typing import Any
 
 from safeloc.embedding import Controller, Report
 from safeloc.errors import InputError
-from safeloc.service.counting import LineCount
-from safeloc.service.messages import Ended, Header, Message, Refused, Said, Step
-from safeloc.service.pace import LATEST_MS, Pace, Streak
+from safeloc.service.counting import Agreement, LineCount
+from safeloc.service.kept import Kept
+from safeloc.service.messages import Ended, Header, Message, Refused, Said, Step, shortened
+from safeloc.service.pace import AGREEING_CYCLES, LATEST_MS, OUT_OF_STEP_CYCLES, Pace, Rhythm, Streak
 
 Told = dict[str, Any]
 MakeController = Callable[[int], Controller]
@@ -37,6 +40,7 @@ class Vehicle(ABC):
         self._make, self._pace = make, pace
         self._count = LineCount(None, "" if whole else "it was met under way")
         self._streak = Streak(pace)
+        self._rhythm = Rhythm()
         self._lost = self._lost_until_heard = ""
         self._out: list[Told] = []
 
@@ -58,8 +62,8 @@ class Vehicle(ABC):
         return self._told()
 
     def missed(self, why: str) -> list[Told]:
-        """A line that may have been this vehicle's cannot be read."""
-        self._missed(why)
+        """Something that may have been this vehicle's cannot be read, nor how many lines it was."""
+        self._doubt(why)
         return self._told()
 
     def be_unsure(self, why: str) -> None:
@@ -74,6 +78,39 @@ class Vehicle(ABC):
             self._close()
         return self._told()
 
+    def withdraw(self, why: str) -> list[Told]:
+        """Its place is reported no more, if one is: it begins anew."""
+        if self.place is not None and not self.stopped:
+            self._lost = self._lost or why
+            self._anew(why)
+        return self._told()
+
+    def fail(self, why: str, line: int | None) -> list[Told]:
+        """What nobody planned happened to it. What is left of its machine is not trusted: it gets another one, and begins
+        anew with it, or stops where that cannot be. The line is charged as one that cannot be read."""
+        told, had = self._told(), self.place is not None
+        told.append(
+            {"vehicle": self.name, "event": "failed", "reason": why, **({} if line is None else {"line": line})}
+        )
+        self.withdrew = self.withdrew or had
+        try:
+            self._renew(why)
+        except Exception as error:  # no machine can be had any more, whatever the reason
+            self._stop(f"{why}; then {type(error).__name__}: {error}")
+        return [*told, *self._told()]
+
+    @property
+    def place(self) -> tuple[int, int] | None:
+        """The interval that it reports, in mm; None while it reports none."""
+        interval = None if self.controller is None else self.controller.report.interval
+        return None if interval is None else (interval.low_mm, interval.high_mm)
+
+    @property
+    def forgettable(self) -> bool:
+        """Whether nothing is lost with it but its count: one that is made anew claims no place, as this one."""
+        controller = self.controller
+        return controller is None or (not self.stopped and self.place is None and controller.may_begin_anew)
+
     def finish(self) -> list[Told]:
         """Nothing more will come: the open cycle is over, if anything came in it."""
         if self.controller is not None and not self.stopped and (self._anything_open() or self._lost):
@@ -86,22 +123,24 @@ class Vehicle(ABC):
         own = {
             "lost": [self._lost, self._lost_until_heard],
             "count": [self._count.last, self._count.unsure],
+            "recount": [self._count.agreed.last, self._count.agreed.lines],
             "streak": [self._streak.first_ms, self._streak.last_ms],
+            "rhythm": [self._rhythm.last_ms, self._rhythm.stride_ms],
             "stopped": self.stopped,
             **self._own(),
         }
         return lambda: {"controller": None if controller is None else controller().decode(), **own}
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
-        """Go on where `freeze` was called; SnapshotError where the controller is of something else."""
-        if kept["controller"] is not None:
+    def restore(self, content: Mapping[str, Any]) -> None:
+        """Go on where `freeze` was called; SnapshotError where the controller is of something else, or a field is none."""
+        kept = self._checked(content)
+        if kept.controller is not None:
             self.controller = self._make(0)
-            self.controller.restore(kept["controller"].encode())
-        self._lost, self._lost_until_heard = kept["lost"]
-        self._count = LineCount(*kept["count"])
-        self._streak = Streak(self._pace, *kept["streak"])
-        self.stopped = kept["stopped"]
-        self._restore_own(kept)
+            self.controller.restore(kept.controller.encode())
+        self._lost, self._lost_until_heard = kept.lost
+        self._count = LineCount(*kept.count, Agreement(*kept.recount))
+        self._streak, self._rhythm = Streak(self._pace, *kept.streak), Rhythm(*kept.rhythm)
+        self.stopped = kept.stopped
 
     # ------------------------------------------------------------------ for both kinds
 
@@ -145,8 +184,12 @@ class Vehicle(ABC):
         """What this kind remembers beside the rest, as plain data."""
 
     @abstractmethod
-    def _restore_own(self, kept: Mapping[str, Any]) -> None:
-        """Takes back what `_own` gave."""
+    def _checked(self, content: Mapping[str, Any]) -> Kept:
+        """What was kept of this kind, its own part being taken back; SnapshotError."""
+
+    @abstractmethod
+    def _forget_open(self) -> None:
+        """What came of the open cycle is dropped."""
 
     def _missed(self, why: str) -> None:
         self._doubt(why)
@@ -163,27 +206,55 @@ class Vehicle(ABC):
 
     def _in_step(self, line: int, time_ms: int) -> bool:
         """Whether the line belongs to the time that is reached from here; a clock that was set is followed."""
-        controller = self.controller
+        controller, pace = self.controller, self._pace
         assert controller is not None
         ahead = time_ms - controller.next_end_ms
-        if -self._pace.period_ms < ahead <= self._pace.longest_gap_ms:
+        if -pace.period_ms < ahead <= pace.at_once_ms(self._rhythm.stride_ms):
             self._streak.end()
+            self._rhythm.heard(time_ms)
             return True
-        if self._streak.goes_on(time_ms):
+        within = 0 < ahead <= pace.longest_gap_ms
+        if ahead > 0:
+            self._streak.end_before(controller.next_end_ms)
+        if self._streak.goes_on(time_ms, AGREEING_CYCLES if within else OUT_OF_STEP_CYCLES):
+            self._rhythm = Rhythm(time_ms, time_ms - (self._streak.first_ms or 0) if within else 0)
             self._streak.end()
-            self._anew(f"its clock was set by {ahead} ms", self._pace.beginning(time_ms))
+            if not within:
+                self._anew(f"its clock was set by {ahead} ms", pace.beginning(time_ms))
             return not self.stopped
         if ahead > 0:
-            self._refuse(line, f"{ahead} ms ahead, and {self._pace.longest_gap_ms} ms of silence can be charged")
+            self._refuse(line, self._too_early(ahead, within))
             self._lost_until_heard = f"line {line}: ahead of its time"
         return ahead <= 0
 
-    def _anew(self, reason: str, start_ms: int) -> None:
+    def _too_early(self, ahead: int, within: bool) -> str:
+        if within:
+            return f"{ahead} ms ahead; believed once lines of {AGREEING_CYCLES} cycles agree"
+        return f"{ahead} ms ahead, and {self._pace.longest_gap_ms} ms of silence can be charged"
+
+    def _anew(self, reason: str, start_ms: int | None = None) -> None:
+        """Begin anew, by default with the cycle that is open."""
         assert self.controller is not None
         if self._anything_open():
             self._close()
+        if self.stopped:
+            return
+        start_ms = self.controller.next_end_ms - self._pace.period_ms if start_ms is None else start_ms
         self._tell(self._guarded(lambda controller: controller.begin_anew(reason, start_ms)), {})
         self._doubt(reason)
+
+    def _renew(self, why: str) -> None:
+        """Another machine in the place of this one, in the cycle that is open."""
+        self._forget_open()
+        self._doubt(why)
+        if self.controller is not None and not self.stopped:
+            start_ms = self.controller.next_end_ms - self._pace.period_ms
+            self.controller = self._make(start_ms)
+            self._tell(self._guarded(lambda controller: controller.begin_anew(why)), {})
+
+    def _stop(self, why: str) -> None:
+        self.stopped = shortened(why)
+        self._out.append({"vehicle": self.name, "event": "halted", "reason": self.stopped})
 
     def _guarded(self, step: Callable[[Controller], Report]) -> Report | None:
         """The report of a step, told; a machine that cannot go on stops the vehicle."""
@@ -193,9 +264,8 @@ class Vehicle(ABC):
         try:
             report = step(controller)
         except InputError as error:
-            self.stopped = str(error)
+            self._stop(str(error))
             self.withdrew = self.withdrew or had
-            self._out.append({"vehicle": self.name, "event": "halted", "reason": self.stopped})
             return None
         self.withdrew = self.withdrew or (had and report.interval is None)
         self.wrong += report.standing == "WRONG"
@@ -212,7 +282,7 @@ class Vehicle(ABC):
         self._out.append(data)
 
     def _refuse(self, line: int, reason: str) -> None:
-        self._out.append({"vehicle": self.name, "event": "refused", "line": line, "reason": reason})
+        self._out.append({"vehicle": self.name, "event": "refused", "line": line, "reason": shortened(reason)})
 
     def _told(self) -> list[Told]:
         told, self._out = self._out, []

@@ -25,13 +25,18 @@ class Watchdog:
         """It is not watched any more."""
         self._due.pop(vehicle, None)
 
-    def overdue(self, now_s: float) -> Iterable[str]:
-        """Vehicles whose cycle is over without their having said so; from then on, one each period."""
+    def pass_over(self, now_s: float) -> None:
+        """Nobody could be heard since the last look: that time counts for nobody."""
         own = 0.0 if self._looked is None else now_s - self._looked
         self._looked = now_s
-        if own > self._limit_s:
-            self._due = {vehicle: due + own for vehicle, due in self._due.items()}
+        self._due = {vehicle: due + own for vehicle, due in self._due.items()}
+
+    def overdue(self, now_s: float) -> Iterable[str]:
+        """Vehicles whose cycle is over without their having said so; from then on, one each period."""
+        if self._looked is not None and now_s - self._looked > self._limit_s:
+            self.pass_over(now_s)
             return []
+        self._looked = now_s
         found = [vehicle for vehicle, due in self._due.items() if due <= now_s]
         for vehicle in found:
             self._due[vehicle] += self._period_s

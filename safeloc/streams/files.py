@@ -1,36 +1,66 @@
-"""What files of records and files of steps have in common: text, lines of JSON, and Parquet by way of pyarrow."""
+"""What files of records and files of steps have in common: text, lines of JSON, tables, and bounds for all of them."""
 
 from __future__ import annotations
 
 import csv
-import io
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sized
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from safeloc.errors import StreamError
+from safeloc.errors import InputError, StreamError, UnforeseenError
+from safeloc.outside import quoted, read_lines, reading, refuse_beyond
 
 FORMATS = "use .jsonl, .csv or .parquet"
+LONGEST_LINE = 1_000_000
+"""Bytes of a line of JSON, and of a row of CSV: a step with ten thousand inputs."""
 LONGEST_CELL = 1_000
-"""Characters in a cell of CSV; what is longer is no number, truth value or name."""
+"""Characters in a cell of a table; what is longer is no number, truth value or name."""
+MOST_ROWS = 10_000_000
+"""Lines or rows of one file: eleven days of steps of 100 ms."""
+MOST_CELLS = 100_000_000
+"""Cells or fields of one file."""
+
+Content = TypeVar("Content", bound=Sized)
 
 
-def text_of(path: Path) -> str:
-    """The file's text without a byte order mark; StreamError if it is none, or cannot be read."""
+@contextmanager
+def streaming(path: Path) -> Iterator[None]:
+    """The rule of the border (`safeloc.outside`) for streams: every refusal is a StreamError, what nobody foresaw an
+    UnforeseenError."""
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise StreamError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
-    except OSError as error:
-        raise StreamError(f"{path}: cannot be read: {error.strerror}.") from error
+        with reading(path):
+            yield
+    except (StreamError, UnforeseenError):
+        raise
+    except InputError as error:
+        raise StreamError(str(error)) from error
+
+
+def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[int, Content]]:
+    """The same rows; StreamError beyond `MOST_ROWS` and `MOST_CELLS`, so that what is kept of a file stays in bounds."""
+    cells = 0
+    for count, (line, row) in enumerate(rows, 1):
+        cells += len(row)
+        if count > MOST_ROWS or cells > MOST_CELLS:
+            refuse_beyond(f"{path}:{line}", count, MOST_ROWS, "rows")
+            refuse_beyond(f"{path}:{line}", cells, MOST_CELLS, "cells")
+        yield line, row
+
+
+def lines_of(path: Path) -> Iterator[tuple[int, str]]:
+    """Every line that is not blank with its number, one in memory at a time."""
+    return ((number, text) for number, text in read_lines(path, LONGEST_LINE) if text.strip())
 
 
 def existing(path: Path) -> Path:
     """The path, if it is a file."""
     if not path.is_file():
-        raise StreamError(f"{path}: {'a folder, not a file' if path.is_dir() else 'no such file'}.")
+        there = "a folder, not a file" if path.is_dir() else "no file but a device, pipe or socket"
+        raise StreamError(f"{path}: {there if path.exists() else 'no such file'}.")
     return path
 
 
@@ -43,11 +73,11 @@ def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
     """One line's object. NaN and infinities come through as such: whoever knows the field refuses them."""
 
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        names = [name for name, _ in pairs]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise StreamError(f"{path}:{line}: {twice} given twice in one line; keep one.")
-        return dict(pairs)
+        fields = dict(pairs)
+        if len(fields) < len(pairs):
+            twice = sorted(name for name, count in Counter(name for name, _ in pairs).items() if count > 1)
+            raise StreamError(f"{path}:{line}: {quoted(twice)} given twice in one line; keep one.")
+        return fields
 
     try:
         found = json.loads(text, object_pairs_hook=once)
@@ -65,7 +95,8 @@ def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
 
 def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Every row with its line in the file, the names of the columns first; StreamError for what is no table."""
-    reader = csv.reader(io.StringIO(text_of(path), newline=""))
+    fed = _Fed(path)
+    reader = csv.reader(fed)
     try:
         for row in reader:
             longest = max(map(len, row), default=0)
@@ -73,11 +104,33 @@ def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
                 raise StreamError(
                     f"{path}:{reader.line_num}: a cell of {longest} characters; a cell is one number, truth value or name."
                 )
+            fed.row_ends()
             yield reader.line_num, row
     except csv.Error as error:
         raise StreamError(
             f"{path}:{reader.line_num}: not CSV ({error}); one row a line, commas between cells."
         ) from error
+
+
+class _Fed:
+    """Lines for the CSV reader, which takes as many as a row's quotes ask for: StreamError for a row without end."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._lines, self._size = path, read_lines(path, LONGEST_LINE), 0
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        number, text = next(self._lines)
+        self._size += len(text)
+        if self._size > LONGEST_LINE:
+            raise StreamError(f"{self._path}:{number}: a row of more than {LONGEST_LINE} characters; close its quotes.")
+        return f"{text}\n"
+
+    def row_ends(self) -> None:
+        """The next line belongs to the next row."""
+        self._size = 0
 
 
 def truth_value(text: str) -> bool | None:
@@ -91,39 +144,3 @@ def not_finite(value: object) -> bool:
         return isinstance(value, (float, str)) and not math.isfinite(float(value))
     except ValueError:
         return False
-
-
-def read_parquet(path: Path) -> tuple[list[dict[str, Any]], Mapping[bytes, bytes]]:
-    """Rows without their empty cells, and the metadata of the file."""
-    pyarrow, parquet = _pyarrow(path)
-    try:
-        table = parquet.ParquetFile(path).read()  # read_table would make columns of `name=value` in the path
-    except (pyarrow.ArrowException, OSError) as error:
-        raise StreamError(f"{path}: not a Parquet file ({error}).") from error
-    names = table.column_names
-    if len(set(names)) < len(names):
-        raise StreamError(f"{path}: every column needs a name of its own; got {names}.")
-    rows = [{name: cell for name, cell in row.items() if cell is not None} for row in table.to_pylist()]
-    return rows, table.schema.metadata or {}
-
-
-def write_parquet(
-    path: Path, rows: Sequence[Mapping[str, Any]], types: Mapping[str, str], metadata: Mapping[str, str] | None = None
-) -> None:
-    """Rows as a table with these columns, each of Arrow type `int64`, `bool_` or `string`; absent cells are empty."""
-    pyarrow, parquet = _pyarrow(path)
-    columns = [(name, getattr(pyarrow, kind)()) for name, kind in types.items()]
-    try:
-        table = pyarrow.Table.from_pylist(list(rows), schema=pyarrow.schema(columns, metadata=metadata))
-    except (pyarrow.ArrowException, OverflowError) as error:
-        raise StreamError(f"{path}: a number does not fit into 64 bits ({error}); write .jsonl.") from error
-    parquet.write_table(table, path)
-
-
-def _pyarrow(path: Path) -> tuple[Any, Any]:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError as error:
-        raise StreamError(f"{path}: Parquet needs pyarrow; install safeloc[parquet], or use .jsonl or .csv.") from error
-    return pyarrow, parquet

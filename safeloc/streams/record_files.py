@@ -9,30 +9,31 @@ records are for the cycle builder to judge (`cycles`); what is no record at all 
 from __future__ import annotations
 
 import csv
+import difflib
 import json
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
 from safeloc.border import Reason
-from safeloc.errors import InputError, StreamError
+from safeloc.errors import InputError, StreamError, UnforeseenError
+from safeloc.outside import quoted, refusal, shown, whole_number
 from safeloc.streams.files import (
+    bounded,
     csv_rows,
     existing,
     json_object,
+    lines_of,
     not_finite,
-    read_parquet,
-    text_of,
+    streaming,
     truth_value,
     unknown_kind,
-    write_parquet,
 )
+from safeloc.streams.parquet import read_parquet, write_parquet
 from safeloc.streams.records import RECORD, Record, Unusable
 
-WHOLE = re.compile(r"[+-]?\d+")
 FIELDS: tuple[str, ...] = (
     "kind", "time_ms", "end", "unit", "step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
     "value", "position_nm",
@@ -43,6 +44,11 @@ TEXT_FIELDS = ("kind", "end", "unit", "name")
 MEASURED = ("step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
 """Fields that say what was measured; the others say who speaks, and when."""
 
+OWN: Mapping[str, frozenset[str]] = {
+    kind.model_fields["kind"].default: frozenset(kind.model_fields) for kind in get_args(Record)
+}
+"""Kind -> the fields that its records have."""
+
 Row = Mapping[str, Any]
 
 _VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
@@ -51,12 +57,33 @@ _VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
 
 def read_records(path: Path) -> tuple[Record, ...]:
     """All records of a .jsonl, .ndjson, .csv or .parquet file, in order; StreamError for what is no measurement."""
-    return tuple(_record(path, line, row) for line, row in _rows(path))
+    return tuple(_each(path, _record))
 
 
 def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
     """The same, with `Unusable` where a device spoke but what it said is no measurement."""
-    return tuple(_record_or_fault(path, line, row) for line, row in _rows(path))
+    return tuple(_each(path, record_or_fault))
+
+
+Said = TypeVar("Said")
+
+
+def _each(path: Path, read: Callable[[Row], Said]) -> Iterator[Said]:
+    """What every row says. StreamError with file and line where it says nothing, whatever the reason is."""
+    with streaming(path):
+        for line, row in bounded(path, _rows(path)):
+            yield _located(path, line, row, read)
+
+
+def _located(path: Path, line: int, row: Row, read: Callable[[Row], Said]) -> Said:
+    try:
+        return read(row)
+    except InputError as error:
+        raise StreamError(f"{path}:{line}: {error}") from error
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        raise UnforeseenError(f"{path}:{line}: {refusal(error)}") from error
 
 
 def _rows(path: Path) -> Iterator[tuple[int, Row]]:
@@ -86,46 +113,74 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
 
 
 def record_or_fault(row: Row) -> Record | Unusable:
-    """What one row of any origin says; InputError where it is no record at all."""
+    """What one row of any origin says; InputError where it is no record at all.
+
+    A field of another kind is harmless where it is null, as writers of one flat record class have it. With a value in
+    it the row is no record: of which kind it is, and so who spoke, is not certain.
+    """
     try:
-        return _VALIDATED(row)
+        return _VALIDATED(_narrow(row))
     except ValidationError as error:
+        plain = _of_its_kind(row)
+        if len(plain) < len(row):
+            return record_or_fault(plain)
         unusable = _unusable(row, error)
         if unusable is None:
             raise InputError(_flaw(row, error)) from error
         return unusable
 
 
-def _record(path: Path, line: int, row: Row) -> Record:
+def _record(row: Row) -> Record:
+    """The same; InputError for what is no measurement as well."""
     try:
-        return RECORD.validate_python(row)
+        return _VALIDATED(_narrow(row))
     except ValidationError as error:
-        raise StreamError(f"{path}:{line}: {_flaw(row, error)}") from error
+        plain = _of_its_kind(row)
+        if len(plain) < len(row):
+            return _record(plain)
+        raise InputError(_flaw(row, error)) from error
 
 
-def _record_or_fault(path: Path, line: int, row: Row) -> Record | Unusable:
-    try:
-        return record_or_fault(row)
-    except InputError as error:
-        raise StreamError(f"{path}:{line}: {error}") from error
+def _narrow(row: Row) -> Row:
+    """The row, unless it has more fields than any record: each one would be looked at, and answered."""
+    if len(row) > len(FIELDS):
+        raise InputError(f"{len(row)} fields, and a record has {len(FIELDS)} at the most; mend it or take it out.")
+    return row
+
+
+def _of_its_kind(row: Row) -> Row:
+    """The row without empty fields of other kinds. InputError for one that is filled."""
+    kind = row.get("kind")
+    own = OWN.get(kind) if isinstance(kind, str) else None
+    if own is None:
+        return row
+    foreign = [name for name in row if name not in own and name in FIELDS]
+    for name in foreign:
+        if row[name] is not None:
+            others = " and ".join(other for other, names in OWN.items() if name in names)
+            raise InputError(
+                f"field {kind}.{name}: a {kind} record has no such field, only {others} has "
+                f"(got {quoted(row[name])}); leave it empty, or mend the kind."
+            )
+    return {name: value for name, value in row.items() if name not in foreign}
 
 
 def _flaw(row: Row, error: ValidationError) -> str:
-    strange = [f"{name} is {value}" for name, value in row.items() if not_finite(value)]
+    strange = [f"{shown(name)} is {value}" for name, value in row.items() if not_finite(value)]
     if strange:
         return f"{strange[0]}, no measurement; leave the record out where there is none."
-    first = error.errors()[0]
-    where = ".".join(str(part) for part in first["loc"]) or "kind"
-    return f"field {where}: {first['msg']} (got {first['input']!r}); mend the record or take it out."
+    first = error.errors(include_url=False)[0]
+    where = ".".join(shown(str(part)) for part in first["loc"]) or "kind"
+    return f"field {where}: {first['msg'][:400]} (got {quoted(first['input'])}); mend the record or take it out."
 
 
 def _unusable(row: Row, error: ValidationError) -> Unusable | None:
     """The fault, if nothing but what was measured is wrong; zeros stand there only to learn who speaks."""
-    wrong = {str(place) for one in error.errors() for place in one["loc"][1:2]}
+    wrong = {str(place) for one in error.errors(include_url=False) for place in one["loc"][1:2]}
     if not wrong or not wrong <= set(MEASURED) & set(row):
         return None
     speaker = RECORD.validate_python({**row, **dict.fromkeys(wrong, 0)})
-    detail = ", ".join(f"{name}: {row[name]!r}" for name in sorted(wrong))
+    detail = ", ".join(f"{name}: {quoted(row[name])}" for name in sorted(wrong))
     return Unusable(speaker.time_ms, speaker.channel, _reason(row, wrong, error), detail)
 
 
@@ -137,21 +192,31 @@ def _reason(row: Row, wrong: set[str], error: ValidationError) -> Reason:
 
 
 def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
-    for line, text in enumerate(text_of(path).split("\n"), 1):
-        if text.strip():
-            yield line, json_object(path, line, text)
+    return ((line, json_object(path, line, text)) for line, text in lines_of(path))
 
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
     rows = csv_rows(path)
     _, names = next(rows, (1, []))
     if "kind" not in names or len(set(names)) < len(names):
-        raise StreamError(f"{path}:1: the first line must name every column once, `kind` among them; got {names}.")
+        raise StreamError(
+            f"{path}:1: the first line must name every column once, `kind` among them; got {quoted(names)}."
+        )
+    _refuse_unknown(path, names)
     for line, cells in rows:
         if len(cells) != len(names):
             raise StreamError(f"{path}:{line}: {len(cells)} cells, expected {len(names)}.")
         filled = {name: cell for name, cell in zip(names, cells, strict=True) if cell != ""}
         yield line, {name: _value(name, cell) for name, cell in filled.items()}
+
+
+def _refuse_unknown(path: Path, names: Iterable[str]) -> None:
+    """A column that no record has is a misspelt name, even where nothing stands under it."""
+    for name in names:
+        if name not in FIELDS:
+            close = difflib.get_close_matches(name, FIELDS, n=1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            raise StreamError(f"{path}:1: no record has a column {quoted(name)}; there are {', '.join(FIELDS)}.{hint}")
 
 
 def _value(name: str, text: str) -> int | bool | str:
@@ -161,7 +226,8 @@ def _value(name: str, text: str) -> int | bool | str:
     truth = truth_value(text)
     if truth is not None:
         return truth
-    return int(text) if WHOLE.fullmatch(text) else text
+    whole = whole_number(text)
+    return text if whole is None else whole
 
 
 def _write_csv(path: Path, rows: Sequence[Row]) -> None:
@@ -176,8 +242,15 @@ def _cell(value: object) -> object:
 
 
 def _parquet_rows(path: Path) -> Iterator[tuple[int, Row]]:
-    for line, row in enumerate(read_parquet(path)[0], 1):
-        yield line, {name: _value(name, cell) if name == "value" else cell for name, cell in row.items()}
+    rows, names, _ = read_parquet(path)
+    _refuse_unknown(path, names)
+    for line, row in enumerate(rows, 1):
+        yield line, {name: _value(name, cell) if _is_told(name, cell) else cell for name, cell in row.items()}
+
+
+def _is_told(name: str, cell: object) -> bool:
+    """A value stands in its column as text, for it may be a number, a truth value or a name."""
+    return name == "value" and isinstance(cell, str)
 
 
 def _write_parquet(path: Path, rows: Sequence[Row]) -> None:

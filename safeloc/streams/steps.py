@@ -13,31 +13,30 @@ from __future__ import annotations
 
 import csv
 import json
-import re
-import reprlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from safeloc.errors import StreamError
 from safeloc.nodes import Value
+from safeloc.outside import quoted, shown, whole_number
 from safeloc.streams.files import (
+    bounded,
     csv_rows,
     existing,
     json_object,
+    lines_of,
     not_finite,
-    read_parquet,
-    text_of,
+    streaming,
     truth_value,
     unknown_kind,
-    write_parquet,
 )
+from safeloc.streams.parquet import read_parquet, write_parquet
 
 SCHEMA = "safeloc-stream/1"
 Cell = Value | str
 METADATA = b"safeloc"
 ARROW: Mapping[type, str] = {int: "int64", bool: "bool_", str: "string"}
-WHOLE = re.compile(r"[+-]?[0-9]+")
 
 
 @dataclass(frozen=True)
@@ -45,25 +44,28 @@ class StepStream:
     """Steps in order, each with its line in the file (Parquet: its row).
 
     `first` chooses values of initial state variables that are open.
+    `columns` are the names that the file has, each with the line where it stands first, also those with nothing in them.
     """
 
     steps: tuple[Mapping[str, Cell], ...]
     lines: tuple[int, ...]
     first: Mapping[str, Value] = field(default_factory=dict)
     machine: str = ""
+    columns: Mapping[str, int] = field(default_factory=dict)
 
 
 def read_steps(path: Path) -> StepStream:
     """Read a .jsonl, .csv or .parquet file; StreamError with file and line for anything that is not a step."""
-    match existing(path).suffix:
-        case ".jsonl" | ".ndjson":
-            return _read_jsonl(path)
-        case ".csv":
-            return _read_csv(path)
-        case ".parquet":
-            return _read_parquet(path)
-        case _:
-            raise unknown_kind(path)
+    with streaming(path):
+        match existing(path).suffix:
+            case ".jsonl" | ".ndjson":
+                return _read_jsonl(path)
+            case ".csv":
+                return _read_csv(path)
+            case ".parquet":
+                return _read_parquet(path)
+            case _:
+                raise unknown_kind(path)
 
 
 def write_steps(
@@ -137,19 +139,20 @@ def _read_jsonl(path: Path) -> StepStream:
     first: Mapping[str, Value] = {}
     machine = ""
     kept: list[str] = []
-    for number, text in enumerate(text_of(path).split("\n"), 1):
-        if not text.strip():
-            continue
-        record = json_object(path, number, text)
+    columns: dict[str, int] = {}
+    objects = ((number, json_object(path, number, text)) for number, text in lines_of(path))
+    for number, record in bounded(path, objects):
         if not lines and "schema" in record:
             first, machine = _header(path, record)
             kept = _kept(path, record)
             continue
+        for name in record:
+            columns.setdefault(name, number)
         step = {key: _cell(path, number, key, value) for key, value in record.items() if value is not None}
         left_out = [name for name in kept if name not in record]
         steps.append(_filled(path, number, step, steps[-1] if steps else {}, left_out))
         lines.append(number)
-    return StepStream(tuple(steps), tuple(lines), first, machine)
+    return StepStream(tuple(steps), tuple(lines), first, machine, columns)
 
 
 def _header(path: Path, record: Mapping[str, object]) -> tuple[Mapping[str, Value], str]:
@@ -188,50 +191,64 @@ def _cell(path: Path, number: int, key: str, value: object) -> Cell:
         return value
     if not_finite(value):
         raise StreamError(
-            f"{path}:{number}: {key} is {value}, no measurement; leave the input out where there is none."
+            f"{path}:{number}: {shown(key)} is {value}, no measurement; leave the input out where there is none."
         )
     raise StreamError(
-        f"{path}:{number}: {key} is {reprlib.repr(value)}; steps hold whole numbers, truth values and member names."
+        f"{path}:{number}: {shown(key)} is {quoted(value)}; steps hold whole numbers, truth values and member names."
     )
 
 
 def _read_csv(path: Path) -> StepStream:
     steps: list[Mapping[str, Cell]] = []
     lines: list[int] = []
-    rows = csv_rows(path)
+    rows = bounded(path, csv_rows(path))
     _, names = next(rows, (1, []))
     if not names or len(set(names)) < len(names) or "" in names:
-        raise StreamError(f"{path}:1: the first line must name every column once; got {names}.")
+        raise StreamError(f"{path}:1: the first line must name every column once; got {quoted(names)}.")
     for line, row in rows:
         if len(row) != len(names):
             raise StreamError(f"{path}:{line}: {len(row)} cells, expected {len(names)}.")
         cells = zip(names, row, strict=True)
         steps.append({key: _from_text(path, line, key, cell) for key, cell in cells if cell != ""})
         lines.append(line)
-    return StepStream(tuple(steps), tuple(lines))
+    return StepStream(tuple(steps), tuple(lines), columns=dict.fromkeys(names, 1))
 
 
 def _from_text(path: Path, number: int, key: str, text: str) -> Cell:
     truth = truth_value(text)
     if truth is not None:
         return truth
-    if WHOLE.fullmatch(text):
-        return int(text)
+    whole = whole_number(text)
+    if whole is not None:
+        return whole
     try:
         float(text)
     except ValueError:
         return text
-    raise StreamError(f"{path}:{number}: {key} is {text!r}; steps hold whole numbers. Convert units, rounding outward.")
+    raise StreamError(
+        f"{path}:{number}: {shown(key)} is {quoted(text)}; steps hold whole numbers. Convert units, rounding outward."
+    )
 
 
 def _read_parquet(path: Path) -> StepStream:
-    rows, metadata = read_parquet(path)
-    header = json_object(path, 1, metadata[METADATA].decode()) if METADATA in metadata else {"schema": SCHEMA}
-    first, machine = _header(path, header)
+    rows, names, metadata = read_parquet(path)
+    first, machine = _header(path, _metadata(path, metadata))
     steps = tuple(
         {key: _cell(path, number, key, value) for key, value in row.items()} for number, row in enumerate(rows, 1)
     )
-    return StepStream(steps, tuple(range(1, len(rows) + 1)), first, machine)
+    return StepStream(steps, tuple(range(1, len(rows) + 1)), first, machine, dict.fromkeys(names, 1))
+
+
+def _metadata(path: Path, metadata: Mapping[bytes, bytes]) -> Mapping[str, object]:
+    if METADATA not in metadata:
+        return {"schema": SCHEMA}
+    try:
+        text = metadata[METADATA].decode()
+    except UnicodeDecodeError as error:
+        raise StreamError(
+            f"{path}: its metadata `{METADATA.decode()}` is no UTF-8 text; the file is damaged."
+        ) from error
+    return json_object(path, 1, text)
 
 
 def _write_parquet(path: Path, steps: Sequence[Mapping[str, Cell]], header: Mapping[str, object]) -> None:

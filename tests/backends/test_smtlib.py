@@ -73,21 +73,22 @@ def test_the_text_is_plain_and_shares_terms() -> None:
     assert answers(TEXT) == ["unsat"]
 
 
-TEXT = """; halving
+TEXT = """; safeloc-certificate/1
+; name: halving
 (set-logic QF_LIA)
 (set-info :status unsat)
 (declare-const |halved| Bool)
 (declare-const |x| Int)
-(define-fun t5 () Int (- |x| 3))
-(define-fun t6 () Int (div t5 2))
-(define-fun t7 () Bool (= t6 (- 1)))
-(define-fun t8 () Int (+ t6 t6))
-(define-fun t9 () Bool (< t8 |x|))
+(define-fun t3 () Int (- |x| 3))
+(define-fun t4 () Int (div t3 2))
+(define-fun t6 () Bool (= t4 (- 1)))
+(define-fun t7 () Int (+ t4 t4))
+(define-fun t8 () Bool (< t7 |x|))
 (assert |halved|)
-(assert t7)
+(assert t6)
 (push 1)
 ; odd or even
-(assert (not t9))
+(assert (not t8))
 (check-sat)
 (pop 1)
 """

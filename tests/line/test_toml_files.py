@@ -115,7 +115,7 @@ def test_files_are_found_or_not(tmp_path: Path) -> None:
     assert straight(5) == find_line(str(path)) == load_line(path)
     with pytest.raises(InputError, match=r"^nowhere: no such file, and no shipped line; shipped are fig1, fig2, fig3"):
         find_line("nowhere")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="a folder, not a file"):
         load_line(tmp_path)
 
 

@@ -24,7 +24,9 @@ def not_kept_by(system: TransitionSystem, prop: Property) -> set[str]:
     goal = observe(system, prop)
     ghosts = goal.original.ghosts if prop.unconditional else frozenset()
     known = {
-        name: term for name, term in ranges_and_lemmas(goal.original).items() if not ghosts & set(variables([term]))
+        str(fact): term
+        for fact, term in ranges_and_lemmas(goal.original).items()
+        if not ghosts & set(variables([term]))
     }
     after = Substitution(dict(goal.system.next))
     wanted = {**known, prop.name: goal.good}

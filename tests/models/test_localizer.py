@@ -21,6 +21,7 @@ from safeloc.provers.portfolio import prove
 from safeloc.system import TransitionSystem, lower
 from safeloc.units import MM
 from safeloc.verdict import Proved
+from tests.provers.small import told as names
 
 SOURCES: tuple[SourceName, ...] = get_args(SourceName)
 CHOICES = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]
@@ -53,8 +54,8 @@ def told(whole: Localizer) -> Num:
 def test_a_reference_is_owed_not_assumed() -> None:
     """What a balise tells the satellites' position is proved to be true, and then the truth is inside."""
     known = base(up_to_the_position(referring(), {}))
-    assert OWED in known.kept
-    assert INSIDE in known.facts
+    assert OWED in names(known.kept)
+    assert INSIDE in names(known.facts)
     assert not known.refuted
 
 
@@ -83,8 +84,8 @@ def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Ex
     """No accuracy, a reference that is not trusted, the margin of one side alone: owed, and not kept."""
     whole = referring()
     known = base(up_to_the_position(whole, wrong(whole)))
-    assert OWED in known.refuted
-    assert INSIDE not in known.facts
+    assert OWED in names(known.refuted)
+    assert INSIDE not in names(known.facts)
 
 
 def test_arbitration_is_the_one_that_is_proved_by_itself() -> None:

@@ -11,13 +11,14 @@ from safeloc.models.marker_field import ONE_LAW, MarkerField, compose_field
 from safeloc.models.odometry_parts.field import LONGER, QUEUED, SHORTER, WITHOUT_LENGTH, Arrangement
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.properties.marker_field import properties
+from safeloc.provers.assumption import assumption_kept
 from safeloc.provers.base import base
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
-from safeloc.provers.reachability import assumption_kept
 from safeloc.spec import observe
 from safeloc.verdict import Proved, Violated, word
+from tests.provers.small import told
 
 ONE_WAITS = ONE_LAW.model_copy(update={"pending_markers": 1})
 CASES: dict[str, tuple[Arrangement, OdometryConfig]] = {
@@ -42,7 +43,7 @@ def test_run_between_resets_is_proved(case: str) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_every_field_can_be_run_over(case: str) -> None:
     """The assumption of each case is kept by some run that moves; only the end of the line ends it."""
-    found, _ = assumption_kept(compose_field(*CASES[case]).composition.system, Limits(seconds=120))
+    found, *_ = assumption_kept(compose_field(*CASES[case]).composition.system, Limits(seconds=120))
     assert isinstance(found.verdict, Proved)
     assert found.verdict.witness is not None
 
@@ -80,4 +81,4 @@ def test_a_wrong_worst_run_is_violated() -> None:
 def test_nothing_of_the_field_is_taken_on_trust() -> None:
     """Every lemma of the field is proved; what is dropped are ranges that only the line's end keeps."""
     known = base(compose_field(WITHOUT_LENGTH).composition.system, seconds=60)
-    assert [name for name in known.refuted if not name.startswith("range of ")] == []
+    assert [name for name in told(known.refuted) if not name.startswith("range of ")] == []

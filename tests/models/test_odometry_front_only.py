@@ -11,10 +11,10 @@ from safeloc.models.odometry_front_only import compose_comparison
 from safeloc.models.odometry_line_ahead import compose_line
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.properties.odometry_front_only import line_properties, properties
+from safeloc.provers.assumption import assumption_kept
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.provers.portfolio import prove
-from safeloc.provers.reachability import assumption_kept
 from safeloc.spec import observe, reachable
 from safeloc.verdict import Proved, word
 
@@ -41,7 +41,7 @@ def test_no_true_reading_is_refused(devices: int) -> None:
 def test_the_comparison_is_not_empty() -> None:
     """Some run keeps its assumption, and comes where the front reader alone reports and the other one is better."""
     whole = compose_comparison(OdometryConfig(trust_first_marker=True))
-    found, lasts = assumption_kept(whole.composition.system, Limits(seconds=120))
+    found, lasts, _ = assumption_kept(whole.composition.system, Limits(seconds=120))
     assert isinstance(found.verdict, Proved)
     assert isinstance(lasts.verdict, Proved)
     other = whole.of_alone.bool(whole.alone.machine.flag("valid"))

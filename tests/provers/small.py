@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from safeloc.expr import TRUE, Bool, boolean, minimum, number
 from safeloc.machine import Machine, Transition, current_mode, modes
+from safeloc.provers.facts import Fact
 from safeloc.spec import Goal, always, observe
 from safeloc.system import TransitionSystem, lower
 from safeloc.units import COUNT
@@ -78,3 +79,8 @@ def pair(lemmas: Mapping[str, Bool] | None = None, *, behind: bool = False) -> M
 
 
 FULL_TOGETHER = RIGHT.eq(10).implies(LEFT.eq(10))
+
+
+def told(facts: Iterable[Fact]) -> set[str]:
+    """Facts as they are called for people."""
+    return {str(fact) for fact in facts}

@@ -14,7 +14,7 @@ from safeloc.spec import NO_ASSUMPTION, Property, always, never
 from safeloc.system import lower
 from safeloc.testing import run_tests
 from safeloc.units import COUNT
-from safeloc.verdict import Held, Proved, Unknown, Violated
+from safeloc.verdict import Held, Proved, Unknown, Vacuous, Violated
 
 A, B = modes("A", "B")
 X, N = number("x", COUNT, 0, 10), number("n", COUNT, 0, 20)
@@ -27,7 +27,7 @@ def test_a_contradictory_given_proves_nothing(given: Bool) -> None:
     """Neither a proof nor a test stands on steps that cannot be."""
     prop = never("b", NEVER_B, given=given)
     (proof,) = prove(lower(GATE), [prop], Limits())
-    assert isinstance(proof.result, Unknown)
+    assert isinstance(proof.result, Vacuous)
     assert "empty: no run keeps what the property is given" in proof.result.reason
     (tested,) = run_tests(lower(GATE), [prop], examples=5, steps=10, seed=0)
     assert isinstance(tested.result, Unknown)
@@ -101,7 +101,8 @@ def test_numbers_that_are_no_member_are_refused() -> None:
         GATE.mode.eq(7)
 
 
-def test_names_of_the_base_are_reserved() -> None:
-    """A property cannot take the name of the base's certificates."""
-    with pytest.raises(PropertyError, match="has the name of a certificate of the base; rename it"):
-        prove(lower(GATE), [never("always", NEVER_B)], Limits())
+def test_no_name_of_a_property_is_taken_by_the_base() -> None:
+    """Certificates are named by their content, so that a property may be called like a part of the base."""
+    [finding] = prove(lower(GATE), [never("always", NEVER_B, given=X <= 5)], Limits())
+    assert isinstance(finding.result, Proved)
+    assert len(finding.result.certificates) == 5  # base and property, start and step; and that what is given lasts

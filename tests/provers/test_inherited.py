@@ -18,6 +18,7 @@ from safeloc.system import lower
 from safeloc.terms import variables
 from safeloc.units import MM
 from safeloc.verdict import Proved, Violated
+from tests.provers.small import told
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 
@@ -70,9 +71,9 @@ def number_of(machine: Machine) -> NumVar:
 def test_facts_of_each_machine_hold_in_the_whole() -> None:
     """Nothing is owed beyond ranges: the follower's facts come under the whole's names."""
     known = base(Chain(owes=False).whole.system)
-    assert "source: below the limit" in known.always
-    assert "follower: within what is assumed" in known.facts
-    assert "range of follower.kept" in known.always
+    assert "source: below the limit" in told(known.always)
+    assert "follower: within what is assumed" in told(known.facts)
+    assert "range of follower.kept" in told(known.always)
     assert not known.refuted
 
 
@@ -80,8 +81,8 @@ def test_what_is_owed_is_proved_and_used() -> None:
     """A follower that assumes what the source keeps: the contract is proved, and then the follower's facts."""
     chain = Chain(limit=5, assumed=5)
     known = base(chain.whole.system)
-    assert list(known.kept) == ["what follower is owed is kept"]
-    assert {"follower: within what is assumed", "follower: the truth is low"} <= {*known.facts, *known.always}
+    assert told(known.kept) == {"what follower is owed is kept"}
+    assert {"follower: within what is assumed", "follower: the truth is low"} <= told([*known.facts, *known.always])
     assert not known.refuted
 
 
@@ -117,8 +118,8 @@ def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
     """The follower hears up to 4, the source tells up to 10: what holds for all inputs in range holds no more."""
     chain = Chain(limit=10, assumed=10, widest=4, owes=False)
     known = base(chain.whole.system)
-    assert "what follower hears is in range" in known.refuted
-    assert "range of source.level" in known.always
+    assert "what follower hears is in range" in told(known.refuted)
+    assert "range of source.level" in told(known.always)
 
 
 def owed_by_clause(limit: int, assumed: int) -> Composition:
@@ -136,15 +137,15 @@ def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
     whole = owed_by_clause(limit=5, assumed=5)
     known = base(whole.system)
     assert [var.name for var in variables([whole.system.assume])] == ["follower.next_truth"]
-    assert list(known.kept) == ["what follower is owed is kept"]
-    assert "follower: within what is assumed" in known.facts
+    assert told(known.kept) == {"what follower is owed is kept"}
+    assert "follower: within what is assumed" in told(known.facts)
     assert not known.refuted
 
 
 def test_a_clause_that_is_not_kept_loses_the_facts() -> None:
     """The source goes up to 10, the clause says 5: not proved, and nothing of the follower under it is used."""
     known = base(owed_by_clause(limit=10, assumed=5).system)
-    assert {"what follower is owed is kept", "follower: within what is assumed"} <= set(known.refuted)
+    assert {"what follower is owed is kept", "follower: within what is assumed"} <= told(known.refuted)
     assert not known.kept
 
 
@@ -153,10 +154,12 @@ def test_what_cannot_be_owed_is_refused() -> None:
     chain = Chain(owes=False)
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
     with pytest.raises(
-        ModelError, match=r"^composition 'chain': 'follower' is owed something and is not part of it\.$"
+        ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' is owed something and is not part of it\.$"
     ):
         compose("chain", [chain.source], {}, owes=[chain.follower])
-    with pytest.raises(ModelError, match=r"^composition 'chain': 'follower' has no clause 'high'; it has \[\]\.$"):
+    with pytest.raises(
+        ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' has no clause 'high'; it has \[\]\.$"
+    ):
         compose("chain", [chain.source, chain.follower], wires, owes=[Clause(chain.follower, "high")])
 
 

@@ -63,7 +63,11 @@ def test_the_machine_by_itself_is_asked() -> None:
     assert found.id == "chain/property/follower: small"
     assert isinstance(found.result, Proved)
     assert "of follower by itself" in found.method
-    assert all(name.startswith("chain-follower") for name in found.result.certificates)
+    texts = found.result.certificates.values()
+    own = [text for text in texts if "; property: small" in text]
+    assert own
+    assert all("; part: follower" in text for text in own)
+    assert any("; rule: heard\n; of: follower" in text for text in texts)
 
 
 def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:

@@ -10,6 +10,7 @@ from safeloc.machine import ANY, Machine, Transition, modes
 from safeloc.provers import obligations as module
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import CHECKS, obligations
+from safeloc.provers.recheck import ENGINE
 from safeloc.results import Finding
 from safeloc.system import lower
 from safeloc.units import COUNT
@@ -91,8 +92,9 @@ def test_overflow_is_shown_by_a_run() -> None:
     small, large = _found(_growing(10**9)), _found(_growing(10**10))
     assert word(small["overflow"].result) == "proved"
     assert "1 products of two variables" in small["division"].method
-    [(name, finding)] = [(name, one) for name, one in large.items() if name.startswith("overflow of")]
-    assert "left" in name
+    [(name, finding)] = [(name, one) for name, one in large.items() if name.startswith("overflow ")]
+    assert name == "overflow 1"
+    assert "left" in finding.statement
     assert isinstance(finding.result, Violated)
     assert finding.result.trace is not None
 
@@ -110,13 +112,13 @@ def test_overflow_is_excluded_by_z3_where_intervals_are_too_coarse() -> None:
     )
     found = _found(machine)
     assert word(found["overflow"].result) == "proved"
-    assert found["overflow"].method.endswith("of them by z3")
+    assert f"by z3 and {ENGINE}" in found["overflow"].method
 
 
 def test_overlapping_guards_are_shown_with_values() -> None:
     """Two rows of one rank that are enabled together are Violated, with the run and the values."""
     found = _found(counter(rise=(2,)))
-    violated = found["overlap counter: rise / count low"].result
+    violated = found["overlap counter: rows 2 and 3"].result
     assert isinstance(violated, Violated)
     assert violated.reason.startswith("both are enabled when mode = LOW, tick = true, level = 2")
     assert violated.trace is not None
@@ -183,7 +185,10 @@ def test_reading_an_absent_input_is_violated() -> None:
     assert word(_found(machine(reading.present & (reading.value > 3)))["absence"].result) == "proved"
     violated = _found(machine(reading.value > 3))["absence"].result
     assert isinstance(violated, Violated)
-    assert "read although absent: reading by mode, when " in violated.reason
+    assert (
+        "read although absent: reading by mode in a run of 1 steps, the last with reading.present = False"
+        in violated.reason
+    )
 
 
 def test_a_check_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:

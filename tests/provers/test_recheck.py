@@ -27,15 +27,17 @@ def test_a_sound_query_is_confirmed() -> None:
     """Each goal is decided, and none is left over."""
     certificate = certify(SOUND, seconds=10.0, relies_on=["other.smt2"])
     assert certificate.undecided == ()
-    assert certificate.file == "sound.smt2"
-    assert certificate.text.startswith("; relies on other.smt2\n; sound\n")
+    assert certificate.file == file_name("sound", certificate.text)
+    assert certificate.text.startswith("; safeloc-certificate/1\n; name: sound\n; relies on: other.smt2\n")
     assert decide("sound", certificate.text, seconds=10.0) == ["unsat", "unsat"]
 
 
 def test_a_goal_that_does_not_follow_is_an_error() -> None:
     """cvc5 contradicting z3 must stop everything."""
     wrong = Query("wrong", [X > 3], {"above 2": X > 2, "above 4": X > 4})
-    with pytest.raises(EngineError, match=r"wrong\.smt2: cvc5 does not confirm the proof: answers \['unsat', 'sat'\]"):
+    with pytest.raises(
+        EngineError, match=r"wrong-[0-9a-f]{16}\.smt2: cvc5 does not confirm the proof: answers \['unsat', 'sat'\]"
+    ):
         certify(wrong, seconds=10.0)
 
 
@@ -56,7 +58,7 @@ CORRUPTED: dict[str, Callable[[str], str]] = {
 @pytest.mark.parametrize("how", CORRUPTED)
 def test_a_corrupted_certificate_is_caught(how: str) -> None:
     """A text that was tampered with is refused, whatever was done to it."""
-    text = _proof().certificates["pair-claim-in-every-step.smt2"]
+    [text] = [text for file, text in _proof().certificates.items() if file.startswith("pair-claim-step-")]
     corrupted = CORRUPTED[how](text)
     assert corrupted != text
     assert recheck("honest", text, 1) == ["unsat"]
@@ -104,8 +106,10 @@ def test_a_question_broken_off_is_unknown() -> None:
 
 
 def test_file_names_are_plain() -> None:
-    """Whatever a property is called, its certificate has a portable file name."""
-    assert file_name("odometry: M1/M2 after 5 %") == "odometry--M1-M2-after-5--.smt2"
+    """Whatever a property is called, its certificate has a portable file name, and one text has one name."""
+    assert file_name("odometry: M1/M2 after 5 %", "") == "odometry--M1-M2-after-5---e3b0c44298fc1c14.smt2"
+    assert file_name("a" * 999, "x").startswith("a" * 150 + "-")
+    assert file_name("a/b", "one") != file_name("a/b", "two")
 
 
 def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -53,10 +53,9 @@ def recording(*values: int, start: int = 3) -> Recording:
 def test_the_shortest_recorded_run_counts() -> None:
     """Of two recordings the shorter one is the witness, cut off where the goal is reached."""
     long, short = recording(1, *[8] * 60), recording(*[7] * 50)
-    found = shown([full(system())], [long, short])
-    assert {"full"} == set(found)
-    assert DEEP + 1 == len(found["full"].steps)
-    assert found["full"].steps[-1].fired == {"fired": "full"}
+    [run] = shown([full(system())], [long, short]).values()
+    assert DEEP + 1 == len(run.steps)
+    assert run.steps[-1].fired == {"fired": "full"}
 
 
 def test_what_breaks_the_assumption_ends_a_recording() -> None:

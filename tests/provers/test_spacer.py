@@ -45,7 +45,7 @@ def test_a_wrong_invariant_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(module, "read_bool", too_weak)
     verdict = spacer(goal(pair(), FULL_TOGETHER), LIMITS)
     assert isinstance(verdict, Unknown)
-    assert verdict.reason.startswith("spacer: its invariant fails 'pair claim spacer implies the property'")
+    assert verdict.reason.startswith("spacer: its invariant fails 'pair claim spacer implies'")
 
 
 def test_z3_alone_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

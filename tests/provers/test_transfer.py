@@ -15,7 +15,7 @@ from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.provers.transfer import pack, pack_base, pack_term, unpack, unpack_base, unpack_term
 from safeloc.spec import observe
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from tests.examples import EXAMPLES, Example
 from tests.provers.small import LEFT, LEVEL, counter, pair, system
 
@@ -60,6 +60,25 @@ def test_unknown_arrives_whole() -> None:
     arrived = _sent(Unknown("why", 7), EXAMPLES[0])
     assert isinstance(arrived, Unknown)
     assert (arrived.reason, arrived.depth) == ("why", 7)
+
+
+def test_vacuous_arrives_whole() -> None:
+    """Reason and run are kept."""
+    found = bmc(observe(EXAMPLES[0].system, EXAMPLES[0].fails), Limits(depth=12))
+    assert isinstance(found, Violated)
+    arrived = _sent(Vacuous("its end", found.trace), EXAMPLES[0])
+    assert isinstance(arrived, Vacuous)
+    assert arrived.reason == "its end"
+    assert arrived.trace is not None
+    assert found.trace is not None
+    assert arrived.trace.steps == found.trace.steps
+
+
+def test_what_is_true_by_construction_arrives() -> None:
+    """A proof that needed no solver says so on arrival."""
+    arrived = _sent(Proved(None, "construction", by_construction="divisors are positive constants"), EXAMPLES[0])
+    assert isinstance(arrived, Proved)
+    assert arrived.by_construction == "divisors are positive constants"
 
 
 def test_deep_terms_are_sent_without_recursion() -> None:

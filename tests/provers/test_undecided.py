@@ -15,9 +15,10 @@ from safeloc.errors import EngineError
 from safeloc.expr import number, optional
 from safeloc.machine import Machine, Transition, modes
 from safeloc.nodes import FloorDiv, Truth
+from safeloc.provers import absence, arithmetic, never, overlap, settle
 from safeloc.provers import kinduction as kinduction_module
-from safeloc.provers import one_step
 from safeloc.provers import spacer as spacer_module
+from safeloc.provers.assumption import assumption_kept
 from safeloc.provers.bmc import bmc
 from safeloc.provers.evidence import admissible_run, replayed
 from safeloc.provers.implication import Undecided, unproved
@@ -25,7 +26,7 @@ from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.portfolio import prove
-from safeloc.provers.reachability import assumption_kept, first_runs
+from safeloc.provers.reachability import first_runs
 from safeloc.provers.reading import UnreadableError, read_bool
 from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import unpack
@@ -77,8 +78,12 @@ def test_an_implication_without_an_answer_is_undecided() -> None:
 
 @pytest.mark.usefixtures("tired")
 def test_an_assumption_without_an_answer_is_undecided() -> None:
-    """It is not called empty."""
-    assert said(only(assumption_kept(system(counter()), Limits())).verdict)[0] == "solver: canceled"
+    """It is not called empty, nor a dead end."""
+    moves, lasting, ends = assumption_kept(system(counter()), Limits())
+    assert said(moves.verdict)[0] == "solver: canceled"
+    for one in (lasting, ends):
+        assert isinstance(one.verdict, Unknown)
+        assert "the first step: solver: canceled" in one.verdict.reason
 
 
 def test_an_undecided_induction_step_is_no_refutation(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,8 +94,8 @@ def test_an_undecided_induction_step_is_no_refutation(monkeypatch: pytest.Monkey
     assert said(verdict) == ("k = 1: undecided: solver: canceled", 0)
 
 
-def test_a_range_that_no_run_leaves_and_no_induction_shows() -> None:
-    """Two counters that only start together: without that fact as a lemma the range is left open, not called broken."""
+def test_a_range_that_no_run_leaves_and_no_induction_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no engine finds the missing fact: two counters that only start together: without that fact as a lemma the range is left open, not called broken."""
     (on,) = modes("ON")
     a, b = number("a", COUNT, 0, 10), number("b", COUNT, 0, 10)
     machine = Machine(
@@ -100,9 +105,10 @@ def test_a_range_that_no_run_leaves_and_no_induction_shows() -> None:
             Transition("count", on, on, TICK & (b < 10), {a: a + 1, b: b + 1}, rank=1),
         ],
     )  # fmt: skip
-    _, open_ = one_step.ranges(lower(machine), Limits(depth=3))
+    monkeypatch.setattr(never, "spacer", lambda *_: Unknown("gives up"))
+    _, open_, *_ = arithmetic.ranges(lower(machine), Limits(depth=3))
     assert isinstance(open_.verdict, Unknown)
-    assert "no run breaks it; a lemma may be missing" in open_.verdict.reason
+    assert "no run comes there; a lemma may be missing" in open_.verdict.reason
     assert open_.verdict.depth == 3
 
 
@@ -110,15 +116,16 @@ def test_a_divisor_that_is_not_positive_is_told() -> None:
     """Terms do not let it be written; a system built by hand could hold it."""
     own = system(counter())
     broken = replace(own, next={**own.next, LEVEL: FloorDiv(LEVEL, 0, COUNT)})
-    verdict = only(one_step.division(broken, Limits())).verdict
+    verdict = only(arithmetic.division(broken, Limits())).verdict
     assert isinstance(verdict, Violated)
     assert verdict.reason == "divisors [0]"
 
 
 def test_an_overlap_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is not called an overlap."""
-    monkeypatch.setattr(one_step, "unproved", no_time)
-    verdicts = [one.verdict for one in one_step.overlap(system(counter()), Limits())]
+    monkeypatch.setattr(settle, "unproved", no_time)
+    monkeypatch.setattr(overlap, "never", lambda _, why, __: Unknown(why))
+    verdicts = [one.verdict for one in overlap.overlap(system(counter()), Limits())]
     assert verdicts
     assert all(isinstance(verdict, Unknown) and "solver: canceled" in verdict.reason for verdict in verdicts)
 
@@ -129,8 +136,9 @@ def test_an_absence_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPat
     distance, way = optional("distance", COUNT, 0, 9), number("way", COUNT, 0, 9)
     go = Transition("go", on, on, distance.value > 3, {way: distance.value})
     machine = Machine("walker", (on,), [distance], {way: 0}, {}, [go])
-    monkeypatch.setattr(one_step, "unproved", no_time)
-    verdict = only(one_step.absence(lower(machine), Limits())).verdict
+    monkeypatch.setattr(settle, "unproved", no_time)
+    monkeypatch.setattr(absence, "unproved", no_time)
+    verdict = only(absence.absence(lower(machine), Limits())).verdict
     assert isinstance(verdict, Unknown)
     assert "distance by way: undecided: solver: canceled" in verdict.reason
 

@@ -60,9 +60,9 @@ def data() -> dict[str, Any]:
 def test_headline_is_the_worst_verdict() -> None:
     """One violation makes the report violated; without it and the open question, all holds."""
     assert '<span class="verdict">violated</span>' in to_html(data())
-    assert '<span class="verdict">unknown</span>' in to_html(report_data(findings()[2:], [door()]))
+    assert '<span class="verdict">undecided: something is' in to_html(report_data(findings()[2:], [door()]))
     assert '<span class="verdict">all holds</span>' in to_html(report_data(findings()[:1], [door()]))
-    assert '<span class="verdict">nothing was checked</span>' in to_html(report_data([], [door()]))
+    assert '<span class="verdict">nothing was asked, so nothing is shown</span>' in to_html(report_data([], [door()]))
 
 
 def test_a_long_witness_is_in_its_file_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -139,8 +139,9 @@ def test_old_evidence_goes(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("{", "cannot be read as a report"),
-        ("[]", "not a report of schema safeloc-report/1"),
-        (json.dumps({"schema": "safeloc-report/1"}), "does not keep to schema safeloc-report/1: 'verdict'"),
+        ("[]", "not a report of schema safeloc-report/2"),
+        (json.dumps({"schema": "safeloc-report/1"}), "not a report of schema safeloc-report/2; write it with"),
+        (json.dumps({"schema": "safeloc-report/2"}), "does not keep to schema safeloc-report/2: 'verdict'"),
     ],
 )
 def test_no_report(tmp_path: Path, text: str, message: str) -> None:

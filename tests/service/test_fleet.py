@@ -316,14 +316,40 @@ def test_a_step_is_a_cycle() -> None:
 
 
 def test_a_missing_step_is_charged() -> None:
-    """By cycle numbers a gap is so many steps without inputs; without them a line that cannot be read is one."""
+    """By cycle numbers a gap is so many steps without inputs; without them a line that says something wrong is one."""
     said = [inputs(records) for records in drive(6)]
     counted, plain = steps(), steps()
     gap = counted.say(*(json.dumps({"cycle": n, **one}) for n, one in enumerate(said, 1) if n != 4))
-    bad = plain.say(*map(json.dumps, said[:3]), "{", *map(json.dumps, said[4:]))
+    bad = plain.say(*map(json.dumps, said[:3]), '{"front_whel_mm": 1}', *map(json.dumps, said[4:]))
     assert [answer["outputs"] for answer in gap] == [answer["outputs"] for answer in reports(bad)]
     assert len(gap) == 6
     assert doubted(reports(bad)[3])
+
+
+@pytest.mark.parametrize("merged", [2, 30])
+@pytest.mark.parametrize("how", ["\r", " ", "", "x" * 70_000])
+def test_what_cannot_be_read_may_have_been_any_number_of_steps(merged: int, how: str) -> None:
+    """Line ends that are damaged swallow steps: without cycle numbers the vehicle begins anew, at the next line or at the
+    end; with them the gap is charged, and the place is kept where it may be."""
+    said = [json.dumps(inputs(records)) for records in drive(60)]
+    joined = how.join(said[5 : 5 + merged])
+    told = steps()
+    told.say(*said[:5])
+    assert told.fleet.vehicles["1"].place is not None
+    flaw = "longer than 65536 bytes" if len(joined) > 65_536 else ""
+    (refused,) = told.fleet.heed(HERE, Line(6, b"" if flaw else joined.encode(), flaw), whole=True)
+    anew, report = told.say(said[5 + merged])
+    assert refused["event"] == "refused"
+    assert anew["anew"] == f"line 6: {refused['reason']}"
+    assert (anew["interval_mm"], report["interval_mm"]) == (None, None)
+    ended = steps()
+    ended.say(*said[:5])
+    ended.say(joined)
+    assert [one["interval_mm"] for one in ended.fleet.finish()] == [None]
+    counted = steps()
+    numbered_ = [json.dumps({"cycle": n, **json.loads(one)}) for n, one in enumerate(said, 1)]
+    counted.say(*numbered_[:5], how.join(numbered_[5:7]))
+    assert not any("anew" in one for one in counted.say(numbered_[7]))
 
 
 def test_a_step_that_came_before_is_refused() -> None:
@@ -382,12 +408,187 @@ def test_a_stream_may_leave_out_what_is_as_before() -> None:
 def test_what_is_left_out_behind_a_lost_step_is_not_known() -> None:
     """Nothing of such a step is used, until one says everything again."""
     said, whole = short_stream()
-    answers = steps().say(*said[:5], "{", *said[6:8], json.dumps(whole[7]), said[9])
+    answers = steps().say(*said[:5], '{"nonsense": 1}', *said[6:8], json.dumps(whole[7]), said[9])
     refused = [answer for answer in answers if answer.get("event") == "refused"]
     assert [answer["line"] for answer in refused] == [6, 7, 8]
     assert "is left out as kept, and the step before does not say what it is" in refused[1]["reason"]
     told = reports(answers)
     assert [doubted(one) for one in told] == [False] * 4 + [True] * 3 + [False] * 2
+
+
+# ------------------------------------------------------------------ ways back
+
+
+MOST = 2**62
+
+
+@pytest.mark.parametrize("restarted", [False, True])
+@pytest.mark.parametrize("wrong", [MOST, 900_000, 200])
+def test_a_wrong_number_does_not_mute_a_vehicle(wrong: int, restarted: bool) -> None:
+    """After one line with a large number the owner's lines are heard again within ten, also behind a restart, and what
+    is missing is charged: no cycle that was open then is used."""
+    told, made = Told(), numbered(30)
+    told.say(*made[:11])
+    told.say(json.dumps({"number": wrong, "kind": "cycle", "time_ms": 250}))
+    if restarted:
+        kept = json.loads(json.dumps(told.fleet.freeze()()))
+        told.fleet = Fleet(ODOMETRY, Ways(100))
+        told.fleet.restore(kept)
+    answers = told.say(*made[11:])
+    refused = [one for one in answers if one.get("event") == "refused"]
+    assert len(refused) <= 9
+    assert reports(answers)[-1]["time_ms"] == 3_000
+    assert [one for one in reports(answers) if not doubted(one)][-1]["cycle"] == 30
+    if wrong != MOST:
+        assert any(doubted(one) for one in reports(answers))
+
+
+def test_a_number_far_ahead_is_no_loss() -> None:
+    """A line that is refused for its number costs nothing where the numbers go on."""
+    told, made = Told(), numbered(5)
+    told.say(*made[:11])
+    (refused,) = told.say(json.dumps({"number": MOST, "kind": "cycle", "time_ms": 250}))
+    assert refused["reason"] == f"number {MOST} after 11: too far ahead for a loss"
+    assert not any(doubted(one) for one in told.say(*made[11:]))
+
+
+def test_a_sender_that_does_not_count_any_more_is_followed() -> None:
+    """One line with a number among lines without any is one line."""
+    told = Told()
+    told.say(*lines(3), json.dumps({"number": 7, "kind": "cycle", "time_ms": 300}))
+    answers = told.say(*lines(27, 4), end(3_000))
+    assert len([one for one in answers if one.get("reason") == "no number, after 7"]) == 9
+    assert reports(answers)[-1]["time_ms"] == 3_000
+    assert not doubted(reports(answers)[-1])
+
+
+def test_steps_that_have_no_number_any_more_are_followed() -> None:
+    """The same of cycle numbers: how many steps are missing is not known, so the vehicle begins anew."""
+    told = steps()
+    said = [json.dumps(inputs(records)) for records in drive(40)]
+    told.say(*said[:4], json.dumps({"cycle": 5, **json.loads(said[4])}))
+    answers = told.say(*said[5:])
+    assert len([one for one in answers if one.get("event") == "refused"]) == 9
+    assert [one["anew"] for one in answers if "anew" in one] == ["its steps have no cycle number any more"]
+    assert reports(answers)[-1]["time_ms"] == 500 + 2_600
+
+
+@pytest.mark.parametrize("ahead_ms", [1_100, 30_000, 60_000])
+def test_a_time_ahead_is_not_believed_of_one_line(ahead_ms: int) -> None:
+    """Up to the longest gap: the line is refused, one cycle is not used, and the place is kept."""
+    told = Told()
+    told.say(*lines(3), end(300))
+    (refused,) = told.say(line(distances(400 + ahead_ms)[0]))
+    assert refused["reason"] == f"{ahead_ms} ms ahead; believed once lines of 2 cycles agree"
+    answers = told.say(*map(line, distances(400)), end(400), *map(line, distances(500)), end(500))
+    assert [(one["cycle"], doubted(one)) for one in answers] == [(4, True), (5, False)]
+    assert answers[-1]["interval_mm"] is not None
+
+
+def test_a_silence_is_believed_when_lines_agree() -> None:
+    """Two cycles later it is charged cycle by cycle; who speaks that seldom is believed at once from then on."""
+    told = Told()
+    told.say(*lines(3), end(300))
+    answers = told.say(*[text for at in (5_000, 5_100, 5_200) for text in [*map(line, distances(at)), end(at)]])
+    assert len(answers) - len(reports(answers)) == 10
+    assert [one["time_ms"] for one in reports(answers)] == [100 * n for n in range(4, 53)]
+    told = Told()
+    answers = told.say(*[end(at) for at in range(0, 60_000, 3_000)])
+    assert [one["reason"] for one in answers if "reason" in one] == [
+        "2900 ms ahead; believed once lines of 2 cycles agree"
+    ]
+    assert reports(answers)[-1]["time_ms"] == 57_000
+
+
+def test_a_late_line_does_not_vouch_for_one_that_is_ahead() -> None:
+    """They are both out of step, and do not agree."""
+    told = Told()
+    told.say(*lines(3), end(300), line(distances(100)[0]))
+    (refused,) = told.say(line(distances(5_000)[0]))
+    assert refused["reason"] == "4600 ms ahead; believed once lines of 2 cycles agree"
+
+
+# ------------------------------------------------------------------ room
+
+
+class Clock:
+    """Seconds, as told."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        """What it shows."""
+        return self.now
+
+
+def crowd(**ways: Any) -> tuple[Told, Clock]:
+    """A fleet with little room."""
+    clock = Clock()
+    return Told(Fleet(ODOMETRY, Ways(100, **ways), clock=clock), whole=False), clock
+
+
+def test_names_that_nobody_uses_any_more_make_room() -> None:
+    """The one that has been silent longest, without a place, is forgotten, and that is told; a located vehicle is not,
+    nor one that spoke of late."""
+    told, clock = crowd(most_vehicles=3)
+    told.say(*numbered(3, "located"))
+    told.say(end(100, vehicle="old"))
+    clock.now = 30.0
+    told.say(end(100, vehicle="young"))
+    clock.now = 61.0
+    assert "3 vehicles already" not in str(told.say(end(100, vehicle="new")))
+    assert list(told.fleet.vehicles) == ["located", "young", "new"]
+    (refused,) = told.say(end(100, vehicle="newer"))
+    assert refused["reason"] == "3 vehicles already"
+    assert told.fleet.by_clock
+    clock.now = 200.0
+    told.fleet.withdraw("located", "it is silent")
+    forgotten, *_ = told.say(end(100, vehicle="newer"))
+    assert (forgotten["event"], forgotten["vehicle"]) == ("forgotten", "located")
+    assert list(json.loads(json.dumps(told.fleet.freeze()()))) == ["young", "new", "newer"]
+
+
+def test_one_peer_cannot_use_up_all_names() -> None:
+    """It is refused more than its share, and told; others have theirs."""
+    told, clock = crowd(most_vehicles=10, most_of_a_peer=2)
+    answers = [one for name in "abc" for one in told.say(end(100, vehicle=name), origin="x")]
+    assert [one["reason"] for one in answers] == ["2 vehicles of this peer already"]
+    assert told.say(end(100, vehicle="d"), origin="y") == []
+    clock.now = 100.0
+    assert told.say(end(100, vehicle="e"), origin="x")[0]["vehicle"] == "a"
+
+
+def test_names_of_a_snapshot_make_room_too() -> None:
+    """A table that was full when it was saved is not full for ever."""
+    told, clock = crowd(most_vehicles=2)
+    told.say(end(100, vehicle="a"), end(100, vehicle="b"))
+    again, clock = crowd(most_vehicles=2)
+    again.fleet.restore(json.loads(json.dumps(told.fleet.freeze()())))
+    assert again.say(end(100, vehicle="c"))[0]["reason"] == "2 vehicles already"
+    clock.now = 61.0
+    assert again.say(end(100, vehicle="c"))[0]["event"] == "forgotten"
+
+
+def test_what_claims_something_is_not_forgotten() -> None:
+    """A machine whose first state says something about the world would say it again."""
+    clock = Clock()
+    target = Target("door", (door,), lower(door), ())
+    told = Told(Fleet(Program(target), Ways(500, inputs=True, most_vehicles=1), clock=clock))
+    whole = {"speed": 0, "released": False, "blocked": False}
+    told.say(json.dumps({"vehicle": "a", "cycle": 1, **whole}))
+    clock.now = 1e6
+    assert told.say(json.dumps({"vehicle": "b", "cycle": 1, **whole}))[0]["reason"] == "1 vehicles already"
+
+
+def test_silence_withdraws_a_place() -> None:
+    """Told once, with the reason; what was open is not used, and a vehicle without a place has nothing to withdraw."""
+    told = Told()
+    told.say(*lines(3), end(300), line(distances(400)[0]))
+    doubtful, anew = told.fleet.withdraw("1", "it said nothing for long")
+    assert doubted(doubtful)
+    assert (anew["anew"], anew["interval_mm"]) == ("it said nothing for long", None)
+    assert told.fleet.by_clock
+    assert told.fleet.withdraw("1", "it said nothing for long") == []
 
 
 # ------------------------------------------------------------------ remembered

@@ -211,3 +211,51 @@ def test_the_log_never_waits() -> None:
     finally:
         os.close(reading)
         os.close(writing)
+
+
+@pytest.mark.parametrize("field", ["x" * 20_000, "\U0001f682" * 5_000, ["y" * 300] * 100, {"a": "b" * 9_000}])
+def test_an_event_is_one_line_however_long(field: object) -> None:
+    """What is too long is shortened, and marked; the next event is a line of its own."""
+    reading, writing = os.pipe()
+    try:
+        journal = Journal(writing)
+        journal.warning("refused", reason=field, line=7, **{f"more{n}": field for n in range(40)})
+        journal.info("next")
+        first, second = [json.loads(one) for one in os.read(reading, 1 << 20).splitlines()]
+        assert (first["event"], first["shortened"], second["event"]) == ("refused", True, "next")
+        journal.warning("refused", reason=field, line=7)
+        one = json.loads(os.read(reading, 1 << 20))
+        assert (one["line"], one["shortened"]) == (7, True)
+    finally:
+        os.close(reading)
+        os.close(writing)
+
+
+def test_a_huge_snapshot_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor is one written that could not be read back."""
+    monkeypatch.setattr(saving, "LONGEST", 1_000)
+    path = tmp_path / "snapshot.json"
+    path.write_bytes(b"x" * 1_001)
+    with pytest.raises(SnapshotError, match=r"snapshot\.json: over 1000 bytes"):
+        read_saved(path)
+    with pytest.raises(OSError, match="1001 bytes, and no more than 1000"):
+        write_whole(path, b"y" * 1_001)
+    assert path.read_bytes() == b"x" * 1_001
+
+
+@pytest.mark.parametrize("device", ["/dev/full", "/dev/zero"])
+def test_a_device_is_no_place_for_snapshots(device: str) -> None:
+    """It is refused before it is read, and no lock is left beside it."""
+    with pytest.raises(InputError, match="a device or a pipe; name a file"), claimed(Path(device)):
+        pass
+    assert not Path(f"{device}.lock").exists()
+
+
+def test_time_in_which_nobody_could_be_heard_counts_for_nobody() -> None:
+    """While a file is read that was written before, nobody is silent."""
+    watchdog = Watchdog(0.3, 0.1)
+    watchdog.ended("a", 0.0)
+    for now in (0.1, 0.2, 0.4, 0.6):
+        watchdog.pass_over(now)
+    assert list(watchdog.overdue(0.7)) == []
+    assert list(watchdog.overdue(0.85)) == ["a"]

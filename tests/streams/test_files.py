@@ -59,7 +59,7 @@ def test_deep_nesting(read: Reader, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("cell", "message"), [("9" * 5_000, "a cell of 5000 characters"), ("x" * 200_000, "not CSV")])
 def test_giant_cells(read: Reader, tmp_path: Path, cell: str, message: str) -> None:
     """Neither csv's limit nor that of Python's whole numbers ends in a traceback."""
-    assert refused(read, tmp_path / "giant.csv", f"kind,a\nvalue,{cell}\n").startswith(f":2: {message}")
+    assert refused(read, tmp_path / "giant.csv", f"kind,value\nvalue,{cell}\n").startswith(f":2: {message}")
 
 
 @BOTH

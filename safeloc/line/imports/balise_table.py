@@ -17,8 +17,9 @@ from safeloc.line.elements import Balise, BaliseGroup, Direction, KilometrePoint
 from safeloc.line.imports.building import made, within
 from safeloc.line.imports.lengths import decimal, millimetres
 from safeloc.line.imports.notes import Imported, Note
-from safeloc.line.imports.spreadsheet import Sheet, cells, read_sheet
+from safeloc.line.imports.spreadsheet import Sheet, read_sheet
 from safeloc.line.model import Line
+from safeloc.outside import quoted
 
 COLUMNS = ("NID_C", "NID_BG", "Lint", "Km", "Or BG", "Or Lint", "Spoornr")
 MARGIN_MM = 1_000
@@ -90,15 +91,14 @@ def _imported(sheet: Sheet, name: str, version: str, source: str) -> Imported:
 def _rows(sheet: Sheet, notes: list[Note]) -> Iterator[Row]:
     where = f"sheet {sheet.title!r}"
     notes += [Note("not carried over", f"sheet {other!r}", "only the first sheet is read") for other in sheet.others]
-    heading = [str(cell).strip() if cell is not None else "" for cell in next(iter(sheet.rows), ())]
+    heading = [str(cell).strip() if cell is not None else "" for cell in sheet.heading]
     at = {column: _column(heading, column, where) for column in COLUMNS}
     for column in heading:
         if column and column not in COLUMNS:
             notes.append(Note("not understood", where, f"column {column!r}"))
-    listed = list(cells(sheet))
-    if not listed:
+    if not sheet.rows:
         raise InputError(f"{where}: has no rows.")
-    for number, row in listed:
+    for number, row in sheet.rows:
         yield _row(f"{where} row {number}", {column: row[index] for column, index in at.items()})
 
 
@@ -133,7 +133,7 @@ def _number(cells: Mapping[str, Any], column: str, place: str) -> str:
     """A number as a spreadsheet shows it; it holds binary fractions."""
     value = cells[column]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise InputError(f"{place}: column {column!r}: expected a number, got {value!r}.")
+        raise InputError(f"{place}: column {column!r}: expected a number, got {quoted(value)}.")
     return repr(value)
 
 
@@ -147,7 +147,7 @@ def _whole(cells: Mapping[str, Any], column: str, place: str) -> int:
 def _text(cells: Mapping[str, Any], column: str, place: str) -> str:
     value = cells[column]
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{place}: column {column!r}: expected text, got {value!r}.")
+        raise InputError(f"{place}: column {column!r}: expected text, got {quoted(value)}.")
     return value.strip()
 
 

@@ -10,6 +10,10 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from safeloc.errors import EngineError, InputError
+from safeloc.outside import quoted, read_bytes, reading_file
+
+LARGEST_MAP = 200_000_000
+"""Bytes of a map file: a country's micro topology."""
 
 Record = TypeVar("Record", bound=BaseModel)
 
@@ -24,7 +28,7 @@ def made(record: type[Record], place: str, **fields: Any) -> Record:
         told = first["msg"].removeprefix("Value error, ")
         if not field:
             raise InputError(f"{place}: {told}.") from error
-        raise InputError(f"{place}: field {field}: {told} (got {first['input']!r}).") from error
+        raise InputError(f"{place}: field {field}: {told} (got {quoted(first['input'])}).") from error
 
 
 def missing(package: str, purpose: str) -> EngineError:
@@ -34,19 +38,11 @@ def missing(package: str, purpose: str) -> EngineError:
 
 @contextmanager
 def within(path: Path) -> Iterator[None]:
-    """Errors about what is in the file name the file."""
-    try:
+    """The rule of the border (`safeloc.outside`) for maps; errors about what is in the file name the file."""
+    with reading_file(path):
         yield
-    except InputError as error:
-        told = str(error)
-        if told.startswith(str(path)):
-            raise
-        raise InputError(f"{path}: {told}") from error
 
 
 def content(path: Path) -> bytes:
-    """The file's bytes; InputError if it cannot be read."""
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}.") from error
+    """The file's bytes; InputError if it cannot be read, or is larger than `LARGEST_MAP`."""
+    return read_bytes(path, LARGEST_MAP)

@@ -6,7 +6,7 @@ follows from the order of the elements. `gnss_start_index` and `gnss_end_index` 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
@@ -52,32 +52,47 @@ def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | N
         if edge not in topology.edges:
             raise InputError(f"the network has no element {edge!r}.")
     starts: Sequence[Direction] = BOTH if first is None else (first,)
-    found = [runs for start in starts for runs in _runs(Run(edges[0], start), edges[1:], topology)]
-    if not found:
-        raise InputError(f"no vehicle can run over {_break(edges, topology)} in this order.")
-    if len(found) > 1:
+    layers = list(_layers(edges, starts, topology))
+    if not layers[-1]:
+        end = len(layers)
+        raise InputError(f"no vehicle can run over {', '.join(map(repr, edges[max(0, end - 3) : end]))} in this order.")
+    if len(layers[-1]) > 1 or any(way.several for way in layers[-1].values()):
         raise InputError(f"the direction along {edges[0]!r} is not told; say whether it was increasing or decreasing.")
-    return Route(topology, found[0], 0, topology.length_mm(found[0][-1]))
+    runs = _back(layers)
+    return Route(topology, runs, 0, topology.length_mm(runs[-1]))
 
 
-def _runs(run: Run, rest: Sequence[str], topology: Topology) -> Iterator[tuple[Run, ...]]:
-    if run not in topology.graph:
-        return
-    if not rest:
-        yield (run,)
-        return
-    for after in topology.after(run):
-        if after.edge == rest[0]:
-            for tail in _runs(after, rest[1:], topology):
-                yield (run, *tail)
+class _Way(NamedTuple):
+    """How a run is reached: from which one (None: it is the first), and whether in several ways."""
+
+    before: Run | None
+    several: bool = False
 
 
-def _break(edges: Sequence[str], topology: Topology) -> str:
-    """The first elements of the path that no vehicle can run over."""
-    for count in range(2, len(edges) + 1):
-        if not any(list(_runs(Run(edges[0], start), edges[1:count], topology)) for start in BOTH):
-            return ", ".join(repr(edge) for edge in edges[max(0, count - 3) : count])
-    return repr(edges[0])
+def _layers(edges: Sequence[str], starts: Sequence[Direction], topology: Topology) -> Iterator[Mapping[Run, _Way]]:
+    """The runs that can be reached over each edge, up to the first edge without any; as many steps as there are edges."""
+    reached = {Run(edges[0], start): _Way(None) for start in starts if Run(edges[0], start) in topology.graph}
+    yield reached
+    for edge in edges[1:]:
+        if not reached:
+            return
+        before, reached = reached, {}
+        for run, way in before.items():
+            for after in topology.after(run):
+                if after.edge == edge:
+                    reached[after] = _Way(run, way.several or after in reached)
+        yield reached
+
+
+def _back(layers: Sequence[Mapping[Run, _Way]]) -> tuple[Run, ...]:
+    """The only way through the layers."""
+    run = next(iter(layers[-1]))
+    runs = [run]
+    for layer in reversed(layers):
+        before = layer[run].before
+        if before is not None:
+            runs.append(run := before)
+    return tuple(reversed(runs))
 
 
 def _edge(feature: Feature, topology: Topology, notes: list[Note]) -> str:

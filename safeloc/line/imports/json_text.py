@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
@@ -10,21 +11,24 @@ from typing import Any
 
 from safeloc.errors import InputError
 from safeloc.line.imports.building import content
+from safeloc.outside import decoded, quoted, refuse_beyond, shortened
+
+MOST_VALUES = 10_000_000
+"""Numbers, texts, lists and objects in one file; an empty list of three bytes takes seventy in memory."""
 
 
 def read_object(path: Path) -> dict[str, Any]:
     """The object in the file. InputError for anything that is none, for a name given twice, and for NaN."""
-    try:
-        text = content(path).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start}).") from error
+    data = content(path)
+    refuse_beyond(path, sum(map(data.count, (b",", b"[", b"{"))), MOST_VALUES, "values")
+    text = decoded(path, data)
 
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)
         if len(found) < len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for name in names if names.count(name) > 1)
-            raise InputError(f"{path}: {twice!r} is given twice in one object; keep one.")
+            counts = Counter(name for name, _ in pairs)
+            twice = next(name for name, count in counts.items() if count > 1)
+            raise InputError(f"{path}: {quoted(twice)} is given twice in one object; keep one.")
         return found
 
     def refuse(constant: str) -> Any:
@@ -36,6 +40,10 @@ def read_object(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}:{error.lineno}: not JSON ({error.msg} at column {error.colno}).") from error
     except RecursionError as error:
         raise InputError(f"{path}: nested too deeply to be a map.") from error
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: a number has thousands of digits ({shortened(error)}); mend it.") from error
     return mapping(found, str(path))
 
 
@@ -74,5 +82,5 @@ def others(found: Mapping[str, Any], known: Sequence[str]) -> Iterator[str]:
 
 def _kind(value: object) -> str:
     return {"dict": "an object", "list": "a list", "NoneType": "null", "bool": f"{value}"}.get(
-        type(value).__name__, repr(value)
+        type(value).__name__, quoted(value)
     )

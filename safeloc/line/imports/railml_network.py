@@ -229,7 +229,7 @@ def _relations(
 ) -> Iterator[Relation]:
     for element in _by_identity(infrastructure.all("topology", "netRelations", "netRelation")).values():
         names = [_side(element, side, everything) for side in ("elementA", "elementB")]
-        if not set(names) <= set(elements):
+        if not all(name in elements for name in names):
             element.skip()
             notes.append(Note("not carried over", element.place, "net relation of a coarser level"))
             continue
@@ -244,8 +244,9 @@ def _references(infrastructure: Element, everything: frozenset[str]) -> None:
     for one in infrastructure.all("topology", "netElements", "netElement", "relation"):
         if one.need("ref") not in relations:
             raise InputError(f"{one.place}: there is no netRelation {one.need('ref')!r}.")
+    known = relations | everything
     for one in infrastructure.all("topology", "networks", "network", "level", "networkResource"):
-        if one.need("ref") not in relations | everything:
+        if one.need("ref") not in known:
             raise InputError(f"{one.place}: there is no net element or relation {one.need('ref')!r}.")
 
 

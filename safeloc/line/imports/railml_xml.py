@@ -14,12 +14,17 @@ from typing import Any
 from safeloc.errors import InputError
 from safeloc.line.imports.building import content, missing
 from safeloc.line.imports.xml_prolog import DOCUMENT_TYPE, refuse_document_type
+from safeloc.outside import refuse_beyond
 
+MOST_ELEMENTS = 2_000_000
+MOST_ATTRIBUTES = 10_000_000
+"""Elements of four bytes and attributes of six take a hundred times that in memory. What is counted is never less than
+what is there: signs of beginning and equality, also in text and comments."""
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 XML = "http://www.w3.org/XML/1998/namespace"
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, slots=True)
 class Element:
     """One element: its name without namespace, attributes and children, and which of them were asked for."""
 
@@ -96,6 +101,8 @@ def read_xml(path: Path) -> Element:
     """The root element of the document. InputError for what is not well-formed or not safe to read."""
     data = content(path)
     refuse_document_type(str(path), data)
+    refuse_beyond(path, data.count(b"<") - data.count(b"</"), MOST_ELEMENTS, "elements")
+    refuse_beyond(path, data.count(b"="), MOST_ATTRIBUTES, "attributes")
     etree = _etree()
     parser = etree.XMLParser(
         resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False, remove_comments=True, remove_pis=True

@@ -12,6 +12,9 @@ from safeloc.line.elements import Crossing, Node, Switch
 from safeloc.line.imports.building import made
 from safeloc.line.imports.notes import Note
 
+MOST_ENDS = 100
+"""Of edges at one node; each pair of them may be a way."""
+
 End = tuple[str, int]
 """One end of an edge: its identity, and 0 where it begins or 1 where it ends."""
 
@@ -71,6 +74,8 @@ def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) ->
     found: list[Switch | Crossing] = []
     nodes: list[Node] = []
     for ends, own in zip(groups, inside, strict=True):
+        if len(ends) > MOST_ENDS:
+            raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {MOST_ENDS} can.")
         place = own[0].place if own else f"edge {min(ends)[0]!r}"
         node = _node(sorted(ends), own, naming, place)
         nodes.append(node)

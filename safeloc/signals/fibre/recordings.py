@@ -10,16 +10,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import ZipFile, is_zipfile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import EngineError, InputError, StreamError
+from safeloc.outside import refuse_beyond, shortened, shown
 from safeloc.signals.fibre.blocks import FibreBlock
 from safeloc.signals.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.streams.files import streaming
 
 MM_PER_M = 1_000
+LARGEST_RECORDING = 4_000_000_000
+"""Bytes: an hour of a thousand channels, 1000 times a second as 8-bit numbers. Cut longer ones; blocks are judged alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,21 +40,38 @@ def read_array(path: Path, *, name: str = "data", channels_first: bool = False) 
 
     Whole numbers are taken times `scale`, which they need. StreamError for anything that is not two axes of numbers.
     """
+    with streaming(path):
+        data, told = _loaded(path, name)
+        return _recording(path, data, told, channels_first)
+
+
+def _refuse_large(path: Path) -> None:
+    """By what the file, or every array in it, takes in memory as it says; a file of zeros packs to a thousandth."""
+    size = path.stat().st_size
+    if is_zipfile(path):
+        with ZipFile(path) as archive:
+            size = sum(part.file_size for part in archive.infolist())
+    refuse_beyond(path, size, LARGEST_RECORDING, "bytes in its arrays")
+
+
+def _loaded(path: Path, name: str) -> tuple[object, dict[str, float]]:
+    """The array, and what is told beside it."""
     try:
+        _refuse_large(path)
         loaded = np.load(path, allow_pickle=False)
         if isinstance(loaded, np.ndarray):
-            return _recording(path, loaded, {}, channels_first)
+            return loaded, {}
         with loaded:
             if name not in loaded:
-                raise StreamError(f"{path}: holds {', '.join(sorted(loaded))}, no array {name!r}; give its name.")
-            told = {
-                key: float(loaded[key]) for key in ("scale", "fs_hz", "dx_m") if key in loaded and loaded[key].size == 1
-            }
-            return _recording(path, loaded[name], told, channels_first)
-    except (OSError, ValueError, EOFError, BadZipFile) as error:
-        if isinstance(error, StreamError):
-            raise
-        raise StreamError(f"{path}: not an array that numpy reads without pickles ({error}).") from error
+                raise StreamError(
+                    f"{path}: holds {shown(', '.join(sorted(loaded)))}, no array {name!r}; give its name."
+                )
+            told = ("scale", "fs_hz", "dx_m")
+            return loaded[name], {key: float(loaded[key]) for key in told if key in loaded and loaded[key].size == 1}
+    except (InputError, FileNotFoundError, MemoryError):
+        raise
+    except Exception as error:  # numpy, zipfile and zlib fail on damage in their own ways
+        raise StreamError(f"{path}: not an array that numpy reads without pickles ({shortened(error)}).") from error
 
 
 def _recording(path: Path, data: object, told: dict[str, float], channels_first: bool) -> Recording:
@@ -71,6 +92,8 @@ def read_das(path: Path) -> Recording:
         raise EngineError(
             f"{path} is read with dascore: pip install 'safeloc[das]'; .npy and .npz need nothing."
         ) from error
+    with streaming(path):
+        refuse_beyond(path, path.stat().st_size if path.is_file() else 0, LARGEST_RECORDING, "bytes")
     try:
         library: Any = dascore
         patch = library.spool(path)[0].transpose("time", "distance")

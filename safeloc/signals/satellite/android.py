@@ -11,30 +11,47 @@ from __future__ import annotations
 from itertools import groupby
 from pathlib import Path
 
-from safeloc.errors import StreamError
+from safeloc.errors import InputError, StreamError
+from safeloc.outside import reading_file
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
 from safeloc.signals.satellite.figures import L1_HZ, LIGHT_M_PER_S, WEEK_S
+from safeloc.signals.satellite.log_lines import log_lines
 
 _NANOS = 1_000_000_000
 _TIME_OF_WEEK, _CODE_LOCK, _GALILEO_CODE_LOCK = 8, 1, 1024
 _SYSTEMS = {"1": ("G", 0, _CODE_LOCK), "4": ("J", 192, _CODE_LOCK), "6": ("E", 0, _GALILEO_CODE_LOCK)}
 """ConstellationType -> letter, what Svid begins after, the bit of State that says code lock."""
 _BAND_HZ = 1e6
+NO_NUMBER = "not ASCII"
 Row = dict[str, str]
 
 
 def read_android(path: Path) -> list[Epoch]:
     """All epochs. Rows without code lock or time of week are left out. StreamError names the file; NMEA is refused."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    with reading_file(path, path.name):
+        return _epochs(log_lines(path, "utf-8"), path)
+
+
+def _epochs(lines: list[str], path: Path) -> list[Epoch]:
     header = next((line for line in lines if line.startswith("# Raw,")), None)
     if header is None:
         raise StreamError(f"{path.name}:1: no '# Raw' header; NMEA and position logs lack pseudorange and Doppler.")
     names = [name.strip() for name in header[2:].split(",")]
-    rows = [dict(zip(names, line.split(","), strict=False)) for line in lines if line.startswith("Raw,")]
+    rows = [_row(names, number, line, path) for number, line in enumerate(lines, 1) if line.startswith("Raw,")]
     try:
         return list(in_order(_epoch(list(group), path) for _, group in groupby(rows, key=lambda row: row["TimeNanos"])))
-    except (KeyError, ValueError) as error:
+    except (KeyError, ValueError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
         raise StreamError(f"{path.name}: {error}; mend or drop the row.") from error
+
+
+def _row(names: list[str], number: int, line: str, path: Path) -> Row:
+    """A row by the names of its columns. Numbers have ASCII digits; a text column of another script is not read."""
+    cells = [cell if cell.isascii() else NO_NUMBER for cell in line.split(",")]
+    if len(cells) > len(names):
+        raise StreamError(f"{path.name}:{number}: {len(cells)} cells under {len(names)} columns; mend or drop the row.")
+    return dict(zip(names, cells, strict=False))
 
 
 def _epoch(rows: list[Row], path: Path) -> Epoch:

@@ -24,7 +24,11 @@ ChannelValues = dict[str, int | bool]
 def identity(satellite: str) -> int:
     """A whole number for a satellite named as in RINEX: G05 is 5, E05 is 205. InputError for another name."""
     number = satellite[1:]
-    if satellite[:1] not in tuple(CONSTELLATIONS) or not number.isdecimal() or not 0 < int(number) < 100:
+    if (
+        satellite[:1] not in tuple(CONSTELLATIONS)
+        or not (number.isascii() and number.isdecimal())
+        or not 0 < int(number) < 100
+    ):
         raise InputError(f"{satellite!r} is no satellite; name it by constellation ({CONSTELLATIONS}) and number, G05.")
     return CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
 

@@ -12,8 +12,10 @@ from functools import cached_property
 from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
+from safeloc.outside import reading_file
 from safeloc.signals.satellite.atmosphere import Four, Klobuchar
 from safeloc.signals.satellite.ephemeris import FIT_HOURS, Ephemeris, usable
+from safeloc.signals.satellite.log_lines import log_lines
 from safeloc.signals.satellite.times import gps_seconds, of_week
 
 _LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
@@ -42,7 +44,11 @@ class Navigation:
 
 def read_navigation(path: Path) -> Navigation:
     """All GPS, QZSS and Galileo records. StreamError names file and line."""
-    lines = path.read_text(encoding="ascii", errors="replace").splitlines()
+    with reading_file(path, path.name):
+        return _navigation(log_lines(path), path)
+
+
+def _navigation(lines: list[str], path: Path) -> Navigation:
     end = next((i for i, line in enumerate(lines) if line[60:].strip() == "END OF HEADER"), None)
     version = lines[0][:9].strip() if lines else ""
     if end is None or version[:1] not in ("2", "3") or "NAV" not in lines[0][20:60]:
@@ -56,9 +62,15 @@ def _records_2(lines: list[str], end: int, path: Path) -> Iterator[tuple[int, st
         head = lines[at]
         if len(lines) < at + 8 or not (head[:2].strip().isdigit() and head[3:5].strip().isdigit()):
             raise StreamError(f"{path.name}:{at + 1}: no record starts here, or it is cut short; mend the file.")
-        year = int(head[2:5])
+        year = _year(head[2:5], f"{path.name}:{at + 1}")
         date = f"{2000 + year if year < 80 else 1900 + year}{head[5:22]}"
         yield at + 1, f"G{int(head[:2]):02d}", date, [head[22:], *(line[3:] for line in lines[at + 1 : at + 8])]
+
+
+def _year(text: str, where: str) -> int:
+    if not text.strip().isdecimal():
+        raise StreamError(f"{where}: {text!r} is no year of two digits; mend or drop the record.")
+    return int(text)
 
 
 def _records_3(lines: list[str], end: int, path: Path) -> Iterator[tuple[int, str, str, list[str]]]:
@@ -76,7 +88,7 @@ def _records_3(lines: list[str], end: int, path: Path) -> Iterator[tuple[int, st
 def _record(line: int, satellite: str, date: str, fields: list[str], path: Path) -> Ephemeris:
     try:
         return _ephemeris(satellite, date, [_numbers(field) for field in fields])
-    except (ValueError, IndexError) as error:
+    except (ValueError, IndexError, OverflowError) as error:
         raise StreamError(f"{path.name}:{line}: record of {satellite}: {error}; mend or drop it.") from error
 
 

@@ -9,7 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from safeloc.errors import StreamError
+from safeloc.outside import reading_file
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
+from safeloc.signals.satellite.log_lines import log_lines
 from safeloc.signals.satellite.predicted import rate_of_doppler
 from safeloc.signals.satellite.times import gps_seconds
 
@@ -22,12 +24,13 @@ def read_observations(path: Path) -> list[Epoch]:
 
     InputError for epochs out of order or repeated.
     """
-    lines = path.read_text(encoding="ascii", errors="replace").splitlines()
-    _refuse_others(lines, path)
-    end = next((i for i, line in enumerate(lines) if line[60:].strip() == "END OF HEADER"), None)
-    if end is None:
-        raise StreamError(f"{path.name}:1: the header does not end; mend the file.")
-    return list(in_order(_epochs(lines, end + 1, _columns(lines[:end], path), path)))
+    with reading_file(path, path.name):
+        lines = log_lines(path)
+        _refuse_others(lines, path)
+        end = next((i for i, line in enumerate(lines) if line[60:].strip() == "END OF HEADER"), None)
+        if end is None:
+            raise StreamError(f"{path.name}:1: the header does not end; mend the file.")
+        return list(in_order(_epochs(lines, end + 1, _columns(lines[:end], path), path)))
 
 
 def _refuse_others(lines: list[str], path: Path) -> None:
@@ -64,22 +67,23 @@ def _epochs(lines: list[str], at: int, columns: Columns, path: Path) -> Iterator
         if len(body) < count:
             raise StreamError(f"{path.name}:{at + 1}: {count} satellites announced, {len(body)} follow; it is cut.")
         if head[31] in "01":
-            yield Epoch(_time(head), _satellites(body, at + 2, columns, path))
+            yield Epoch(_time(head, f"{path.name}:{at + 1}"), _satellites(body, at + 2, columns, path))
         at += 1 + count
 
 
 def _head(lines: list[str], at: int, path: Path) -> tuple[str, int]:
-    try:
-        if lines[at].startswith(">"):
-            return lines[at], int(lines[at][32:35])
-    except ValueError:
-        pass
+    count = lines[at][32:35].strip()
+    if lines[at].startswith(">") and count.isdecimal():  # below zero it would lead back, and never to an end
+        return lines[at], int(count)
     raise StreamError(f"{path.name}:{at + 1}: no epoch starts here; mend the file.")
 
 
-def _time(head: str) -> float:
-    year, month, day, hour, minute, second = head[1:29].split()
-    return gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second))
+def _time(head: str, where: str) -> float:
+    try:
+        year, month, day, hour, minute, second = head[1:29].split()
+        return gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second))
+    except (ValueError, OverflowError) as error:
+        raise StreamError(f"{where}: {head[1:29]!r} is no time ({error}); mend or drop the epoch.") from error
 
 
 def _satellites(body: list[str], first: int, columns: Columns, path: Path) -> dict[str, Measured]:

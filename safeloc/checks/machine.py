@@ -1,13 +1,14 @@
-"""What a declaration must satisfy before anything else looks at it: one small function per rule.
+"""What a machine's declaration must satisfy before anything else looks at it: one small function per rule.
 
-Each rule yields complaints; `check` raises ModelError with all of them, so that one run shows every mistake.
-What needs a solver (overlap, dead transitions, ranges) is an obligation, not a check.
+`check` raises ModelError with all complaints, so that one run shows every mistake.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
+from safeloc.checks.rule import Rule, complaints, every_complaint
+from safeloc.checks.terms import malformed
 from safeloc.errors import ModelError
 from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.machine import ANY, STAY_NAME, Initial, Machine, Transition
@@ -16,14 +17,22 @@ from safeloc.terms import in_order, variables
 from safeloc.units import Enumeration
 
 RESERVED = ("mode", "fired")
+LONGEST_NAME = 120
+
+
+def check_shape(machine: Machine) -> None:
+    """Raise ModelError where a field holds something that it is not for: nothing else can be asked then."""
+    _refuse(machine, complaints(SHAPE, machine))
 
 
 def check(machine: Machine) -> None:
     """Raise ModelError naming every offence, each with file and line."""
-    first, *others = RULES  # the others walk the terms, so there have to be terms
-    complaints = list(first(machine)) or [complaint for rule in others for complaint in rule(machine)]
-    if complaints:
-        raise ModelError(f"machine {machine.name!r} ({machine.src}):\n" + "\n".join(f"  - {c}" for c in complaints))
+    _refuse(machine, every_complaint(MACHINE, machine))
+
+
+def _refuse(machine: Machine, found: list[str]) -> None:
+    if found:
+        raise ModelError(f"machine {machine.name!r} ({machine.src}):\n" + "\n".join(f"  - {c}" for c in found))
 
 
 def input_variables(machine: Machine) -> list[Var]:
@@ -32,6 +41,25 @@ def input_variables(machine: Machine) -> list[Var]:
     for item in machine.inputs:
         result += [item.present, item.value] if isinstance(item, Optional) else [item]
     return result
+
+
+def _variables_are_variables(machine: Machine) -> Iterator[str]:
+    wanted = "declare it with number, boolean, choice or optional"
+    for item in machine.inputs:
+        if not isinstance(item, (NumVar, BoolVar, Optional)):
+            yield f"input {item!r} is no variable; {wanted}."
+    for what, declared in (("state", machine.state), ("ghost", machine.ghosts), ("ghost input", machine.ghost_inputs)):
+        for var in declared:
+            if not isinstance(var, (NumVar, BoolVar)):
+                yield f"{what} {var!r} is no variable; {wanted}."
+    for t in machine.transitions:
+        if not isinstance(t, Transition):
+            yield f"transition {t!r}: make it with Transition(...)."
+        elif wrong := [mode for mode in (*t.sources, t.target) if not isinstance(mode, Lit)]:
+            yield f"transition {t.name!r} ({t.src}): {wrong[0]!r} is no mode."
+    for mode in machine.modes:
+        if not isinstance(mode, Lit):
+            yield f"mode {mode!r}: make modes with modes(...)."
 
 
 def _terms_are_terms(machine: Machine) -> Iterator[str]:
@@ -48,6 +76,20 @@ def _terms_are_terms(machine: Machine) -> Iterator[str]:
     for var, move in machine.ghost_moves.items():
         if not isinstance(move, (Num, Bool)):
             yield f"ghost move of {var.name!r}: {move!r} is no term; a ghost that rests moves to itself."
+
+
+def _terms_are_well_formed(machine: Machine) -> Iterator[str]:
+    """Also those that somebody built without the functions of the language."""
+    values = [value for t in machine.transitions for value in t.set.values() if isinstance(value, (Num, Bool))]
+    yield from malformed([*_terms(machine), *values, *input_variables(machine), *machine.state, *machine.ghosts])
+
+
+def _terms(machine: Machine) -> list[Expr]:
+    guards = [t.when for t in machine.transitions]
+    terms: list[Expr] = [*machine.outputs.values(), *machine.ghost_moves.values(), *machine.definitions.values()]
+    terms += [*machine.clauses.values(), *machine.lemmas.values()]
+    ends = [mode for t in machine.transitions for mode in (*t.sources, t.target)]
+    return [*guards, *terms, *ends, *machine.modes, machine.assumption, machine.initially, *machine.ghost_inputs]
 
 
 def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
@@ -78,6 +120,30 @@ def _names_are_distinct(machine: Machine) -> Iterator[str]:
         yield f"transition name {STAY_NAME!r} is reserved."
 
 
+def _mode_variable_is_the_modes(machine: Machine) -> Iterator[str]:
+    """It holds every mode and nothing else, whoever made it."""
+    mode, unit = machine.mode, machine.modes[0].unit if machine.modes else None
+    if mode.name != "mode" or mode.before is not None:
+        yield f"the mode variable is called {mode.name!r} ({mode.src}); make it with current_mode(...)."
+    if mode.unit is not unit or (mode.low, mode.high) != (0, len(machine.modes) - 1):
+        yield f"the mode variable ({mode.src}) is not of this machine's modes; make it with current_mode(modes)."
+    if mode in {*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs}:
+        yield "the mode variable is declared as a variable of its own as well."
+
+
+def _labels_can_be_written(machine: Machine) -> Iterator[str]:
+    """Names stand in reports, certificates and files, each on one line."""
+    wrong = set(machine.name) & set("|\\/")
+    if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > LONGEST_NAME:
+        yield f"its name is {machine.name!r}; 1 to {LONGEST_NAME} printable characters, without /, | and \\."
+    labels = {"mode": [mode.label for mode in machine.modes], "transition": [t.name for t in machine.transitions]}
+    labels |= {"output": list(machine.outputs), "lemma": list(machine.lemmas), "clause": list(machine.clauses)}
+    for what, names in labels.items():
+        for name in names:
+            if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
+                yield f"{what} {name!r}: a name is 1 to {LONGEST_NAME} printable characters, on one line."
+
+
 def _names_can_be_written(machine: Machine) -> Iterator[str]:
     """Proof texts quote names in bars and number the copies of an input with @."""
     for var in [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]:
@@ -101,6 +167,14 @@ def _transitions_join_known_modes(machine: Machine) -> Iterator[str]:
                 yield f"transition {t.name!r} ({t.src}): {mode.label!r} is not a mode of this machine."
         if not t.sources:
             yield f"transition {t.name!r} ({t.src}) has no source mode."
+
+
+def _sources_are_named_once(machine: Machine) -> Iterator[str]:
+    """Whether a transition leaves every mode is told by how many it names."""
+    for t in machine.transitions:
+        twice = sorted({mode.label for mode in t.sources if sum(mode is other for other in t.sources) > 1})
+        if twice:
+            yield f"transition {t.name!r} ({t.src}) names source mode {twice[0]!r} twice; name each mode once."
 
 
 def _ranks_are_in_order(machine: Machine) -> Iterator[str]:
@@ -215,16 +289,25 @@ def _range(term: Num) -> tuple[int, int] | None:
             return None
 
 
-RULES: tuple[Callable[[Machine], Iterator[str]], ...] = (
-    _terms_are_terms,
-    _modes_are_one_enumeration,
-    _names_are_distinct,
-    _names_can_be_written,
-    _transitions_join_known_modes,
-    _ranks_are_in_order,
-    _updates_fit,
-    _initial_values_fit,
-    _reads_are_declared,
-    _ghosts_move,
-    _guards_can_hold,
+SHAPE: tuple[Rule[Machine], ...] = (
+    Rule("variables are variables", "a crash", _variables_are_variables),
+    Rule("terms are terms", "a crash", _terms_are_terms),
+    Rule("terms are well formed", "a wrong verdict", _terms_are_well_formed),
+)
+"""What the other rules, which walk the terms, rely on: only the first that complains is told."""
+
+MACHINE: tuple[Rule[Machine], ...] = (
+    Rule("modes are one enumeration", "a crash", _modes_are_one_enumeration),
+    Rule("the mode variable holds the modes", "a slip", _mode_variable_is_the_modes),
+    Rule("names are distinct", "a wrong verdict", _names_are_distinct),
+    Rule("names can be written", "a crash", _names_can_be_written),
+    Rule("labels can be written", "a slip", _labels_can_be_written),
+    Rule("transitions join known modes", "a slip", _transitions_join_known_modes),
+    Rule("sources are named once", "a wrong verdict", _sources_are_named_once),
+    Rule("ranks are in order", "a slip", _ranks_are_in_order),
+    Rule("updates fit", "a wrong verdict", _updates_fit),
+    Rule("initial values fit", "a wrong verdict", _initial_values_fit),
+    Rule("reads are declared", "a wrong verdict", _reads_are_declared),
+    Rule("ghosts move", "a crash", _ghosts_move),
+    Rule("guards can hold", "a slip", _guards_can_hold),
 )

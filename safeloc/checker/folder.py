@@ -1,0 +1,209 @@
+"""A report folder, checked: every certificate by both solvers, every claim against its declaration."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from safeloc.catalogue import load_target
+from safeloc.checker.claims import NO_PROOF, OPEN, WRONG, Claims, Goals
+from safeloc.checker.rules import Theory
+from safeloc.checker.solve import Opinion, opinion
+from safeloc.checker.text import Certificate, read, without_comments
+from safeloc.digest import full_digest
+from safeloc.errors import InputError, SafelocError
+from safeloc.report.page import file_names
+from safeloc.target import Target
+
+SCHEMA = "safeloc-report/2"
+Told = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A result of the report, and whether it is confirmed."""
+
+    id: str
+    verdict: str
+    answer: str
+    why: str
+
+
+@dataclass
+class Checking:
+    """What was found in a folder.
+
+    wrong      certificates that show nothing, and why: unreadable, contradicted by a solver, hypotheses not allowed
+    undecided  certificates with goals that a solver did not decide in time
+    opinions   what solvers said, by file
+    """
+
+    rows: list[Checked] = field(default_factory=list)
+    judged: set[str] = field(default_factory=set)
+    wrong: dict[str, str] = field(default_factory=dict)
+    undecided: dict[str, str] = field(default_factory=dict)
+    opinions: dict[str, Opinion] = field(default_factory=dict)
+
+    def include(self, other: Checking) -> None:
+        """Adds what was found of another machine."""
+        self.rows += other.rows
+        self.judged |= other.judged
+        self.wrong |= other.wrong
+        self.undecided |= other.undecided
+
+    @property
+    def exit_code(self) -> int:
+        """0: every proof is confirmed; 1: a certificate or a claim is wrong; 3: something could not be confirmed."""
+        if self.wrong or any(row.answer == WRONG for row in self.rows):
+            return 1
+        return 3 if self.undecided or any(row.answer == OPEN for row in self.rows) else 0
+
+
+def check_folder(folder: Path, *, jobs: int = 2, seconds: float = 60.0, told: Told = lambda _, __: None) -> Checking:
+    """Checks all that a report claims to have proved; each goal may take a solver so many seconds.
+
+    InputError where the folder is no report of this version.
+    """
+    data = _report(folder)
+    texts = {
+        path.name: path.read_text(encoding="utf-8", errors="replace")
+        for path in (folder / "certificates").glob("*.smt2")
+    }
+    found = Checking()
+    found.wrong |= {name: why for name, text in texts.items() if (why := _misnamed(name, text))}
+    for name, answered in _opinions(texts, jobs, seconds):
+        found.opinions[name] = answered
+        told(len(found.opinions), len(texts))
+    with multiprocessing.get_context("fork").Pool(jobs, _INHERITED.append, [(folder, data, texts, found)]) as pool:
+        for part in pool.map(_check_machine, range(len(data["machines"])), chunksize=1):
+            found.include(part)
+    found.wrong |= dict.fromkeys({*texts} - found.judged - {*found.wrong}, "it is of no machine of the report")
+    return found
+
+
+def _report(folder: Path) -> dict[str, Any]:
+    path = folder / "report.json"
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{path}: cannot be read as a report: {error}") from error
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise InputError(f"{path}: not a report of schema {SCHEMA}; write it with `safeloc verify --out {folder}`.")
+    return data
+
+
+def _misnamed(name: str, text: str) -> str:
+    """A file's name ends in the digest of what is in it."""
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    return "" if name.endswith(f"-{digest}.smt2") else f"its text has digest {digest}: it is not what it was"
+
+
+def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[tuple[str, Opinion]]:
+    """Of each text what the solvers say of it, in so many processes, the longest first; what says the same is asked once."""
+    same: dict[str, list[str]] = {}
+    for name, text in texts.items():
+        same.setdefault(without_comments(text), []).append(name)
+    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+        for body, said in pool.imap_unordered(partial(_asked, seconds), sorted(same, key=lambda body: -len(body))):
+            yield from ((name, said) for name in same[body])
+
+
+def _asked(seconds: float, body: str) -> tuple[str, Opinion]:
+    return body, opinion(body, seconds)
+
+
+# ------------------------------------------------------------------ one machine
+
+
+_INHERITED: list[tuple[Path, dict[str, Any], dict[str, str], Checking]] = []
+"""What a forked process has of the one that started it: folder, report, texts, and what was found so far."""
+
+
+def _check_machine(number: int) -> Checking:
+    """What there is to say of one machine of the report, besides what is known of its texts."""
+    folder, data, texts, before = _INHERITED[-1]
+    machine, found = data["machines"][number], Checking(wrong=dict(before.wrong), opinions=before.opinions)
+    rows = [row for row in data["results"] if row["machine"] == machine["name"]]
+    try:
+        files = file_names([row["id"] for row in data["results"]])
+        judge(_declared(machine), rows, texts, lambda name: folder / "traces" / f"{files[name]}.jsonl", found)
+    except SafelocError as error:
+        why = f"its declaration cannot be loaded: {error}"
+        found.judged.update(_of(machine["name"], texts))
+        found.rows += [Checked(row["id"], row["verdict"], OPEN, why) for row in rows]
+    return replace(found, opinions={})
+
+
+def _declared(machine: Mapping[str, Any]) -> Target:
+    """The target as the report says that it was asked for; InputError if it is another one now."""
+    configuration = machine.get("configuration")
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place, "configuration.json") if configuration is not None else None
+        if path is not None:
+            path.write_text(json.dumps(configuration), encoding="utf-8")
+        target = load_target(machine["spec"], path)
+    if full_digest(target.system) != machine["declaration"]:
+        raise InputError(f"{machine['spec']}: the declaration is not the one of the report (another digest).")
+    return target
+
+
+def judge(
+    target: Target,
+    rows: Sequence[Mapping[str, Any]],
+    texts: Mapping[str, str],
+    run: Callable[[str], Path],
+    found: Checking,
+) -> None:
+    """Judges the results of one target from texts on which solvers have given their opinions."""
+    goals = Goals(target)
+    theory = Theory(target.system, goals)
+    own = _of(target.name, texts)
+    taken = [one for name in own if (one := _usable(name, texts, theory, found)) is not None]
+    found.judged.update(own)
+    found.wrong |= theory.take(taken)
+    claims = Claims(target, goals, theory, run, frozenset(str(row["id"]) for row in rows))
+    found.rows += [_checked(row, claims, texts, found) for row in rows]
+
+
+def _of(system: str, texts: Mapping[str, str]) -> list[str]:
+    """The certificates that say that they are of this system."""
+    return [name for name, text in texts.items() if f"\n; system: {system}\n" in text]
+
+
+def _usable(name: str, texts: Mapping[str, str], theory: Theory, found: Checking) -> Certificate | None:
+    """The certificate with the goals that both solvers confirm; None if it is wrong."""
+    if name in found.wrong:
+        return None
+    said = found.opinions[name]
+    try:
+        one = read(name, texts[name], theory.dag)
+        if any(other not in texts for other in one.relies_on):
+            raise InputError("it relies on a certificate that is not there")
+        if said.contradicted() or said.goals != len(one.goals):
+            raise InputError(f"{' and '.join(said.contradicted())} do not confirm it")
+    except InputError as error:
+        found.wrong[name] = str(error)
+        return None
+    sure = tuple(goal for number, goal in enumerate(one.goals) if said.confirmed(number))
+    if len(sure) < len(one.goals):
+        found.undecided[name] = f"{len(one.goals) - len(sure)} of {len(one.goals)} goals undecided"
+    return replace(one, goals=sure)
+
+
+def _checked(row: Mapping[str, Any], claims: Claims, texts: Mapping[str, str], found: Checking) -> Checked:
+    answer, why = claims.answer(row)
+    listed = [] if answer == NO_PROOF else row["certificates"]
+    bad = [name for name in listed if name not in texts or name in found.wrong]
+    late = [name for name in listed if name in found.undecided]
+    if bad:
+        answer, why = WRONG, f"{len(bad)} of its certificates are missing or wrong"
+    elif answer == WRONG and late:
+        answer, why = OPEN, f"a solver did not decide {len(late)} of its certificates in time"
+    return Checked(row["id"], row["verdict"], answer, why)

@@ -1,0 +1,97 @@
+"""`safeloc recheck`: every proof of a report folder once more, by what did not find it."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from safeloc.checker.claims import CONFIRMED, NO_PROOF
+from safeloc.checker.folder import Checking, check_folder
+from safeloc.checker.solve import NEEDED, SOLVERS
+from safeloc.checker.unsat import Survey, survey
+from safeloc.cli.show import Progressing, err, out, print_json
+
+SCHEMA = "safeloc-recheck/1"
+EVERY = 100  # certificates to a line of progress in a pipe
+
+
+def recheck(
+    folder: Annotated[Path, typer.Argument(help="folder that `safeloc verify` wrote")],
+    jobs: Annotated[int, typer.Option(help="processes", min=1)] = 2,
+    seconds: Annotated[float, typer.Option(help="time limit of a solver for each goal", min=0.1)] = 60.0,
+    proofs: Annotated[
+        bool,
+        typer.Option("--proofs", help="also make and check cvc5's proof of every goal, step by step (8 times longer)"),
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
+) -> None:
+    """Check every proof of a report again, from its files and the declaration alone.
+
+    Exit code 0: all proofs are confirmed; 1: a certificate or a claim is wrong; 3: something could not be confirmed.
+    """
+    with Progressing(1, quiet=as_json) as progress:
+        progress.say(f"checking {folder}", 1)
+        found = check_folder(folder, jobs=jobs, seconds=seconds, told=lambda *count: _tell(*count, quiet=as_json))
+    steps = survey(folder, jobs=jobs, seconds=seconds, told=lambda *n: _tell(*n, quiet=as_json)) if proofs else None
+    if as_json:
+        print_json(_data(found) | ({} if steps is None else {"proofs": _step_data(steps)}))
+    else:
+        for line in (*_lines(found), *([] if steps is None else _step_lines(steps))):
+            out.print(line, markup=False)
+    raise typer.Exit(found.exit_code)
+
+
+def _tell(done: int, total: int, *, quiet: bool) -> None:
+    if not quiet and (done == total or done % EVERY == 0 or sys.stderr.isatty()):
+        err.print(f"{done} of {total} certificates", markup=False, end="\r" if sys.stderr.isatty() else "\n")
+
+
+def _lines(found: Checking) -> list[str]:
+    """What is not confirmed with its reason, then the counts."""
+    told = [f"{row.answer:17} {row.id}: {row.why}" for row in found.rows if row.answer not in (CONFIRMED, NO_PROOF)]
+    told += [f"{'wrong':17} {name}: {why}" for name, why in sorted(found.wrong.items())]
+    told += [f"{'undecided':17} {name}: {why}" for name, why in sorted(found.undecided.items())]
+    answers = Counter(row.answer for row in found.rows)
+    return [
+        *told,
+        ", ".join(f"{count} {answer}" for answer, count in answers.items()) or "no results",
+        *_solvers(found),
+    ]
+
+
+def _solvers(found: Checking) -> list[str]:
+    """How many goals each solver confirms."""
+    said = {name: [one for each in found.opinions.values() for one in each.answers.get(name, ())] for name in SOLVERS}
+    return [
+        f"{name}: {answers.count('unsat')} of {len(answers)} goals of {len(found.opinions)} certificates"
+        if answers or name in NEEDED
+        else f"{name}: not installed"
+        for name, answers in said.items()
+    ]
+
+
+def _step_lines(found: Survey) -> list[str]:
+    """For how many certificates nothing of a solver is left to trust, and what is left of the others."""
+    every = len(found.sure) + len(found.trusted) + len(found.unproved)
+    lines = [f"no proof          {name}: {where}" for name, where in sorted(found.unproved.items())]
+    lines += [f"{rule}: {count} steps not checked" for rule, count in found.rules.most_common()]
+    return [*lines, f"nothing of a solver is left to trust for {len(found.sure)} of {every} certificates"]
+
+
+def _step_data(found: Survey) -> dict[str, Any]:
+    return {"nothing_trusted": sorted(found.sure), "trusted": found.trusted, "no_proof": found.unproved}
+
+
+def _data(found: Checking) -> dict[str, Any]:
+    return {
+        "schema": SCHEMA,
+        "exit_code": found.exit_code,
+        "results": [vars(row) for row in found.rows],
+        "wrong": found.wrong,
+        "undecided": found.undecided,
+        "certificates": {name: each.answers for name, each in sorted(found.opinions.items())},
+    }

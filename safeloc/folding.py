@@ -1,0 +1,38 @@
+"""Terms where some truth values are known: what they decide is left out, nothing else is changed.
+
+    Folding({present: FALSE})(term)    what is left of the term where nothing is present
+
+Small on purpose: what is read off its result is claimed without a solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.expr import Bool, Expr, Num, ite
+from safeloc.nodes import Choose, ChooseBool, Truth, Var
+from safeloc.terms import children, in_order, rebuilt
+
+
+class Folding:
+    """Replaces variables by constants and takes the branch of every choice that these decide."""
+
+    def __init__(self, known: Mapping[Var, Truth]) -> None:
+        self._done: dict[Expr, Expr] = {var: value for var, value in known.items()}
+
+    def __call__(self, term: Expr) -> Expr:
+        """What is left of the term."""
+        for node in in_order([term], self._done):
+            parts = tuple(self._done[child] for child in children(node))
+            self._done[node] = _chosen(*parts) if isinstance(node, (Choose, ChooseBool)) else rebuilt(node, parts)
+        return self._done[term]
+
+
+def _chosen(condition: Expr, then: Expr, other: Expr) -> Expr:
+    assert isinstance(condition, Bool)
+    if isinstance(then, Num):
+        assert isinstance(other, Num)
+        return ite(condition, then, other)
+    assert isinstance(then, Bool)
+    assert isinstance(other, Bool)
+    return ite(condition, then, other)

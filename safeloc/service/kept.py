@@ -1,0 +1,82 @@
+"""What a snapshot of the process must hold, field by field: a checksum that fits says nothing of that."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from safeloc.errors import SnapshotError
+
+Whole = Annotated[int, Field(ge=0)]
+Text = Annotated[str, Field(max_length=10_000)]
+
+
+class Kept(BaseModel):
+    """Of one vehicle, whatever its lines are."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    controller: str | None
+    lost: tuple[Text, Text]
+    count: tuple[Whole | None, Text]
+    recount: tuple[Whole | None, Whole] = (None, 0)
+    streak: tuple[Whole | None, Whole]
+    rhythm: tuple[Whole | None, Whole] = (None, 0)
+    stopped: Text
+
+
+class KeptRecords(Kept):
+    """With the records of the open cycle, and the lines they came in."""
+
+    pending: list[tuple[Whole, dict[str, Any]]]
+
+
+class KeptSteps(Kept):
+    """With what the stream leaves out, and what was said of it last; lines without a cycle number in a row."""
+
+    numbered: bool
+    bare: Whole = 0
+    kept: tuple[str, ...] = ()
+    before: dict[str, Any] = Field(default_factory=dict)
+
+
+class KeptProcess(BaseModel):
+    """Of the whole process."""
+
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    lines: Literal["records", "steps"]
+    feed: dict[str, Any]
+    outlet: dict[str, Any]
+    vehicles: dict[Annotated[str, Field(pattern=r"^[A-Za-z0-9_.:-]{1,64}$")], dict[str, Any]]
+
+
+class KeptPlace(BaseModel):
+    """How far a file was read, and what stands before that."""
+
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    consumed: Whole
+    line: Whole
+    mark: str | None
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def kept_as(model: type[Model], content: Mapping[str, Any]) -> Model:
+    """The content, checked; SnapshotError for a field that is missing, unknown or of a wrong kind."""
+    try:
+        return model.model_validate_json(json.dumps(content))
+    except (ValidationError, TypeError, ValueError) as error:
+        raise SnapshotError(f"the snapshot holds something else than it should ({_first(error)}).") from error
+
+
+def _first(error: Exception) -> str:
+    if not isinstance(error, ValidationError):
+        return str(error)
+    found = error.errors(include_url=False, include_input=False, include_context=False)[0]
+    return f"{'.'.join(map(str, found['loc']))}: {found['msg']}"

@@ -1,0 +1,260 @@
+"""Free obligations against the explicit search."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from safeloc.provers.obligation import Obligation
+from safeloc.provers.obligations import CHECKS
+from safeloc.trace import Trace
+from safeloc.verdict import Proved, Unknown, Vacuous, Violated
+from tests.fuzz.explore import Edge, Space, anyhow, lawful, search
+from tests.fuzz.replay import NotARunError, again, row_of
+from tests.fuzz.terms import fast
+from tests.fuzz.verdicts import Case
+from tests.fuzz.world import State, Var, Whole, World
+
+Allowed = Callable[[Edge], int]
+STEPS, FURTHER = 5, 60  # of the runs that show the assumption to be kept
+
+
+def obligations(case: Case) -> None:
+    """All of a machine or composition."""
+    for check in CHECKS.values():
+        try:
+            found = list(check(case.built.system, case.limits))
+        except Exception as error:
+            case.tally.judge("obligation", f"{type(error).__name__} instead of obligations: {error}")
+            continue
+        for one in found:
+            _judged(case, one, found)
+
+
+def _judged(case: Case, one: Obligation, all_: list[Obligation]) -> None:
+    kind, wrong = _wrong(case, one, all_)
+    what = f"obligation {kind}"
+    if isinstance(one.verdict, Unknown) and not wrong:
+        case.tally.open(what)
+    else:
+        case.tally.judge(what, wrong and f"{wrong}; {one.name}: {one.verdict}, {one.method}")
+
+
+def _wrong(case: Case, one: Obligation, all_: list[Obligation]) -> tuple[str, str]:
+    """Its kind, and what is wrong with it."""
+    name = one.name
+    if name == "ranges":
+        return "ranges", _ranges(case, one, {other.name for other in all_})
+    if name.startswith("range of "):
+        return "ranges", _range(case, one, name.removeprefix("range of "))
+    if name.startswith("overlap "):
+        return "overlap", _overlap(case, one)
+    if name == "absence":
+        return "absence", _absence(case, one)
+    if name.startswith(("mode ", "transition ")):
+        return "reachable", _reached(case, one)
+    if name == "assumption":
+        return "assumption", _assumption(case, one)
+    if name == "assumption lasts":
+        return "assumption lasts", _lasts(case, one)
+    if name == "division":
+        return "division", "" if isinstance(one.verdict, Proved) else "every divisor is a positive constant"
+    if name.startswith("overflow"):
+        grows = any(var.kind == "number" and _strays(case.space, var) for var in case.game.variables.values())
+        fine = grows or isinstance(one.verdict, (Proved, Unknown))  # it rests on ranges, which may be undecided
+        return "overflow", "" if fine else "small numbers do not leave 64 bits"
+    return f"{name.split(' ')[0]} (not compared)", ""
+
+
+# ------------------------------------------------------------------ ranges
+
+
+def _strays(space: Space, var: Var, allowed: Allowed = anyhow) -> bool:
+    """Whether some state has it out of range."""
+    reached = space.reached(allowed)
+    return (
+        var.name in space.states[0]
+        and any(not var.low <= space.states[state][var.name] <= var.high for state in reached)
+        if space.states
+        else False
+    )
+
+
+def _ranges(case: Case, one: Obligation, names: set[str]) -> str:
+    if not isinstance(one.verdict, Proved):
+        return f"{one.verdict}"
+    board = case.board()
+    for name, var in case.game.variables.items():
+        ghost = name in case.game.ghost_names
+        space, allowed = (case.space, lawful) if ghost else (board, anyhow)
+        if name in case.game.state_names and f"range of {name}" not in names and _strays(space, var, allowed):
+            return f"{name} leaves its range"
+    return ""
+
+
+def _range(case: Case, one: Obligation, name: str) -> str:
+    var = case.game.variables.get(name)
+    if var is None:
+        return "a mode is told to leave its range" if isinstance(one.verdict, Violated) else ""
+    allowed = lawful if name in case.game.ghost_names else anyhow
+    match one.verdict:
+        case Violated(trace=Trace() as trace):
+            return _ends(case.space, trace, allowed, lambda env: not var.low <= env[name] <= var.high)
+        case Violated():
+            return "no run"
+        case Unknown(depth=depth):
+            reached = case.space.reached(allowed)
+            early = [d for s, d in reached.items() if not var.low <= case.space.states[s][name] <= var.high]
+            return f"out of range after {min(early)} steps" if early and min(early) <= depth else ""
+    return ""
+
+
+def _ends(space: Space, trace: Trace, allowed: Allowed, wanted: Callable[[State], bool]) -> str:
+    """What is wrong with a run that is to end as wanted."""
+    try:
+        first, run = again(space.game, trace, allowed)
+    except NotARunError as error:
+        return f"its trace is no run: {error}"
+    return "" if wanted({**(run[-1] if run else first)}) else "its trace does not show it"
+
+
+# ------------------------------------------------------------------ overlap, absence
+
+
+def _overlap(case: Case, one: Obligation) -> str:
+    machine, _, pair = one.name.removeprefix("overlap ").partition(": ")
+    whole = isinstance(case.game, Whole)
+    world = next(w for w in case.game.worlds if w.name == machine) if isinstance(case.game, Whole) else case.game
+    space = search(world.board()) if whole else case.board()
+    happens = _happens_together(space, world)
+    match one.verdict:
+        case Proved():
+            return f"{happens} are enabled together" if happens else ""
+        case Violated():
+            pairs = [set(found) for found in _pairs_together(space, world)]
+            rows = {world.rows[int(row) - 1].name for row in pair.removeprefix("rows ").split(" and ")}
+            if case.expect.overlap_happens and rows not in pairs:
+                return "no run has both enabled"
+    return ""
+
+
+def _happens_together(space: Space, world: World) -> tuple[str, str] | None:
+    return next(_pairs_together(space, world), None)
+
+
+def _pairs_together(space: Space, world: World) -> Iterator[tuple[str, str]]:
+    """Two rows of one rank that are enabled in the same step of some run."""
+    guards = [(row, fast(row.guard)) for row in world.rows]
+    for _, edge in space.steps(anyhow):
+        on = [row for row, guard in guards if edge.known["mode"] in row.sources and guard(edge.known)]
+        yield from ((a.name, b.name) for n, a in enumerate(on) for b in on[n + 1 :] if a.rank == b.rank)
+
+
+def _absence(case: Case, one: Obligation) -> str:
+    """The value of an absent input, whatever it is, changes nothing on board; of a single machine."""
+    if isinstance(case.game, Whole):
+        return ""
+    world = case.game.board()
+    seen = next((name for name in _read_though_absent(case.board(), world)), None)
+    if isinstance(one.verdict, Proved) and seen:
+        return f"{seen} is read though absent"
+    if isinstance(one.verdict, Violated) and case.expect.overlap_happens and not seen:
+        return "no run reads what is absent"
+    return ""
+
+
+def _read_though_absent(space: Space, world: World) -> Iterator[str]:
+    for _, edge in space.steps(anyhow):
+        known = {name: value for name, value in edge.known.items()}
+        for var in world.inputs:
+            if var.optional and not known[var.present]:
+                moves = {str(world.moved({**known, var.name: value})) for value in var.values}
+                if len(moves) > 1:
+                    yield var.name
+
+
+# ------------------------------------------------------------------ what is reached
+
+
+def _wanted(case: Case, one: Obligation) -> tuple[World, Callable[[State], bool], bool]:
+    """The machine, what its target is in a step of the whole, and whether the first state may show it."""
+    kind, _, rest = one.name.partition(" ")
+    worlds = case.game.worlds if isinstance(case.game, Whole) else (case.game,)
+    world = next(w for w in worlds if rest.startswith((f"{w.name} ", f"{w.name}: ")))
+    prefix = f"{world.name}." if isinstance(case.game, Whole) else ""
+    if kind == "mode":
+        mode = int(rest.removeprefix(f"{world.name} M"))
+        return world, lambda env: env[f"{prefix}mode"] == mode, True
+    name, row = f"{prefix}fired", rest.removeprefix(f"{world.name}: ")
+    return world, lambda env: row_of(case.game, name, env[name]) == row, False
+
+
+def _depth(space: Space, wanted: Callable[[State], bool], first: bool, allowed: Allowed) -> int | None:
+    """Steps of the shortest run to the target."""
+    if first and any(wanted(space.states[state]) for state in range(space.starts)):
+        return 0
+    return min((d + 1 for d, edge in space.steps(allowed) if wanted({**space.env(edge)})), default=None)
+
+
+def _reached(case: Case, one: Obligation) -> str:
+    _, wanted, first = _wanted(case, one)
+    free = _depth(case.board(), wanted, first, anyhow)
+    match one.verdict:
+        case Proved(witness=Trace() as witness):
+            return _witness(case, one, witness, wanted, first)
+        case Proved():
+            lonely = "by itself" in one.statement and not case.expect.dead_in_the_whole
+            return "" if lonely or free is not None else "Proved, yet no run comes there"
+        case Violated() | Vacuous():
+            return "" if free is None else f"dead, yet reached after {free} steps"
+        case Unknown(depth=depth):
+            under = _depth(case.space, wanted, first, lawful)
+            missed = under is not None and under <= min(depth, case.limits.depth)
+            return f"no run of {depth} steps, yet there is one of {under}" if missed else ""
+    return ""
+
+
+def _witness(case: Case, one: Obligation, trace: Trace, wanted: Callable[[State], bool], first: bool) -> str:
+    under = "under the assumption" in one.method
+    allowed = lawful if under else anyhow
+    wrong = _ends(case.space, trace, allowed, lambda env: (first or bool(trace.steps)) and wanted(env))
+    shortest = _depth(case.space if under else case.board(), wanted, first, allowed)
+    if not wrong and case.space.full is None and shortest != len(trace.steps):
+        return f"its witness has {len(trace.steps)} steps, the shortest {shortest}"
+    if not wrong and not under and _depth(case.space, wanted, first, lawful) is not None and "proved" in one.method:
+        return "proved impossible under the assumption, yet it happens"
+    return wrong
+
+
+# ------------------------------------------------------------------ the assumption
+
+
+def _assumption(case: Case, one: Obligation) -> str:
+    kept = case.space.lasts(lawful, STEPS)
+    match one.verdict:
+        case Proved(witness=Trace() as witness):
+            return _ends(case.space, witness, lawful, lambda _: True)
+        case Proved():
+            return "" if kept else "Proved, yet no run keeps it"
+        case Violated():
+            return "no run keeps it is told, yet one does" if kept else ""
+    return ""
+
+
+def _lasts(case: Case, one: Obligation) -> str:
+    ends = case.space.dead_ends(lawful)
+    match one.verdict:
+        case Proved(witness=witness):
+            if case.expect.dead_ends and ends and case.space.full is None:
+                return f"Proved, yet {case.space.states[ends[0]]} is a dead end"
+            return _ends(case.space, witness, lawful, lambda _: True) if isinstance(witness, Trace) else ""
+        case Violated(trace=trace) | Vacuous(trace=trace):
+            if not ends and case.space.full is None:
+                return "a dead end is told, yet there is none"
+            return _at_an_end(case, trace) if isinstance(trace, Trace) else ""
+    return ""
+
+
+def _at_an_end(case: Case, trace: Trace) -> str:
+    ends = [case.space.states[state] for state in case.space.dead_ends(lawful)]
+    names = case.game.state_names
+    return _ends(case.space, trace, lawful, lambda env: {name: env[name] for name in names} in ends)

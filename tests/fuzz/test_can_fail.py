@@ -1,0 +1,171 @@
+"""The fuzzer finds what it is there to find: engines, facts, obligations and back ends that lie are told of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.backends import compiled
+from safeloc.errors import PropertyError
+from safeloc.expr import TRUE
+from safeloc.provers.base import Base
+from safeloc.provers.limits import Limits
+from safeloc.provers.obligation import Obligation
+from safeloc.spec import Goal
+from safeloc.system import TransitionSystem
+from safeloc.verdict import Proved, Result, Unknown, Vacuous, Violated
+from tests.fuzz import backends, verdicts
+from tests.fuzz.build import build
+from tests.fuzz.explore import search
+from tests.fuzz.judge import Claim
+from tests.fuzz.obligations import _judged
+from tests.fuzz.tally import Expect, Tally
+from tests.fuzz.terms import Term
+from tests.fuzz.verdicts import Case, claim
+from tests.fuzz.world import Row, Var, World
+
+X, GO = Var("x", "number", 0, 3), Var("go", "truth")
+UP: Term = ("min", ("add", ("var", "x"), ("lit", 1)), ("lit", 3))
+COUNTER = World("m", 1, (GO,), {X: 0}, rows=(Row("up", (0,), 0, ("var", "go"), {"x": UP}),))
+HOLDS, BREAKS = (Claim("c", "always", ("le", ("var", "x"), ("lit", most))) for most in (3, 1))
+NEVER = Claim("c", "always", ("implies", ("gt", ("var", "x"), ("lit", 3)), ("var", "go")))
+SOUND = Expect()
+COMES = Claim("c", "reachable", ("eq", ("var", "x"), ("lit", 3)))
+
+
+def case(expect: Expect = SOUND) -> Case:
+    """The case of a machine."""
+    return Case(COUNTER, build(COUNTER), search(COUNTER), expect, Tally())
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (BREAKS, Proved(None, "liar")),
+        (HOLDS, Violated(None, "liar")),
+        (BREAKS, Unknown("tired", 2)),
+        (HOLDS, Vacuous("nothing said")),
+        (COMES, Violated(None, "liar")),
+        (COMES, Proved(None, "liar")),
+    ],
+)
+def test_a_wrong_verdict_is_told(one: Claim, said: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the lie: proved though broken, violated or vacuous though it holds, a depth that is too great, no run."""
+    asked = case()
+    monkeypatch.setitem(verdicts.ENGINES, "portfolio", lambda goal, limits: said)
+    claim(asked, one, ["portfolio"])
+    assert 1 == len(asked.tally.wrong)
+
+
+def test_a_trace_that_is_not_the_shortest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bounded search has to give a shortest run, and a run of the very machine."""
+    from safeloc.provers.evidence import confirmed
+
+    def slow(goal: Goal, _: Limits) -> Result:
+        return Violated(confirmed(goal, {}, [{"go": False}, {"go": True}, {"go": True}], "slow"), "bmc")
+
+    asked = case()
+    monkeypatch.setitem(verdicts.ENGINES, "bmc", slow)
+    claim(asked, BREAKS, ["bmc"])
+    assert ["bmc: its trace has 3 steps, the shortest 2"] == [one.split(";")[0] for one in asked.tally.wrong]
+
+
+def test_an_invariant_that_does_not_hold_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A proof of something true by something false is a disagreement."""
+    asked = case()
+    false = asked.built.names["x"] <= 1
+    monkeypatch.setitem(verdicts.ENGINES, "k-induction", lambda goal, limits: Proved(false, "liar"))
+    claim(asked, HOLDS, ["k-induction"])
+    assert "invariant does not hold" in asked.tally.wrong[0]
+
+
+def test_an_exception_is_told_and_a_refusal_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An engine that breaks is a disagreement; so is the refusal of what is well-formed."""
+    asked = case()
+
+    def breaks(_goal: Goal, _limits: Limits) -> Result:
+        raise KeyError("x")
+
+    def refuses(_system: TransitionSystem, _prop: object) -> Goal:
+        raise PropertyError("no")
+
+    monkeypatch.setitem(verdicts.ENGINES, "Spacer", breaks)
+    claim(asked, HOLDS, ["Spacer"])
+    monkeypatch.setattr(verdicts, "observe", refuses)
+    claim(asked, HOLDS, ["Spacer"])
+    assert ["Spacer", "refusal"] == [one.split(":")[0] for one in asked.tally.wrong]
+
+
+def test_a_fact_that_does_not_hold_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the base, in every state."""
+    asked = case()
+    lie = {"low": asked.built.names["x"] <= 1}
+    monkeypatch.setattr(verdicts, "base", lambda system, seconds: Base(lie, lie, {}, {}, 1.0))
+    verdicts.facts(asked)
+    assert 2 == len(asked.tally.wrong)
+
+
+def test_a_contract_that_is_not_kept_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That a machine hears what it may, and that what it is owed is kept."""
+    from tests.fuzz.world import Whole
+
+    later = World("b", 1, (Var("q", "number", 0, 1),), {}, assumption=("le", ("var", "q"), ("lit", 0)))
+    whole = Whole("w", (replace(COUNTER, name="a"), later), {"b.q": ("var", "a.x")}, owes=("b",))
+    asked = Case(whole, build(whole), search(whole), Expect(), Tally())
+    kept = {"what b is owed is kept": TRUE}
+    monkeypatch.setattr(verdicts, "base", lambda system, seconds: Base({}, {}, {}, {}, 1.0, kept, ["b"]))
+    verdicts.facts(asked)
+    assert ["heard", "contract"] == [one.split(":")[0] for one in asked.tally.wrong]
+
+
+@pytest.mark.parametrize(
+    ("name", "verdict"),
+    [
+        ("ranges", Proved(None, "liar")),
+        ("overlap m", Proved(None, "liar")),
+        ("absence", Proved(None, "liar")),
+        ("mode m M1", Proved(None, "liar")),
+        ("transition m: a", Violated(None, "liar")),
+        ("assumption", Violated(None, "liar")),
+        ("assumption lasts", Proved(None, "liar")),
+        ("overflow", Violated(None, "liar")),
+        ("division", Violated(None, "liar")),
+    ],
+)
+def test_a_wrong_obligation_is_told(name: str, verdict: Result) -> None:
+    """Of a machine that leaves its range, overlaps, reads what is absent, never comes to M1, and has a dead end."""
+    o = Var("o", "number", 0, 1, optional=True)
+    grows: Term = ("add", ("var", "x"), ("var", "o"))
+    rows = (Row("a", (0,), 0, ("var", "go"), {"x": grows}), Row("b", (0,), 0, ("var", "go")))
+    small = ("lt", ("var", "x"), ("lit", 9)) if name != "overflow" else ("true",)
+    grows = grows if name != "overflow" else ("lit", 1)
+    rows = (replace(rows[0], sets={"x": grows}), rows[1])
+    world = World("m", 2, (GO, o), {X: 0}, rows=rows, assumption=small)
+    asked = Case(world, build(world), search(world, 40), Expect(dead_ends=True), Tally())
+    asked = replace(asked, space=replace(asked.space, full=None)) if name == "assumption lasts" else asked
+    one = Obligation(name, "", verdict, "")  # type: ignore[arg-type] # all of these are verdicts
+    _judged(asked, one, [one])
+    assert 1 == len(asked.tally.wrong)
+
+
+@pytest.mark.parametrize("expected", [0, 1])
+def test_vacuous_is_an_expectation_that_can_be_switched_on(expected: int) -> None:
+    """Where nothing can come, Proved is wrong from the day on that Vacuous is told."""
+    asked = case(expect=Expect(vacuous=bool(expected)))
+    verdicts.judged(asked, NEVER, verdicts.truth(asked.space, NEVER), "prove", Proved(None, "any"))
+    assert expected == len(asked.tally.wrong)
+
+
+def test_a_back_end_that_differs_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that computes otherwise, and one that breaks."""
+    from random import Random
+
+    from tests.fuzz.draw import Draw
+
+    other = replace(COUNTER, rows=(replace(COUNTER.rows[0], sets={"x": ("lit", 2)}),))
+    tally = Tally()
+    monkeypatch.setattr(backends, "simulate", lambda *_, **__: 1 // 0)
+    monkeypatch.setattr(backends, "compile_system", lambda system: compiled.compile_system(build(other).system))
+    backends.all_back_ends(COUNTER, build(COUNTER), Draw(Random("x")), tally, compiled_c=False)
+    assert {"numpy", "Python"} == {one.split(":")[0] for one in tally.wrong}

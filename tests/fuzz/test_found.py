@@ -1,0 +1,162 @@
+"""Every disagreement that the fuzzer has found, as a machine of its own. A refusal is right where a trap was set.
+
+What is not mended yet is expected to fail, strictly: whoever mends it takes its trap out of tests.fuzz.expect.OPEN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+
+import pytest
+
+from tests.fuzz import verdicts
+from tests.fuzz.backends import all_back_ends
+from tests.fuzz.cases import built_or_refused
+from tests.fuzz.draw import Draw
+from tests.fuzz.expect import NOW, OPEN
+from tests.fuzz.explore import search
+from tests.fuzz.judge import WAITING, Claim
+from tests.fuzz.tally import Tally
+from tests.fuzz.terms import Term
+from tests.fuzz.verdicts import Case
+from tests.fuzz.world import Game, Row, Var, Whole, World
+
+Look = Callable[[Case], None]
+HOW_MANY, GO = Var("i", "number", 0, 2), Var("go", "truth")
+X, Y, G = Var("x", "number", 0, 3), Var("y", "number", 0, 3), Var("g", "number", 0, 3)
+
+
+def known(trap: str) -> pytest.MarkDecorator | list[pytest.MarkDecorator]:
+    """Expected to fail while it is open."""
+    return [pytest.mark.xfail(reason=f"not mended: {trap}", strict=True)] if trap in OPEN else []
+
+
+def found(game: Game, trap: str, look: Look) -> list[str]:
+    """What disagrees about a game in which a trap is set."""
+    tally = Tally()
+    built = built_or_refused(game, {trap}, tally)
+    if built is not None:
+        look(Case(game, built, search(game), NOW, tally))
+    return tally.wrong
+
+
+def by(*engines: str, one: Claim) -> Look:
+    """A claim by these engines."""
+    return lambda case: verdicts.claim(case, one, engines)
+
+
+def by_all_back_ends(case: Case) -> None:
+    """Every back end but C."""
+    all_back_ends(case.game, case.built, Draw(Random("found")), case.tally, compiled_c=False)
+
+
+def at_most(name: str, number: int) -> Term:
+    """name <= number."""
+    return ("le", ("var", name), ("lit", number))
+
+
+def copies(name: str, var: Var, heard: Var, **more: object) -> World:
+    """A machine that keeps what it hears."""
+    return World(name, 1, (heard,), {var: 0}, {"told": ("var", var.name)}, (_copy(var, heard),), **more)  # type: ignore[arg-type]
+
+
+def _copy(var: Var, heard: Var) -> Row:
+    return Row("copy", (0,), 0, sets={var.name: ("var", heard.name)})
+
+
+def is_(name: str, number: int) -> Term:
+    """name == number."""
+    return ("eq", ("var", name), ("lit", number))
+
+
+TWICE = World(
+    "m",
+    3,
+    (HOW_MANY,),
+    rows=(Row("ab", (0,), 1, is_("i", 0)), Row("bc", (1,), 2, is_("i", 1)), Row("release", (0, 1, 1), 0, is_("i", 2))),
+)
+STAYS = Claim("C is for ever", "always", ("implies", ("among", ("was", "mode"), 2), ("among", ("var", "mode"), 2)))
+
+TRUTH = World(
+    "m",
+    1,
+    (GO,),
+    {X: None},
+    rows=(
+        Row(
+            "up",
+            (0,),
+            0,
+            ("and", ("var", "go"), ("gt", ("var", "x"), ("lit", 0))),
+            {"x": ("add", ("var", "x"), ("lit", 2))},
+        ),
+    ),
+    ghosts={G: 0},
+    ghost_moves={"g": ("var", "g")},
+    initially=(("eq", ("var", "x"), ("var", "g")),),
+    lemmas={"x is 0": is_("x", 0)},
+)
+
+ARMED = World(
+    "m",
+    1,
+    (HOW_MANY,),
+    {Var("armed", "truth"): False},
+    rows=(Row("arm", (0,), 0, ("gt", ("var", "i"), ("lit", 0)), {"armed": ("true",)}),),
+)
+HEARD: Term = ("ge", ("var", "i"), ("lit", 1))
+ANSWERED = Claim(
+    "answered",
+    "within",
+    ("and", HEARD, ("not", ("was", "armed"))),
+    ("and", HEARD, ("was", "armed")),
+    1,
+    helper=("implies", ("var", WAITING), ("and", ("var", "armed"), HEARD)),
+)
+
+RESTS = World("a", 1, (GO,), ghosts={G: 0}, ghost_moves={"g": ("var", "g")})
+PUSHED = World("a", 1, (GO,), ghosts={Y: 0}, ghost_inputs=(G,), ghost_moves={"y": ("var", "g")})
+ROLES = Whole("w", (RESTS, copies("b", X, G)), shared=frozenset({"g"}))
+TOLD = Whole("w", (PUSHED, copies("b", X, G)), shared=frozenset({"g"}))
+TRUE_TOLD = Whole("w", (PUSHED, copies("b", X, HOW_MANY)), {"b.i": ("var", "a.y")})
+
+OPT = Var("o", "number", 0, 3, optional=True)
+READS_O = Row("s", (0,), 0, ("var", "o.present"), {"x": ("var", "o")})
+BOTH_READ = Whole("w", tuple(World(name, 1, (OPT,), {X: 0}, rows=(READS_O,)) for name in "ab"), shared=frozenset({"o"}))
+
+Q = Var("q", "number", 0, 3)
+AT_LEAST_ONE: Term = ("ge", ("var", "q"), ("lit", 1))
+FIRST = copies("a", X, Var("j", "number", 1, 3))
+THEN = copies("b", Y, Q, assumption=AT_LEAST_ONE)
+WIRED = Whole("w", (FIRST, THEN), {"b.q": ("var", "a.x")}, owes=("b",))
+INHERITED = Claim("q is at least 1", "always", ("ge", ("var", "a.x"), ("lit", 1)), of="b", own=AT_LEAST_ONE)
+
+FOUND: dict[str, tuple[Game, str, Look]] = {
+    "d01: a helper reads an input": (ARMED, "helper reads inputs", by("k-induction", one=ANSWERED)),
+    "d03: a ghost is another machine's input": (
+        ROLES,
+        "ghost shared with an input",
+        by("k-induction", "Spacer", one=Claim("c", "always", is_("b.x", 0))),
+    ),
+    "d04: it starts where the truth is": (TRUTH, "initially over ghosts", lambda case: void(verdicts.facts(case))),
+    "d08: a source is named twice": (TWICE, "source named twice", by("k-induction", "bmc", one=STAYS)),
+    "d24: an optional input is shared": (BOTH_READ, "optional shared", by_all_back_ends),
+    "d27: a ghost input is shared with an input": (TOLD, "ghost input shared with an input", by_all_back_ends),
+    "d28: a wire tells the truth": (TRUE_TOLD, "wire reads a ghost", by_all_back_ends),
+    "d29: inherited, and false in the first state": (
+        WIRED,
+        "inherited over a wire",
+        lambda case: verdicts.proved_together(case, [INHERITED]),
+    ),
+}
+
+
+def void(_: object) -> None:
+    """What is looked at only for what it leaves in the tally."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=known(FOUND[name][1])) for name in FOUND])
+def test_found(name: str) -> None:
+    """It is refused, or nothing disagrees about it any more."""
+    assert [] == found(*FOUND[name])

@@ -1,0 +1,50 @@
+"""Dropped, doubled, swapped, late, cut, joined, renamed: a reported interval holds the truth of the stream."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.streams.oracle import MISHAPS, Outcome, one, run
+
+HARMLESS = [mishap for mishap in MISHAPS if not mishap.breaks]
+BREAKING = [mishap for mishap in MISHAPS if mishap.breaks]
+
+
+@pytest.mark.parametrize("mishap", HARMLESS, ids=lambda mishap: mishap.name)
+def test_no_mishap_to_lines_gives_a_wrong_interval(mishap: object) -> None:
+    """Each alone, rare and often; places are still reported, so that the test says something."""
+    outcome = Outcome()
+    for share in (0.005, 0.1):
+        outcome.add(one(3, [mishap], share))  # type: ignore[list-item]
+    assert {} == outcome.first
+    assert [] == outcome.unforeseen
+    assert outcome.located > 20
+
+
+def test_nor_do_several_at_once() -> None:
+    """All that break no assumption."""
+    outcome = one(11, HARMLESS, 0.02)
+    assert ({}, []) == (outcome.first, outcome.unforeseen)
+
+
+@pytest.mark.parametrize("mishap", BREAKING, ids=lambda mishap: mishap.name)
+def test_where_an_assumption_is_broken_it_is_named(mishap: object) -> None:
+    """Wrong intervals are counted under the assumption, never under none."""
+    outcome = one(5, [mishap], 0.1)  # type: ignore[list-item]
+    assert "" not in outcome.first
+    assert [] == outcome.unforeseen
+
+
+def test_the_oracle_sees_what_is_wrong() -> None:
+    """Where all units agree on half of the way, nearly every time, intervals are wrong: the oracle is not blind."""
+    false = next(mishap for mishap in BREAKING if mishap.name == "false distance")
+    outcome = one(1, [false], 0.99)
+    assert outcome.wrong[false.breaks] > 100
+    assert false.breaks in outcome.first
+
+
+def test_the_stream_has_places_and_no_truth() -> None:
+    """The lines carry neither truth nor ghosts."""
+    lines, truth = run(1)
+    assert len(lines) == len(truth) > 100
+    assert not any("truth" in line for line in lines)
