@@ -26,6 +26,7 @@ from safeloc.simulation.sensors import Distances, Fault, FaultKind, Law, measure
 from safeloc.system import TransitionSystem, lower, without_ghosts
 from safeloc.units import NM
 from safeloc.verdict import Proved
+from tests.provers.small import told as names
 
 KINDS: tuple[FaultKind, ...] = ("stuck", "runaway", "slip", "slide", "freeze", "drop-out")
 DRIVE = move(
@@ -49,7 +50,7 @@ def test_motion_keeps_its_obligations() -> None:
 def test_the_law_is_owed_and_kept(source: SourceName) -> None:
     """What a user of the distance assumes of it is proved for either unit at fault, and with it that its interval is true."""
     known = base(one_user(compose_machines(LocalizerConfig(sources=(source,))), {}))
-    assert f"what {source} is owed is kept" in told(known.kept)
+    assert f"what {source} is owed is kept" in names(known.kept)
     assert not known.refuted
 
 
@@ -70,7 +71,7 @@ def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
 def test_a_smaller_charge_is_not_enough(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
     """No charge, one nm less, or the odometer as it measured: owed, and not kept."""
     whole = compose_machines(LocalizerConfig(sources=("balise",)))
-    assert "what balise is owed is kept" in told(base(one_user(whole, wrong(whole))).refuted)
+    assert "what balise is owed is kept" in names(base(one_user(whole, wrong(whole))).refuted)
 
 
 def one_user(whole: Localizer, changed: Mapping[str, Expr]) -> TransitionSystem:
