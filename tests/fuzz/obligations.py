@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import combinations
 
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.obligations import CHECKS
@@ -47,7 +48,7 @@ def _wrong(case: Case, one: Obligation, all_: list[Obligation]) -> tuple[str, st
     if name.startswith("range of "):
         return "ranges", _range(case, one, name.removeprefix("range of "))
     if name.startswith("overlap "):
-        return "overlap", _overlap(case, one)
+        return "overlap", _overlap(case, one, all_)
     if name == "absence":
         return "absence", _absence(case, one)
     if name.startswith(("mode ", "transition ")):
@@ -120,33 +121,28 @@ def _ends(space: Space, trace: Trace, allowed: Allowed, wanted: Callable[[State]
 # ------------------------------------------------------------------ overlap, absence
 
 
-def _overlap(case: Case, one: Obligation) -> str:
-    machine, _, pair = one.name.removeprefix("overlap ").partition(": ")
+def _overlap(case: Case, one: Obligation, all_: list[Obligation]) -> str:
+    """What is wrong with what is told of a pair of rows, or of all pairs that are not told apart."""
+    about, _, pair = one.name.removeprefix("overlap ").partition(": ")
     whole = isinstance(case.game, Whole)
-    world = next(w for w in case.game.worlds if w.name == machine) if isinstance(case.game, Whole) else case.game
+    world = next(w for w in case.game.worlds if w.name == about) if isinstance(case.game, Whole) else case.game
     space = search(world.board()) if whole else case.board()
-    happens = _happens_together(space, world)
+    apart = {other.name.rpartition(": ")[2] for other in all_ if other.name.startswith(f"{one.name}: ")}
+    happen = [rows for rows in _pairs_together(space, world) if (rows == pair if pair else rows not in apart)]
     match one.verdict:
         case Proved():
-            return f"{happens} are enabled together" if happens else ""
+            return f"{happen[0]} are enabled together" if happen else ""
         case Violated():
-            pairs = [set(found) for found in _pairs_together(space, world)]
-            rows = {world.rows[int(row) - 1].name for row in pair.removeprefix("rows ").split(" and ")}
-            if case.expect.overlap_happens and rows not in pairs:
-                return "no run has both enabled"
+            return "no run has both enabled" if case.expect.overlap_happens and not happen else ""
     return ""
 
 
-def _happens_together(space: Space, world: World) -> tuple[str, str] | None:
-    return next(_pairs_together(space, world), None)
-
-
-def _pairs_together(space: Space, world: World) -> Iterator[tuple[str, str]]:
+def _pairs_together(space: Space, world: World) -> Iterator[str]:
     """Two rows of one rank that are enabled in the same step of some run."""
-    guards = [(row, fast(row.guard)) for row in world.rows]
+    guards = [(number, row, fast(row.guard)) for number, row in enumerate(world.rows, 1)]
     for _, edge in space.steps(anyhow):
-        on = [row for row, guard in guards if edge.known["mode"] in row.sources and guard(edge.known)]
-        yield from ((a.name, b.name) for n, a in enumerate(on) for b in on[n + 1 :] if a.rank == b.rank)
+        on = [(n, row) for n, row, guard in guards if edge.known["mode"] in row.sources and guard(edge.known)]
+        yield from (f"rows {a} and {b}" for (a, x), (b, y) in combinations(on, 2) if x.rank == y.rank)
 
 
 def _absence(case: Case, one: Obligation) -> str:

@@ -169,3 +169,20 @@ def test_a_back_end_that_differs_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(backends, "compile_system", lambda system: compiled.compile_system(build(other).system))
     backends.all_back_ends(COUNTER, build(COUNTER), Draw(Random("x")), tally, compiled_c=False)
     assert {"numpy", "Python"} == {one.split(":")[0] for one in tally.wrong}
+
+
+def test_a_pair_of_rows_is_judged_by_itself() -> None:
+    """Two pairs meet in one table and one of them only in states that no run comes to: neither speaks for the other."""
+    late = ("eq", ("var", "x"), ("lit", 9))
+    rows = (Row("a", (0,), 0, ("var", "go")), Row("b", (0,), 0, ("var", "go")), Row("c", (0,), 0, late, rank=1), Row("d", (0,), 0, late, rank=1))  # fmt: skip
+    world = World("m", 1, (GO,), {X: 0}, rows=rows)
+    asked = Case(world, build(world), search(world), Expect(overlap_happens=True), Tally())
+    told = {
+        "overlap m: rows 1 and 2": (Violated(None, "right"), Proved(None, "liar")),
+        "overlap m: rows 3 and 4": (Proved(None, "right"), Violated(None, "liar")),
+    }
+    for name, (right, wrong) in told.items():
+        for verdict, count in ((right, 0), (wrong, 1)):
+            asked.tally.wrong.clear()
+            _judged(asked, Obligation(name, "", verdict, ""), [Obligation(each, "", right, "") for each in told])
+            assert (name, count) == (name, len(asked.tally.wrong))

@@ -150,11 +150,31 @@ def test_every_transition_fires() -> None:
     assert [one.id for one in obligations(system, Limits()) if not isinstance(one.result, Proved)] == []
 
 
+NEVER_MET = {
+    "no resurrection",
+    "trackside containment",
+    "trackside forgets",
+    "train 1 report is charged its age",
+    "train 1 that may be split is believed at its leading end only",
+    "section_1 names the rule",
+    "section_1 is trusted as far as its reports are fresh",
+    "section_1 keeps to its timers",
+    "both views agree",
+    "the far end is held",
+    "the trackside's view is never the narrower one",
+    "a report counts once",
+    "section_1 is never clear with this train in it",
+}
+"""What six runs from nowhere do not come to: a train that is located and tells the trackside of it."""
+
+
 @pytest.mark.slow
 def test_random_runs_hold() -> None:
     """Along plausible and faulty streams every property holds."""
     found = run_tests(small().composition.system, properties(small()), examples=6, steps=20, seed=5)
-    assert {word(one.result) for one in found} <= {"held", "vacuous"}  # a few runs do not come to every case
+    vacuous = {one.id.rpartition("/")[2] for one in found if word(one.result) == "vacuous"}
+    assert vacuous <= NEVER_MET
+    assert {word(one.result) for one in found if one.id.rpartition("/")[2] not in NEVER_MET} == {"held"}
 
 
 # ------------------------------------------------------------------ runs

@@ -247,16 +247,28 @@ def test_false_signals_lead_no_farther_than_told(drift_check: Literal["where pre
     assert [] == [finding.id for finding in findings if not isinstance(finding.result, Proved)]
 
 
+NEVER_MET = {
+    "only usable satellites count",
+    "an excluded one never counts",
+    "no expired data count",
+    "no fix below the minimum",
+    "what does not count changes nothing",
+    "a solution meets the prediction",
+    "channel 3: braking excludes no healthy one",
+}
+"""What eight runs from nowhere do not come to: a solution that counts, a satellite that is excluded and used."""
+
+
 @pytest.mark.parametrize(("trusted", "makes"), [("satellites", properties), ("odometry", drift_properties)])
 def test_random_runs_hold(trusted: Trusted, makes: Callable[[Satellite], list[Property]]) -> None:
     """Along plausible and faulty streams every property holds, what the interpreter does included."""
     model = compose_machines(SatelliteConfig(selection=SelectionConfig(channels=3)), trusted)
     asked = makes(model)
     found = run_tests(model.composition.system, asked, examples=8, steps=25, seed=7)
-    said = [word(finding.result) for finding in found]
-    assert {"held", "vacuous"} >= set(said)  # a few runs do not come to every case that is spoken of
-    assert said.count("held") > said.count("vacuous")
-    assert len([prop for prop in asked if prop.kind != "reachable"]) == len(found)
+    said = {finding.id.rpartition("/")[2]: word(finding.result) for finding in found}
+    held = {prop.name for prop in asked if prop.kind != "reachable"} - NEVER_MET
+    assert dict.fromkeys(held, "held") == {name: one for name, one in said.items() if name not in NEVER_MET}
+    assert {"vacuous"} >= {one for name, one in said.items() if name in NEVER_MET}
 
 
 @pytest.mark.slow
