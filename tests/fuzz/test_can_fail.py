@@ -173,7 +173,7 @@ def test_a_back_end_that_differs_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_pair_of_rows_is_judged_by_itself() -> None:
     """Two pairs meet in one table and one of them only in states that no run comes to: neither speaks for the other."""
-    late = ("eq", ("var", "x"), ("lit", 9))
+    late = ("eq", ("var", "x"), ("lit", 2))
     rows = (Row("a", (0,), 0, ("var", "go")), Row("b", (0,), 0, ("var", "go")), Row("c", (0,), 0, late, rank=1), Row("d", (0,), 0, late, rank=1))  # fmt: skip
     world = World("m", 1, (GO,), {X: 0}, rows=rows)
     asked = Case(world, build(world), search(world), Expect(overlap_happens=True), Tally())
