@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from safeloc.catalogue import load_target, read_config
-from safeloc.cli.replay import replay_stream
 from safeloc.errors import InputError, StreamError, UnforeseenError
 from safeloc.guard.fields import Columns, delivery
 from safeloc.guard.nmea import nmea_deliveries
@@ -34,6 +33,7 @@ from safeloc.signals.satellite.navigation import read_navigation
 from safeloc.signals.satellite.observations import read_observations
 from safeloc.streams.record_files import read_raw, read_records
 from safeloc.streams.steps import read_steps
+from safeloc.verification.replay import replay_stream
 
 Read = Callable[[Path], object]
 READERS: dict[str, Read] = {

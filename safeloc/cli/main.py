@@ -19,24 +19,21 @@ from safeloc.cli.line_drive import drive
 from safeloc.cli.line_import import import_line
 from safeloc.cli.listing import list_
 from safeloc.cli.recheck import recheck
-from safeloc.cli.replay import as_table, replay_stream, whole_run
 from safeloc.cli.run import run
 from safeloc.cli.show import Progressing, code, err, findings_table, out, print_json, result, summed_up
 from safeloc.cli.simulate import simulate
-from safeloc.cli.unasked import nothing_asked, nothing_tested
+from safeloc.cli.verifying import Verifying
 from safeloc.errors import InputError
-from safeloc.provers.antecedents import found
 from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import CHECKS, obligations
-from safeloc.provers.portfolio import prove as prove_all
-from safeloc.provers.recorded import Recording
 from safeloc.report.data import report_data
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
-from safeloc.streams.steps import read_steps
-from safeloc.testing import run_tests
-from safeloc.verdict import Proved, word
+from safeloc.verdict import word
+from safeloc.verification.many import in_order, verify_targets
+from safeloc.verification.one import Plan, Work, claims, owed
+from safeloc.verification.replay import as_table, replay_stream
+from safeloc.verification.unasked import nothing_asked
 
 app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("list")(list_)
@@ -85,12 +82,12 @@ def prove(
     loaded = load_target(target, config)
     chosen = _chosen(loaded, only)
     limits = Limits(depth=depth, seconds=seconds, seed=seed)
-    owed = _owed(loaded) if only is None else 0
-    with Progressing(_claims(loaded, chosen) + owed, quiet=as_json) as progress:
-        progress.say(f"proving {loaded.name}", _claims(loaded, chosen))
-        findings = [*nothing_asked(loaded), *_proved(loaded, chosen, limits, jobs, progress)]
+    planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
+    with Progressing(planned, quiet=as_json) as progress:
+        work = Work(loaded, jobs, progress.say, progress.add)
+        findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
         if only is None:
-            findings += _obliged(loaded, limits, jobs, progress)
+            findings += work.obliged(limits)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
@@ -102,40 +99,6 @@ def _chosen(target: Target, names: list[str] | None) -> list[Property]:
     if missing:
         raise typer.BadParameter(f"{target.name} has no property {missing[0]!r}; it has {', '.join(known)}.")
     return [known[name] for name in names]
-
-
-def _claims(target: Target, properties: Sequence[Property]) -> int:
-    """Findings that proving these will give, as near as can be said beforehand."""
-    return len(properties) + sum(len(machine.lemmas) for machine in target.machines)
-
-
-def _owed(target: Target) -> int:
-    """Obligations, as near as can be said beforehand: one of each kind, each mode and transition by itself."""
-    return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
-
-
-def _recordings(target: Target) -> list[Recording]:
-    return [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
-
-
-def _proved(
-    target: Target, properties: Sequence[Property], limits: Limits, jobs: int, progress: Progressing
-) -> list[Finding]:
-    return prove_all(
-        target.system, properties, limits, jobs=jobs, on_finding=progress.add, recordings=_recordings(target)
-    )
-
-
-def _obliged(target: Target, limits: Limits, jobs: int, progress: Progressing) -> list[Finding]:
-    progress.say(f"obligations of {target.name}", _owed(target))
-    return obligations(
-        target.system,
-        limits,
-        jobs=jobs,
-        on_finding=progress.add,
-        recordings=_recordings(target),
-        properties=target.properties,
-    )
 
 
 @app.command()
@@ -150,10 +113,11 @@ def test(
 ) -> None:
     """Run property tests along plausible and faulty streams."""
     loaded = load_target(target, config)
-    with Progressing(_owed(loaded) + len(loaded.properties), quiet=as_json) as progress:
-        owed = _obliged(loaded, Limits(), jobs, progress)
-        progress.say(f"testing {loaded.name}", len(loaded.properties))
-        findings = [*nothing_tested(loaded), *_tested(loaded, examples, steps, seed, owed)]
+    plan = Plan(Limits(), examples, steps, seed)
+    with Progressing(owed(loaded) + len(loaded.properties), quiet=as_json) as progress:
+        work = Work(loaded, jobs, progress.say, progress.add)
+        obliged = work.obliged(plan.limits)
+        findings = work.tested(plan, obliged)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
@@ -216,28 +180,15 @@ def verify(
         raise typer.BadParameter(f"--config is of one machine, and here are {len(names)}: {', '.join(names)}.")
     loaded = _distinct([load_target(name, config) for name in names])
     usable(folder)
-    limits = Limits(depth=depth, seconds=seconds, seed=seed)
-    findings: list[Finding] = []
-    with Progressing(sum(map(_work, loaded)), quiet=as_json) as progress:
-        for one in loaded:
-            progress.say(f"proving {one.name}", _claims(one, one.properties))
-            findings += [*nothing_asked(one), *_proved(one, one.properties, limits, jobs, progress)]
-            owed = _obliged(one, limits, jobs, progress)
-            progress.say(f"testing {one.name}", len(one.properties))
-            findings += [*owed, *_tested(one, examples, steps, seed, owed)]
-            findings += _shipped_streams(one, progress)
+    plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
+    with Verifying(loaded, quiet=as_json) as told:
+        findings = in_order(verify_targets(loaded, plan, jobs=jobs, on_event=told))
     page = write_folder(folder, findings, loaded)
     if as_json:
         raise typer.Exit(result(findings, loaded, as_json=True))
     _summary(findings)
     err.print(f"report: {page}", markup=False)
     raise typer.Exit(code(findings))
-
-
-def _work(target: Target) -> int:
-    """Findings of all phases, as near as can be said beforehand."""
-    tests, replays = len(target.properties), len(target.streams) * len(target.properties)
-    return _claims(target, target.properties) + _owed(target) + tests + replays
 
 
 def _distinct(targets: list[Target]) -> list[Target]:
@@ -249,28 +200,11 @@ def _distinct(targets: list[Target]) -> list[Target]:
     return targets
 
 
-def _tested(target: Target, examples: int, steps: int, seed: int, owed: Sequence[Finding]) -> list[Finding]:
-    """Property tests that also start along witnesses and shipped streams, so that deep modes and cases are tested."""
-    witnesses = [f.result.witness for f in owed if isinstance(f.result, Proved)]
-    occurring = found(target.system, target.properties).runs()
-    streams = [whole_run(target, path) for path in target.streams]
-    corpus = [run for run in (*witnesses, *occurring, *streams) if run is not None]
-    return run_tests(target.system, target.properties, examples=examples, steps=steps, seed=seed, corpus=corpus)
-
-
 def _summary(findings: Sequence[Finding]) -> None:
     wrong = [finding for finding in findings if word(finding.result) not in ("proved", "held")]
     if wrong:
         findings_table(wrong, sum_up=False)
     out.print(summed_up(findings), markup=False)
-
-
-def _shipped_streams(target: Target, progress: Progressing) -> list[Finding]:
-    findings = []
-    for stream in target.streams:
-        progress.say(f"replaying {stream.name}", len(target.properties))
-        findings += replay_stream(target, stream)[1]
-    return findings
 
 
 def main() -> None:

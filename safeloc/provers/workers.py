@@ -15,6 +15,7 @@ from multiprocessing.context import ForkContext, ForkProcess
 from typing import Any
 
 from safeloc.errors import EngineError
+from safeloc.provers.slots import shared
 
 
 @dataclass(frozen=True)
@@ -51,23 +52,35 @@ class _Worker:
 def in_processes(tasks: Sequence[Task], jobs: int) -> Iterator[tuple[int, Any | Lost, float]]:
     """(number of the task, its data or Lost, seconds it took), as they come; at most `jobs` at a time.
 
-    EngineError if a task raised an exception: the rest is ended.
+    Where places are shared (safeloc.provers.slots), each task needs one, and this process puts its own back while it
+    waits. EngineError if a task raised an exception: the rest is ended.
     """
     context = _forking()
     waiting, running = list(range(len(tasks))), list[_Worker]()
+    places = shared()
+    if places is not None:
+        places.give()
     try:
         while waiting or running:
-            while waiting and len(running) < max(1, jobs):
+            while waiting and len(running) < max(1, jobs) and (places is None or places.try_take()):
                 running.append(_start(context, waiting[0], tasks[waiting.pop(0)]))
-            wait([worker.pipe for worker in running], timeout=_patience(running, tasks))
+            asked = places is not None and waiting and len(running) < max(1, jobs)
+            free = [places.free] if places is not None and asked else []
+            wait([*free, *(worker.pipe for worker in running)], timeout=_patience(running, tasks))
             for worker in list(running):
                 answer = _answer(worker, tasks[worker.index])
                 if answer is not None:
                     running.remove(worker)
+                    if places is not None:
+                        places.give()
                     yield worker.index, answer[0], time.monotonic() - worker.started
     finally:
         for worker in running:
             _end(worker)
+            if places is not None:
+                places.give()
+        if places is not None:
+            places.take()
 
 
 def _forking() -> ForkContext:
@@ -94,9 +107,9 @@ def _run(task: Task, pipe: Connection) -> None:
         pipe.close()
 
 
-def _patience(running: Sequence[_Worker], tasks: Sequence[Task]) -> float:
+def _patience(running: Sequence[_Worker], tasks: Sequence[Task]) -> float | None:
     now = time.monotonic()
-    return max(0.0, min(worker.started + tasks[worker.index].seconds - now for worker in running))
+    return max(0.0, min(worker.started + tasks[worker.index].seconds - now for worker in running)) if running else None
 
 
 def _answer(worker: _Worker, task: Task) -> tuple[Any | Lost] | None:

@@ -10,7 +10,6 @@ from types import ModuleType
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.cli.replay import replay_stream
 from safeloc.interpret import run
 from safeloc.models import (
     axle_counter_streams,
@@ -28,6 +27,7 @@ from safeloc.system import without_ghosts
 from safeloc.target import Target
 from safeloc.trace import Trace
 from safeloc.verdict import word
+from safeloc.verification.replay import replay_stream
 from tests.models.fibre_family import labels, mode_labels
 
 STREAMS_OF: Mapping[str, ModuleType] = {

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from safeloc.backends.compiled import compile_system
 from safeloc.catalogue import load_target
-from safeloc.cli.replay import replay_stream
 from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.models import balise
@@ -24,6 +23,7 @@ from safeloc.simulation.sensors import Fault
 from safeloc.streams.steps import Cell
 from safeloc.system import lower
 from safeloc.verdict import Held
+from safeloc.verification.replay import replay_stream
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
 
 

@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 
 from safeloc.catalogue import load_target
 from safeloc.cli.main import app
-from safeloc.cli.replay import replay_stream
 from safeloc.errors import InputError
 from safeloc.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema
@@ -22,6 +21,7 @@ from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
 from safeloc.streams.steps import read_steps, write_steps
 from safeloc.verdict import Violated
+from safeloc.verification.replay import replay_stream
 from tests.report.reading import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
 

@@ -12,8 +12,6 @@ from pathlib import Path
 
 from safeloc.border import Fault
 from safeloc.catalogue import Target
-from safeloc.cli.recordings import counted, recorded_steps
-from safeloc.cli.unasked import reason
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Num, Var
 from safeloc.interpret import read_inputs, run
@@ -28,6 +26,8 @@ from safeloc.terms import variables
 from safeloc.trace import Trace, shown
 from safeloc.units import Enumeration
 from safeloc.verdict import Held, NotAsked, Result, Violated
+from safeloc.verification.recordings import counted, recorded_steps
+from safeloc.verification.unasked import reason
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,71 @@
+"""What is told while several targets are verified: one line a target on a terminal, plain lines in a pipe."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Sequence
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from safeloc.catalogue import Target
+from safeloc.cli.show import err
+from safeloc.verdict import WORST_FIRST
+from safeloc.verification.many import Began, Event, Found, Over, Phase
+from safeloc.verification.one import expected
+
+
+class Verifying:
+    """Shows events as they come: what runs now with its counts, and what is done; nothing with --json."""
+
+    def __init__(self, targets: Sequence[Target], *, quiet: bool) -> None:
+        self._plain = not quiet and not sys.stderr.isatty()
+        self._quiet = quiet
+        self._bars = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            console=err,
+            disable=quiet or self._plain,
+            transient=True,
+        )
+        self._all = self._bars.add_task("all machines", total=sum(map(expected, targets)))
+        self._expected = {target.name: expected(target) for target in targets}
+        self._running: dict[str, TaskID] = {}
+        self._counts: dict[str, Counter[str]] = {target.name: Counter() for target in targets}
+
+    def __enter__(self) -> Verifying:
+        self._bars.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bars.stop()
+
+    def __call__(self, event: Event) -> None:
+        """One event of `verify_targets`."""
+        match event:
+            case Began(target, findings):
+                self._running[target] = self._bars.add_task(target, total=findings)
+            case Phase(target, text):
+                self._bars.update(self._running[target], description=text)
+                self._line(text)
+            case Found(target, id_, verdict, seconds):
+                self._counts[target][verdict] += 1
+                self._bars.advance(self._running[target])
+                self._bars.advance(self._all, int(sum(self._counts[target].values()) <= self._expected[target]))
+                self._line(f"{verdict:9} {id_}  ({seconds:.1f} s)")
+            case Over(target, seconds):
+                self._over(target, seconds)
+
+    def _over(self, target: str, seconds: float) -> None:
+        found = self._counts[target]
+        self._bars.remove_task(self._running.pop(target))
+        self._bars.advance(self._all, max(0, self._expected[target] - sum(found.values())))
+        if not self._quiet:
+            counts = ", ".join(f"{found[verdict]} {verdict}" for verdict in WORST_FIRST if found[verdict])
+            err.print(f"{target}: {counts or 'nothing found'} in {seconds:.0f} s", markup=False)
+
+    def _line(self, text: str) -> None:
+        if self._plain:
+            err.print(text, markup=False)

@@ -1,0 +1,195 @@
+"""Several targets at once: each is conducted by a process of its own, and all processes share the same places.
+
+The longest targets begin first. What is found is told as it comes; findings arrive whole when a target is done.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkProcess
+from typing import Any, NoReturn
+
+from safeloc.catalogue import Target
+from safeloc.errors import EngineError, SafelocError
+from safeloc.provers.slots import Slots, sharing
+from safeloc.results import Finding
+from safeloc.verdict import word
+from safeloc.verification.one import Plan, Work, expected
+from safeloc.verification.plain import Plain, pack_findings, unpack_findings
+
+
+@dataclass(frozen=True)
+class Began:
+    """A target's turn has come; so many findings are expected of it."""
+
+    target: str
+    findings: int
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What is done with a target now."""
+
+    target: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Found:
+    """One finding of a target: its id, verdict and seconds."""
+
+    target: str
+    id: str
+    verdict: str
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Over:
+    """A target is done, after so many seconds."""
+
+    target: str
+    seconds: float
+
+
+Event = Began | Phase | Found | Over
+OnEvent = Callable[[Event], None]
+
+
+@dataclass(frozen=True)
+class _Done:
+    """The findings of a target as plain data."""
+
+    packed: Plain
+
+
+@dataclass(frozen=True)
+class _Failed:
+    """What went wrong with a target."""
+
+    error: SafelocError
+
+
+@dataclass(frozen=True)
+class _Conductor:
+    target: Target
+    process: ForkProcess
+    pipe: Connection
+    began: float
+
+
+def verify_targets(targets: Sequence[Target], plan: Plan, *, jobs: int, on_event: OnEvent) -> dict[str, list[Finding]]:
+    """All findings by target; at most `jobs` processes compute at a time.
+
+    What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.
+    """
+    found: dict[str, list[Finding]] = {}
+    places = Slots(max(1, jobs))
+    try:
+        for target, packed in _conducted(sorted(targets, key=expected, reverse=True), plan, jobs, places, on_event):
+            found[target.name] = unpack_findings(packed, target.system)
+    finally:
+        places.close()
+    return {target.name: found[target.name] for target in targets}
+
+
+def _conducted(
+    waiting: Sequence[Target], plan: Plan, jobs: int, places: Slots, on_event: OnEvent
+) -> Iterator[tuple[Target, Plain]]:
+    """Each target's findings as plain data, as they are complete; as many targets at a time as there are places."""
+    left, running = list(waiting), list[_Conductor]()
+    try:
+        while left or running:
+            while left and len(running) < max(1, jobs):
+                running.append(_begun(left.pop(0), plan, jobs, places))
+                on_event(Began(running[-1].target.name, expected(running[-1].target)))
+            wait([one.pipe for one in running])
+            for one in [one for one in running if one.pipe.poll()]:
+                done = _heard(one, on_event)
+                if done is not None:
+                    running.remove(one)
+                    on_event(Over(one.target.name, time.monotonic() - one.began))
+                    yield one.target, done
+    finally:
+        for one in running:
+            one.process.terminate()
+            one.process.join()
+
+
+def _begun(target: Target, plan: Plan, jobs: int, places: Slots) -> _Conductor:
+    context = multiprocessing.get_context("fork")
+    here, there = context.Pipe(duplex=False)
+    process = context.Process(target=_conduct, args=(target, plan, jobs, places, there))
+    process.start()
+    there.close()
+    return _Conductor(target, process, here, time.monotonic())
+
+
+def _heard(one: _Conductor, on_event: OnEvent) -> Plain | None:
+    """Tells what the conductor says; its findings when it is done. Whatever went wrong there is raised."""
+    try:
+        said: Any = one.pipe.recv()
+    except EOFError:
+        one.process.join()
+        raise EngineError(
+            f"{one.target.name}: its process ended with code {one.process.exitcode} before it was done."
+        ) from None
+    match said:
+        case _Done(packed):
+            one.process.join()
+            one.pipe.close()
+            return packed
+        case _Failed(error):
+            raise error
+        case _:
+            on_event(said)
+            return None
+
+
+# ------------------------------------------------------------------ in the conductor's process
+
+
+def _conduct(target: Target, plan: Plan, jobs: int, places: Slots, pipe: Connection) -> None:
+    """All of one target; whoever computes has a place, this process among them."""
+    signal.signal(signal.SIGTERM, _leave)
+    places.take()
+    try:
+        with sharing(places), suppress(BrokenPipeError):
+            pipe.send(_verified(target, plan, jobs, pipe))
+    except KeyboardInterrupt:
+        os._exit(1)
+    finally:
+        places.give()
+        pipe.close()
+
+
+def _leave(*_: object) -> NoReturn:
+    raise SystemExit(1)
+
+
+def _verified(target: Target, plan: Plan, jobs: int, pipe: Connection) -> _Done | _Failed:
+    def phase(text: str, _: int) -> None:
+        pipe.send(Phase(target.name, text))
+
+    def finding(one: Finding) -> None:
+        pipe.send(Found(target.name, one.id, word(one.result), one.seconds))
+
+    try:
+        findings = Work(target, jobs, phase, finding).verified(plan)
+        return _Done(pack_findings(findings, target.system))
+    except SafelocError as error:
+        return _Failed(error)
+    except Exception as error:  # not swallowed: the parent raises it
+        return _Failed(EngineError(f"{target.name}: {type(error).__name__}: {error}"))
+
+
+def in_order(found: Mapping[str, Sequence[Finding]]) -> list[Finding]:
+    """All findings of all targets, target by target."""
+    return [finding for findings in found.values() for finding in findings]

@@ -1,0 +1,111 @@
+"""One target from its properties to its findings: proofs, obligations, property tests, replays of what ships with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from safeloc.catalogue import Target
+from safeloc.provers.antecedents import found
+from safeloc.provers.limits import Limits
+from safeloc.provers.obligations import CHECKS, obligations
+from safeloc.provers.portfolio import OnFinding, prove
+from safeloc.provers.recorded import Recording
+from safeloc.results import Finding
+from safeloc.spec import Property
+from safeloc.streams.steps import read_steps
+from safeloc.testing import run_tests
+from safeloc.verdict import Proved
+from safeloc.verification.replay import replay_stream, whole_run
+from safeloc.verification.unasked import nothing_asked, nothing_tested
+
+OnPhase = Callable[[str, int], None]
+"""Told of what begins, and of how many findings are expected of it."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How hard a target is looked at: bounds of provers; runs and steps of property tests, and their seed."""
+
+    limits: Limits
+    examples: int
+    steps: int
+    seed: int
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What is done with one target, in at most `jobs` processes at a time."""
+
+    target: Target
+    jobs: int
+    on_phase: OnPhase
+    on_finding: OnFinding
+
+    def verified(self, plan: Plan) -> list[Finding]:
+        """All findings, in order: lemmas and properties, obligations, tests, replays."""
+        findings = [*nothing_asked(self.target), *self.proved(self.target.properties, plan.limits)]
+        owed = self.obliged(plan.limits)
+        findings += [*owed, *self.tested(plan, owed)]
+        for stream in self.target.streams:
+            self.on_phase(f"replaying {stream.name}", len(self.target.properties))
+            findings += self._told(replay_stream(self.target, stream)[1])
+        return findings
+
+    def proved(self, properties: Sequence[Property], limits: Limits) -> list[Finding]:
+        """Lemmas, contracts and these properties."""
+        self.on_phase(f"proving {self.target.name}", claims(self.target, properties))
+        return prove(
+            self.target.system,
+            properties,
+            limits,
+            jobs=self.jobs,
+            on_finding=self.on_finding,
+            recordings=self._recordings(),
+        )
+
+    def obliged(self, limits: Limits) -> list[Finding]:
+        """What every machine owes without anybody writing a property."""
+        self.on_phase(f"obligations of {self.target.name}", owed(self.target))
+        return obligations(
+            self.target.system,
+            limits,
+            jobs=self.jobs,
+            on_finding=self.on_finding,
+            recordings=self._recordings(),
+            properties=self.target.properties,
+        )
+
+    def tested(self, plan: Plan, owed: Sequence[Finding]) -> list[Finding]:
+        """Property tests that also start along witnesses and shipped streams, so that deep modes and cases are tested."""
+        self.on_phase(f"testing {self.target.name}", len(self.target.properties))
+        system, properties = self.target.system, self.target.properties
+        witnesses = [one.result.witness for one in owed if isinstance(one.result, Proved)]
+        streams = [whole_run(self.target, path) for path in self.target.streams]
+        corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
+        tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
+        return [*nothing_tested(self.target), *self._told(tests)]
+
+    def _recordings(self) -> list[Recording]:
+        return [Recording(stream.first, stream.steps) for stream in map(read_steps, self.target.streams)]
+
+    def _told(self, findings: list[Finding]) -> list[Finding]:
+        for one in findings:
+            self.on_finding(one)
+        return findings
+
+
+def claims(target: Target, properties: Sequence[Property]) -> int:
+    """Count the findings that proving these will give, as near as can be said beforehand."""
+    return len(properties) + sum(len(machine.lemmas) for machine in target.machines)
+
+
+def owed(target: Target) -> int:
+    """Count the obligations, as near as can be said beforehand: one of each kind, each mode and transition by itself."""
+    return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
+
+
+def expected(target: Target) -> int:
+    """Count the findings of all phases, as near as can be said beforehand."""
+    tests, replays = len(target.properties), len(target.streams) * len(target.properties)
+    return claims(target, target.properties) + owed(target) + tests + replays
