@@ -16,9 +16,20 @@ def _endless(config: FibreConfig) -> Steps:
     return simulate(config, seed=3, drive=Drive(steady(cycles=70), referred=False), sections=stretch)
 
 
+def _endless_where_located(config: FibreConfig) -> Steps:
+    """Past a section of the map from a known place, the amplitude staying raised behind its end."""
+    stretch = [Section(100_000, 100_000 + config.long_mm, Symbol(rises=True, long=True))]
+    drive = Drive(steady(cycles=60), stuck_mm=(100_000, 2_000_000))
+    return simulate(config, seed=3, drive=drive, sections=stretch)
+
+
 RUNS: Mapping[str, WorkedRun[FibreConfig]] = {
     "fibre-no-end-of-section": WorkedRun(
         "The amplitude stays changed for longer than any section: what was counted is given up, and nothing is known.",
         _endless,
+    ),
+    "fibre-section-without-end": WorkedRun(
+        "A known section does not end where the map has its end: the error signal F is out, and no place is told.",
+        _endless_where_located,
     ),
 }

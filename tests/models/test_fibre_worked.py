@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.variables import FibreConfig
 from safeloc.models.fibre_worked import RUNS
@@ -24,6 +26,18 @@ def test_an_amplitude_that_stays_changed_is_given_up() -> None:
     assert not trace.steps[given_up].outputs["count_known"]
 
 
-def test_the_recording_is_its_run() -> None:
+def test_a_known_section_that_does_not_end_raises_f() -> None:
+    """Located until the section is longer than any; then F, with the reason, and no place."""
+    made = machine(FibreConfig())
+    trace = replayed(lower(made), list(read_steps(STREAMS / "fibre-section-without-end.jsonl").steps))
+    modes = mode_labels(made, trace)
+    assert ["LOCATED", "FAULTED"] == list(dict.fromkeys(modes))
+    raised = modes.index("FAULTED")
+    assert "NO_END_OF_SECTION" == labels(trace, "reason")[raised]
+    assert trace.steps[raised - 1].outputs["valid"] and not trace.steps[raised].outputs["valid"]
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_recording_is_its_run(name: str) -> None:
     """The file that ships is what the model of it makes."""
-    assert list(read_steps(STREAMS / f"{NAME}.jsonl").steps) == list(RUNS[NAME].steps(FibreConfig()))
+    assert list(read_steps(STREAMS / f"{name}.jsonl").steps) == list(RUNS[name].steps(FibreConfig()))
