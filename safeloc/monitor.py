@@ -6,7 +6,7 @@ check(trace, property)  a recorded trace, afterwards
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, TypeAlias, assert_never
 
@@ -16,7 +16,7 @@ from safeloc.expr import Expr, Var
 from safeloc.interpret import Program, evaluate, holds, read_inputs, start
 from safeloc.nodes import Value
 from safeloc.spec import Goal, Property, observe, watch
-from safeloc.system import environment
+from safeloc.system import TransitionSystem, environment
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Unknown, Violated
 
@@ -101,32 +101,52 @@ def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
 
 def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Violated | Unknown]:
     """Every property on a recorded trace, in one pass over it. What held says which of its cases never happened."""
-    system = trace.system
-    goals = [observe(system, prop) for prop in properties]
-    own = [(n, one) for n, prop in enumerate(properties) for one in cases(prop)]
-    told = [seen(system, one, f"case {number}") for number, (_, one) in enumerate(own)]
-    watched = watch(system, goals).system
-    moves: dict[Var, Expr] = {**watched.next, **{var: term for one in told for var, term in one.moves.items()}}
-    advance = Program([environment(system), *(goal.prop.given for goal in goals), *moves.values()])
-    judge = Program([*(goal.good for goal in goals), *(one.term for one in told)])
-    first = start(watched, {var.name: trace.initial[var.name] for var in system.state})
-    state: dict[Var, Value] = {**first, **{var: False for one in told for var in one.moves}}
-    rows: list[list[Value]] = [judge(state)]
-    broken_at = [len(trace.steps) + 1] * len(goals)
-    for number, step in enumerate(trace.steps, 1):
-        allowed, *values = advance({**state, **read_inputs(watched, step.inputs)})
-        state = dict(zip(moves, values[len(goals) :], strict=True))
-        for n, goal in enumerate(goals):
-            if not (values[n] and (allowed or goal.prop.unconditional)):
-                broken_at[n] = min(broken_at[n], number)
-        rows.append(judge(state))
-    never: dict[int, list[str]] = {}
-    for place, (n, one) in enumerate(own, len(goals)):
-        if not any(row[place] for row in rows[: broken_at[n]]):
-            never.setdefault(n, []).append(one.words)
-    return [
-        _verdict(trace, goal, [row[n] for row in rows], broken_at[n], never.get(n, [])) for n, goal in enumerate(goals)
-    ]
+    return Checks(trace.system, properties)(trace)
+
+
+Evaluator = Callable[[Mapping[Var, Value]], Sequence[Value]]
+
+
+class Checks:
+    """Properties of a system, to be checked on recorded traces; `program` makes terms into what evaluates them."""
+
+    def __init__(
+        self,
+        system: TransitionSystem,
+        properties: Sequence[Property],
+        program: Callable[[Sequence[Expr]], Evaluator] = Program,
+    ) -> None:
+        self._goals = [observe(system, prop) for prop in properties]
+        self._cases = [(n, one) for n, prop in enumerate(properties) for one in cases(prop)]
+        told = [seen(system, one, f"case {number}") for number, (_, one) in enumerate(self._cases)]
+        self._watched = watch(system, self._goals).system
+        own = {var: term for one in told for var, term in one.moves.items()}
+        self._first: dict[Var, Value] = dict.fromkeys(own, False)
+        self._moves: dict[Var, Expr] = {**self._watched.next, **own}
+        given = [goal.prop.given for goal in self._goals]
+        self._advance = program([environment(system), *given, *self._moves.values()])
+        self._judge = program([*(goal.good for goal in self._goals), *(one.term for one in told)])
+
+    def __call__(self, trace: Trace) -> list[Held | Violated | Unknown]:
+        """One verdict a property. What held says which of its cases never happened."""
+        goals = self._goals
+        first = start(self._watched, {var.name: trace.initial[var.name] for var in trace.system.state})
+        state: dict[Var, Value] = {**first, **self._first}
+        rows: list[Sequence[Value]] = [self._judge(state)]
+        broken_at = [len(trace.steps) + 1] * len(goals)
+        for number, step in enumerate(trace.steps, 1):
+            allowed, *values = self._advance({**state, **read_inputs(self._watched, step.inputs)})
+            state = dict(zip(self._moves, values[len(goals) :], strict=True))
+            for n, goal in enumerate(goals):
+                if not (values[n] and (allowed or goal.prop.unconditional)):
+                    broken_at[n] = min(broken_at[n], number)
+            rows.append(self._judge(state))
+        never: dict[int, list[str]] = {}
+        for place, (n, one) in enumerate(self._cases, len(goals)):
+            if not any(row[place] for row in rows[: broken_at[n]]):
+                never.setdefault(n, []).append(one.words)
+        columns = [[row[n] for row in rows] for n in range(len(goals))]
+        return [_verdict(trace, goal, columns[n], broken_at[n], never.get(n, [])) for n, goal in enumerate(goals)]
 
 
 def _verdict(

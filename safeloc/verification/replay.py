@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import time
+import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -14,11 +15,12 @@ from safeloc.border import Fault
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Num, Var
-from safeloc.interpret import read_inputs, run
-from safeloc.monitor import check_all
+from safeloc.interpret import read_inputs
+from safeloc.monitor import Checks
 from safeloc.nodes import Value
 from safeloc.outside import quoted
 from safeloc.results import Finding, Replayed
+from safeloc.runs.quick import Quick, quick_run
 from safeloc.spec import Property
 from safeloc.streams.steps import StepStream, read_steps
 from safeloc.system import TransitionSystem, without_ghosts
@@ -83,17 +85,16 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
     if not stream.steps:
         raise StreamError(f"{path}: no steps, so nothing was replayed.")
     _refuse_other(target, path, stream)
-    system = target.system if _is_whole(target, stream) else without_ghosts(target.system)
+    asked = _asked(target, whole=_is_whole(target, stream))
+    system, properties = asked.system, asked.properties
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = _run(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
-    asked = [prop for prop in target.properties if prop.kind != "reachable"]
-    properties = [prop for prop in asked if _is_applicable(prop, system)]
-    verdicts = check_all(trace, properties)
+    verdicts = asked.checks(trace)
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if target.reported is not None and any(value is not None for value in truth):
         findings.append(_containment(target, path, rows, trace, truth, started))
-    unchecked = [prop for prop in asked if prop not in properties]
+    unchecked = asked.unchecked
     if not findings:
         findings.append(_nothing_checked(target, path, unchecked, started))
     if faults is not None:
@@ -101,6 +102,31 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
     replayed = Replayed(path.stem, trace, tuple(truth))
     findings = [replace(finding, replayed=replayed) for finding in findings]
     return rows, _noted(findings, unchecked)
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What is checked on a target's recordings: the system that they are runs of, and which properties speak of it."""
+
+    system: TransitionSystem
+    properties: Sequence[Property]
+    unchecked: Sequence[Property]
+    checks: Checks
+
+
+_ASKED: weakref.WeakKeyDictionary[Target, dict[bool, _Asked]] = weakref.WeakKeyDictionary()
+
+
+def _asked(target: Target, *, whole: bool) -> _Asked:
+    """The whole system, or as it runs on board; worked out once for all recordings of a target."""
+    known = _ASKED.setdefault(target, {})
+    if whole not in known:
+        system = target.system if whole else without_ghosts(target.system)
+        every = [prop for prop in target.properties if prop.kind != "reachable"]
+        properties = [prop for prop in every if _is_applicable(prop, system)]
+        unchecked = [prop for prop in every if prop not in properties]
+        known[whole] = _Asked(system, properties, unchecked, Checks(system, properties, Quick))
+    return known[whole]
 
 
 def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[Finding]:
@@ -152,7 +178,7 @@ def _run(system: TransitionSystem, path: Path, stream: StepStream) -> Trace:
     rows = [{name: value for name, value in step.items() if name in names} for step in stream.steps]
     _refuse_unknown(system, path, stream)
     try:
-        return run(system, rows, first=first)
+        return quick_run(system, rows, first=first)
     except InputError as error:
         raise StreamError(f"{path}: {error} ({_first_bad(system, stream, rows)})") from error
 
