@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import assert_never
+from typing import TypeGuard, assert_never, get_args
 
 from safeloc.nodes import (
     INT64_MAX,
@@ -29,9 +29,11 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
+from safeloc.terms import children
 from safeloc.units import Enumeration, Unit
 
 PARTS = {"previous": 1, "once": 1, "since": 2}
+KINDS = frozenset(get_args(Node))
 
 
 def malformed(roots: Iterable[object]) -> Iterator[str]:
@@ -43,62 +45,50 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
         if id(node) in seen:
             continue
         seen.add(id(node))
-        if not isinstance(node, Node):
+        if not _is_node(node):
             yield f"{node!r} of type {type(node).__name__} stands where a term is expected."
             continue
         wrong = _wrong(node)
         if wrong:
             yield f"{type(node).__name__}: {wrong}; build terms with the functions of safeloc.expr."
         else:
-            stack.extend(_parts(node))
+            stack.extend(children(node))
 
 
-def _parts(node: Node) -> tuple[object, ...]:
-    match node:
-        case Lit() | NumVar() | Truth() | BoolVar():
-            return ()
-        case Add(a, b) | Sub(a, b) | Mul(a, b) | Min(a, b) | Max(a, b) | Compare(_, a, b):
-            return (a, b)
-        case FloorDiv(a, _):
-            return (a,)
-        case Choose(c, a, b, _) | ChooseBool(c, a, b):
-            return (c, a, b)
-        case Not(inner):
-            return (inner,)
-        case And(parts) | Or(parts) | Past(_, parts):
-            return parts
-        case _:
-            assert_never(node)
+def _is_node(found: object) -> TypeGuard[Node]:
+    """Whether it is of one of the language's kinds; asking for its own class first saves asking for all of them in turn."""
+    return type(found) in KINDS or isinstance(found, Node)
 
 
 def _wrong(node: Node) -> str:
+    """What is wrong with one node; the kinds that are most of a machine come first."""
     match node:
-        case Lit(value, unit):
-            return _wrong_constant(value, unit)
-        case NumVar():
-            return _wrong_variable(node)
-        case BoolVar(before=before):
-            return "" if before is None or isinstance(before, BoolVar) else "its value before is no truth value"
-        case Truth(value):
-            return "" if isinstance(value, bool) else f"{value!r} is no truth value"
-        case Add(a, b) | Sub(a, b) | Min(a, b) | Max(a, b):
-            return _wrong_arithmetic(a, b)
-        case Mul(a, b):
-            return _first(_no_number(a), _no_number(b), _enumerated(a), _enumerated(b))
-        case FloorDiv(a, divisor):
-            return _first(
-                _no_number(a), _enumerated(a), "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
-            )
         case Choose(c, a, b):
             return _first(_no_truth(c), _no_number(a), _no_number(b)) or _other_unit(a, b)
         case ChooseBool(c, a, b):
             return _first(_no_truth(c), _no_truth(a), _no_truth(b))
-        case Not(inner):
-            return _no_truth(inner)
-        case And(parts) | Or(parts):
-            return _first(*map(_no_truth, parts))
         case Compare(op, a, b):
             return _wrong_comparison(op, a, b)
+        case And(parts) | Or(parts):
+            return _first(*map(_no_truth, parts))
+        case Add(a, b) | Sub(a, b) | Min(a, b) | Max(a, b):
+            return _wrong_arithmetic(a, b)
+        case Lit(value, unit):
+            return _wrong_constant(value, unit)
+        case NumVar():
+            return _wrong_variable(node)
+        case Not(inner):
+            return _no_truth(inner)
+        case BoolVar(before=before):
+            return "" if before is None or isinstance(before, BoolVar) else "its value before is no truth value"
+        case Mul(a, b):
+            return _first(_no_number(a), _no_number(b), _enumerated(a), _enumerated(b))
+        case Truth(value):
+            return "" if isinstance(value, bool) else f"{value!r} is no truth value"
+        case FloorDiv(a, divisor):
+            return _first(
+                _no_number(a), _enumerated(a), "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
+            )
         case Past(op, parts):
             right = PARTS.get(op) == len(parts)
             return _first("" if right else f"operator {op!r} of {len(parts)} parts", *map(_no_truth, parts))
@@ -107,7 +97,10 @@ def _wrong(node: Node) -> str:
 
 
 def _first(*complaints: str) -> str:
-    return next((one for one in complaints if one), "")
+    for one in complaints:
+        if one:
+            return one
+    return ""
 
 
 def _whole(value: object) -> bool:
