@@ -69,10 +69,17 @@ app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pret
 
 def _tell_version(wanted: bool) -> None:
     if wanted:
-        from importlib import metadata  # it is half of what every command would wait for
-
-        print(f"safeloc {metadata.version('safeloc')}")
+        print(f"safeloc {_version()}")
         raise typer.Exit
+
+
+def _version() -> str:
+    from importlib import metadata  # slow to load, and every command would wait for it
+
+    try:
+        return metadata.version("safeloc")
+    except metadata.PackageNotFoundError:
+        return "of a checkout that is not installed, and has no version"
 
 
 @app.callback()
