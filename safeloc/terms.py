@@ -129,10 +129,13 @@ class Sharing:
         done = self._done
         for node, parts in _with_parts([term], done):
             now = tuple([done[part] for part in parts])
-            kept = self._kept.get(_shape(node, now))
+            shape = _shape(node, now)
+            kept = self._kept.get(shape)
             if kept is None:  # else there is an equal node already, and making another one is spared
-                made = _made_of(node, parts, now)
-                kept = self._kept.setdefault(_shape(made, children(made)), made)
+                kept = _made_of(node, parts, now)
+                if kept is not node:
+                    shape = _shape(kept, children(kept))
+                kept = self._kept.setdefault(shape, kept)
             done[node] = done[kept] = kept
         return done[term]
 
@@ -187,22 +190,22 @@ def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
     if [*map(id, parts)] == [*map(id, children(node))]:
         return node
     match node:
-        case Add() | Sub() | Mul() | Min() | Max():
-            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
-        case FloorDiv(_, divisor, unit):
-            return FloorDiv(_n(parts[0]), divisor, unit)
         case Choose():
             return Choose(_b(parts[0]), _n(parts[1]), _n(parts[2]), node.unit)
-        case Not():
-            return ~_b(parts[0])
         case And():
             return all_of(_b(part) for part in parts)
-        case Or():
-            return any_of(_b(part) for part in parts)
-        case ChooseBool():
-            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
         case Compare(op, _, _):
             return Compare(op, _n(parts[0]), _n(parts[1]))
+        case ChooseBool():
+            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
+        case Add() | Sub() | Max() | Min() | Mul():
+            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
+        case Or():
+            return any_of(_b(part) for part in parts)
+        case Not():
+            return ~_b(parts[0])
+        case FloorDiv(_, divisor, unit):
+            return FloorDiv(_n(parts[0]), divisor, unit)
         case Past(op, _):
             return Past(op, tuple(_b(part) for part in parts))
         case Lit() | NumVar() | Truth() | BoolVar():

@@ -64,13 +64,13 @@ def _wrong(node: Node) -> str:
     """What is wrong with one node; the kinds that are most of a machine come first."""
     match node:
         case Choose(c, a, b):
-            return _first(_no_truth(c), _no_number(a), _no_number(b)) or _other_unit(a, b)
+            return _no_truth(c) or _no_number(a) or _no_number(b) or _other_unit(a, b)
         case ChooseBool(c, a, b):
-            return _first(_no_truth(c), _no_truth(a), _no_truth(b))
+            return _no_truth(c) or _no_truth(a) or _no_truth(b)
         case Compare(op, a, b):
             return _wrong_comparison(op, a, b)
         case And(parts) | Or(parts):
-            return _first(*map(_no_truth, parts))
+            return _first(map(_no_truth, parts))
         case Add(a, b) | Sub(a, b) | Min(a, b) | Max(a, b):
             return _wrong_arithmetic(a, b)
         case Lit(value, unit):
@@ -82,25 +82,21 @@ def _wrong(node: Node) -> str:
         case BoolVar(before=before):
             return "" if before is None or isinstance(before, BoolVar) else "its value before is no truth value"
         case Mul(a, b):
-            return _first(_no_number(a), _no_number(b), _enumerated(a), _enumerated(b))
+            return _no_number(a) or _no_number(b) or _enumerated(a) or _enumerated(b)
         case Truth(value):
             return "" if isinstance(value, bool) else f"{value!r} is no truth value"
         case FloorDiv(a, divisor):
-            return _first(
-                _no_number(a), _enumerated(a), "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
-            )
+            wrong = "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
+            return _no_number(a) or _enumerated(a) or wrong
         case Past(op, parts):
             right = PARTS.get(op) == len(parts)
-            return _first("" if right else f"operator {op!r} of {len(parts)} parts", *map(_no_truth, parts))
+            return _first(map(_no_truth, parts)) if right else f"operator {op!r} of {len(parts)} parts"
         case _:
             assert_never(node)
 
 
-def _first(*complaints: str) -> str:
-    for one in complaints:
-        if one:
-            return one
-    return ""
+def _first(complaints: Iterable[str]) -> str:
+    return next((one for one in complaints if one), "")
 
 
 def _whole(value: object) -> bool:
@@ -144,15 +140,13 @@ def _other_unit(left: Num, right: Num) -> str:
 
 def _wrong_arithmetic(left: Num, right: Num) -> str:
     """Units of sums are checked; a sum with zero of another unit is how `with_unit` says a conversion."""
-    wrong = _first(_no_number(left), _no_number(right))
-    if wrong:
-        return wrong
+    wrong = _no_number(left) or _no_number(right) or _enumerated(left) or _enumerated(right)
     converts = isinstance(right, Lit) and right.value == 0
-    return _first(_enumerated(left), _enumerated(right), "" if converts else _other_unit(left, right))
+    return wrong or ("" if converts else _other_unit(left, right))
 
 
 def _wrong_comparison(op: str, left: Num, right: Num) -> str:
-    wrong = _first(_no_number(left), _no_number(right))
+    wrong = _no_number(left) or _no_number(right)
     if wrong or op not in ("<", "<=", "=="):
         return wrong or f"operator {op!r}"
     if op != "==" and isinstance(left.unit, Enumeration):
