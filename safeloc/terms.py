@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping
-from typing import assert_never
+from typing import TYPE_CHECKING, Any, assert_never
 
 from safeloc.nodes import (
     Add,
@@ -34,25 +34,22 @@ from safeloc.nodes import (
 
 
 def children(node: Expr) -> tuple[Expr, ...]:
-    """The terms a node is made of."""
-    assert isinstance(node, Node)
+    """The terms a node is made of; the kinds that are most of a machine come first, since this is asked the most."""
+    if TYPE_CHECKING:
+        assert isinstance(node, Node)
     match node:
+        case Choose() | ChooseBool():
+            return (node.condition, node.then, node.other)
         case Lit() | NumVar() | Truth() | BoolVar():
             return ()
-        case Add(a, b) | Sub(a, b) | Mul(a, b) | Min(a, b) | Max(a, b):
-            return (a, b)
-        case FloorDiv(a, _):
-            return (a,)
-        case Choose(c, a, b, _):
-            return (c, a, b)
-        case ChooseBool(c, p, q):
-            return (c, p, q)
-        case Not(inner):
-            return (inner,)
-        case And(parts) | Or(parts) | Past(_, parts):
-            return parts
-        case Compare(_, a, b):
-            return (a, b)
+        case And() | Or() | Past():
+            return node.parts
+        case Compare() | Add() | Sub() | Max() | Min() | Mul():
+            return (node.left, node.right)
+        case Not():
+            return (node.inner,)
+        case FloorDiv():
+            return (node.left,)
         case _:
             assert_never(node)
 
@@ -62,18 +59,26 @@ def in_order(roots: Iterable[Expr], done: Container[Expr] = frozenset()) -> list
 
     done  nodes to leave out, with all that is below them
     """
-    seen: set[int] = set()
-    order: list[Node] = []
-    stack: list[tuple[Expr, bool]] = [(root, False) for root in reversed(list(roots))]
+    return [node for node, _ in _with_parts(roots, done)]
+
+
+def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node, tuple[Expr, ...]]]:
+    """The same, each node with the terms that it is made of."""
+    seen: set[Expr] = set()
+    order: list[Any] = []
+    stack: list[Any] = [*reversed(list(roots))]
     while stack:
-        node, complete = stack.pop()
-        if complete:
-            assert isinstance(node, Node)
+        node = stack.pop()
+        if type(node) is tuple:  # a whole, left behind when its parts were put on the stack
             order.append(node)
-        elif id(node) not in seen and node not in done:
-            seen.add(id(node))
-            stack.append((node, True))
-            stack.extend((child, False) for child in reversed(children(node)) if id(child) not in seen)
+        elif node not in seen and node not in done:
+            seen.add(node)
+            parts = children(node)
+            if parts:
+                stack.append((node, parts))
+                stack += parts[::-1]
+            else:
+                order.append((node, parts))
     return order
 
 
@@ -106,9 +111,10 @@ class Substitution:
 
     def __call__(self, term: Expr) -> Expr:
         """The term after replacement."""
-        for node in in_order([term], self._done):
-            self._done[node] = rebuilt(node, tuple(self._done[child] for child in children(node)))
-        return self._done[term]
+        done = self._done
+        for node, parts in _with_parts([term], done):
+            done[node] = _made_of(node, parts, tuple([done[part] for part in parts]))
+        return done[term]
 
 
 class Sharing:
@@ -120,11 +126,18 @@ class Sharing:
 
     def __call__(self, term: Expr) -> Expr:
         """The term with equal parts shared, also with every term that was handed over before."""
-        for node in in_order([term], self._done):
-            shared = rebuilt(node, tuple(self._done[child] for child in children(node)))
-            kept = self._kept.setdefault(_shape(shared), shared)
-            self._done[node] = self._done[kept] = kept
-        return self._done[term]
+        done = self._done
+        for node, parts in _with_parts([term], done):
+            now = tuple([done[part] for part in parts])
+            shape = _shape(node, now)
+            kept = self._kept.get(shape)
+            if kept is None:  # else there is an equal node already, and making another one is spared
+                kept = _made_of(node, parts, now)
+                if kept is not node:
+                    shape = _shape(kept, children(kept))
+                kept = self._kept.setdefault(shape, kept)
+            done[node] = done[kept] = kept
+        return done[term]
 
     def num(self, term: Num) -> Num:
         """The same for a numeric term."""
@@ -146,48 +159,53 @@ def alike(left: Expr, right: Expr) -> bool:
     return share(settle(left)) is share(settle(right))
 
 
-def _shape(term: Expr) -> tuple[object, ...]:
-    """What tells two nodes apart, given that their parts are shared already."""
-    assert isinstance(term, Node)
-    parts = tuple(id(child) for child in children(term))
+def _shape(term: Expr, parts: tuple[Expr, ...]) -> tuple[object, ...]:
+    """What tells a node of these parts from others, given that the parts are shared already."""
+    if TYPE_CHECKING:
+        assert isinstance(term, Node)
     match term:
+        case Choose() | ChooseBool() | And() | Or() | Add() | Sub() | Not() | Max() | Min() | Mul():
+            return (type(term), *map(id, parts))
         case NumVar() | BoolVar():
             return (id(term),)
         case Lit(value, unit):
             return (Lit, value, unit)
+        case Compare(op, _, _) | Past(op, _):
+            return (type(term), op, *map(id, parts))
         case Truth(value):
             return (Truth, value)
         case FloorDiv(_, divisor, unit):
-            return (FloorDiv, divisor, unit, parts)
-        case Compare(op, _, _) | Past(op, _):
-            return (type(term), op, parts)
-        case Add() | Sub() | Mul() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
-            return (type(term), parts)
+            return (FloorDiv, divisor, unit, *map(id, parts))
         case _:
             assert_never(term)
 
 
+def _made_of(node: Node, parts: tuple[Expr, ...], now: tuple[Expr, ...]) -> Expr:
+    """The node, made of what its parts are now."""
+    return node if [*map(id, now)] == [*map(id, parts)] else rebuilt(node, now)
+
+
 def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
     """The node with other parts (of the same kinds); the node itself where they are the same."""
-    if all(new is old for new, old in zip(parts, children(node), strict=True)):
+    if [*map(id, parts)] == [*map(id, children(node))]:
         return node
     match node:
-        case Add() | Sub() | Mul() | Min() | Max():
-            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
-        case FloorDiv(_, divisor, unit):
-            return FloorDiv(_n(parts[0]), divisor, unit)
         case Choose():
             return Choose(_b(parts[0]), _n(parts[1]), _n(parts[2]), node.unit)
-        case Not():
-            return ~_b(parts[0])
         case And():
             return all_of(_b(part) for part in parts)
-        case Or():
-            return any_of(_b(part) for part in parts)
-        case ChooseBool():
-            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
         case Compare(op, _, _):
             return Compare(op, _n(parts[0]), _n(parts[1]))
+        case ChooseBool():
+            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
+        case Add() | Sub() | Max() | Min() | Mul():
+            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
+        case Or():
+            return any_of(_b(part) for part in parts)
+        case Not():
+            return ~_b(parts[0])
+        case FloorDiv(_, divisor, unit):
+            return FloorDiv(_n(parts[0]), divisor, unit)
         case Past(op, _):
             return Past(op, tuple(_b(part) for part in parts))
         case Lit() | NumVar() | Truth() | BoolVar():

@@ -20,8 +20,14 @@ class Unit:
     count: int = 0
     scale: Fraction = Fraction(1)
 
+    def __hash__(self) -> int:
+        """By what is hashed fast, unlike a fraction."""
+        return hash((self.name, self.length, self.time, self.count))
+
     def same(self, other: Unit | Enumeration) -> bool:
         """Whether quantities of both units may be added and compared."""
+        if self is other:  # the usual case, without comparing fractions
+            return True
         return isinstance(other, Unit) and self.dimension == other.dimension and self.scale == other.scale
 
     @property
@@ -48,7 +54,7 @@ class Enumeration:
 
     def same(self, other: Unit | Enumeration) -> bool:
         """Whether values of both may be compared."""
-        return self == other
+        return self is other or self == other
 
     def index(self, member: str) -> int:
         """The number that stands for `member`; ValueError if there is none of that name."""

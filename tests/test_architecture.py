@@ -58,6 +58,7 @@ ROOMS = {
     "pynmeagps": ("safeloc/guard/nmea.py",),
 }
 OUTSIDE_THE_KERNEL = {
+    "__main__.py": "is the command line",
     "catalogue.py": "finds machines of models and of users",
     "target.py": "carries a configuration",
     "config.py": "pydantic checks figures read from files",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import sys
 from dataclasses import replace
@@ -358,3 +359,27 @@ def test_a_file_that_ends_the_program_is_wrong_input(tmp_path: Path) -> None:
     module.write_text("import sys\nsys.exit(0)\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"fails: SystemExit: 0 \(.*ends\.py:2\)"):
         load_target(f"{module}:machine")
+
+
+@pytest.mark.parametrize("looking", [True, False])
+def test_making_a_machine_leaves_the_garbage_collector_as_it_was(
+    monkeypatch: pytest.MonkeyPatch, looking: bool
+) -> None:
+    """It rests while nodes are made, and goes on after, also where making fails; a host that switched it off keeps it off."""
+    asked: list[bool] = []
+
+    def fails(_: object) -> Target:
+        asked.append(gc.isenabled())
+        raise RuntimeError("cannot be made")
+
+    wrong = {"emitter": replace(ENTRIES["emitter"], make=fails)}
+    try:
+        (gc.enable if looking else gc.disable)()
+        load_target("emitter")
+        assert gc.isenabled() is looking
+        monkeypatch.setattr("safeloc.catalogue.ENTRIES", wrong)
+        with pytest.raises(RuntimeError, match="cannot be made"):
+            load_target("emitter")
+        assert ([False], looking) == (asked, gc.isenabled())
+    finally:
+        gc.enable()

@@ -181,6 +181,15 @@ def test_labels_are_distinct() -> None:
         members("colour", "RED", "RED")
 
 
+def test_sharing_leaves_what_is_there() -> None:
+    """A term whose parts are the first of their kind stays itself; a later one becomes it, whole and parts."""
+    share, first, second = Sharing(), abs_(X - Y) + 1, abs_(X - Y) + 1
+    assert share(first) is first
+    assert share(second) is first
+    assert share(second + 2) is share(first + 2)
+    assert len(in_order([first])) == len(in_order([share(first), share(second)]))
+
+
 def test_sharing_keeps_units_apart() -> None:
     """A length in um divided by 1000 is not the same term as that length in mm, though their numbers agree."""
     length = number("length", UM, 0, 9_999)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.expr import FALSE, TRUE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, ceil_to, exact_to, floor_div, ite
 from safeloc.models.fibre_parts import variables as v
@@ -18,7 +19,7 @@ class Cycle:
 
     # -------------------------------------------------------------- edges
 
-    @property
+    @cached_property
     def band(self) -> Num:
         """The amplitude's band after the cycle: with hysteresis, and back to normal before the other band."""
         own, config, value = self.own, self.own.config, self.own.amplitude.value
@@ -29,17 +30,17 @@ class Cycle:
         after = ite(own.band.eq(v.NORMAL), from_normal, ite(still, own.band, v.NORMAL))
         return ite(own.amplitude.present, after, own.band)
 
-    @property
+    @cached_property
     def enters(self) -> Bool:
         """The amplitude leaves normal: a position signal So."""
         return self.own.band.eq(v.NORMAL) & self.band.ne(v.NORMAL)
 
-    @property
+    @cached_property
     def leaves(self) -> Bool:
         """The amplitude is normal again: no second section."""
         return self.own.band.ne(v.NORMAL) & self.band.eq(v.NORMAL)
 
-    @property
+    @cached_property
     def forwards(self) -> Bool:
         """Direction of running; the last one where the run tells none."""
         run = self.own.run
@@ -47,7 +48,7 @@ class Cycle:
 
     # -------------------------------------------------------------- the run
 
-    @property
+    @cached_property
     def charge(self) -> Num:
         """What the run of this cycle may be wrong by, nm; all of the highest speed where it did not come."""
         own, config = self.own, self.own.config
@@ -55,38 +56,38 @@ class Cycle:
         moved = ite(own.run.value.eq(0), as_num(0, NM), rate + config.floor_mm * NM_PER_MM)
         return ite(own.run.present, moved, Lit(config.max_step_mm * NM_PER_MM, NM))
 
-    @property
+    @cached_property
     def since(self) -> Num:
         """Run since the last edge, after the cycle."""
         return self.own.since + ite(self.own.run.present, self.own.run.value, 0)
 
-    @property
+    @cached_property
     def drift(self) -> Num:
         """What that run may be wrong by."""
         return self.own.drift + self.charge
 
-    @property
+    @cached_property
     def slack(self) -> Num:
         """The same in mm, rounded up."""
         return ceil_to(self.drift, MM)
 
-    @property
+    @cached_property
     def fresh(self) -> Num:
         """Where an edge was passed within the cycle: the run of the whole cycle is charged."""
         own = self.own
         return ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
 
-    @property
+    @cached_property
     def place(self) -> Num:
         """Middle of the interval after the cycle, without an edge."""
         return self.own.base + self.since
 
-    @property
+    @cached_property
     def silent(self) -> Bool:
         """The pattern was not followed for too long."""
         return ~self.own.run.present & (self.own.gap >= self.own.config.gap_limit_cycles)
 
-    @property
+    @cached_property
     def too_wide(self) -> Bool:
         """The interval would pass the tolerance, or leave the world."""
         config = self.own.config
@@ -95,7 +96,7 @@ class Cycle:
 
     # -------------------------------------------------------------- the section being passed
 
-    @property
+    @cached_property
     def inside(self) -> Num:
         """Run in the section so far, positive in the direction of entry."""
         return ite(self.own.upwards, self.since, -self.since)
@@ -104,28 +105,28 @@ class Cycle:
         tolerance = self.own.config.read_tolerance_mm + self.slack
         return abs_(self.inside - length) <= tolerance
 
-    @property
+    @cached_property
     def reads_long(self) -> Bool:
         """The section left in this cycle was a long one, and can have been nothing else."""
         return self._reads(self.own.config.long_mm) & ~self._reads(self.own.config.short_mm)
 
-    @property
+    @cached_property
     def reads_short(self) -> Bool:
         """The section left in this cycle was a short one, and can have been nothing else."""
         others = self._reads(self.own.config.long_mm) | self._reads(0)
         return self._reads(self.own.config.short_mm) & ~others
 
-    @property
+    @cached_property
     def turned_back(self) -> Bool:
         """The section was left on the side it was entered, and in no other way."""
         return self._reads(0) & ~self._reads(self.own.config.short_mm)
 
-    @property
+    @cached_property
     def read(self) -> Bool:
         """The section was passed, and its length read."""
         return self.leaves & (self.reads_long | self.reads_short)
 
-    @property
+    @cached_property
     def endless(self) -> Bool:
         """Changed for longer than any section."""
         config = self.own.config
@@ -133,7 +134,7 @@ class Cycle:
 
     # -------------------------------------------------------------- what does not agree
 
-    @property
+    @cached_property
     def fits(self) -> Bool:
         """The signal is that of the section that the map has next, of its kind and where it can be."""
         known, near, _, rises, _ = self.own.next_to(self.forwards)
@@ -141,12 +142,12 @@ class Cycle:
         window = config.read_tolerance_mm + config.max_step_mm + self.slack
         return known & rises.iff(self.band.eq(v.RAISED)) & (abs_(self.place - near) <= window) & ~self.full
 
-    @property
+    @cached_property
     def full(self) -> Bool:
         """There are no more numbers."""
         return abs_(self.own.count + self.one) > self.own.config.section_limit
 
-    @property
+    @cached_property
     def overdue(self) -> Bool:
         """The whole interval is beyond an edge of the map, and no signal came."""
         own, reach = self.own, self.own.config.read_tolerance_mm + self.slack
@@ -154,33 +155,33 @@ class Cycle:
         behind = own.behind.known & (self.place + reach < own.behind.near)
         return own.band.eq(v.NORMAL) & ~self.enters & (beyond | behind)
 
-    @property
+    @cached_property
     def wrong_length(self) -> Bool:
         """The section left is not the one that the map has there, or cannot be read."""
         passed = self.read & self.reads_long.iff(self.own.long)
         return self.leaves & ~self.turned_back & ~passed
 
-    @property
+    @cached_property
     def compared(self) -> tuple[Num, Num]:
         """The place that an additional localization is compared with, and what it may be off by besides."""
         _, near, _, _, _ = self.own.next_to(self.forwards)
         return ite(self.enters, near, self.place), ite(self.enters, 0, self.slack)
 
-    @property
+    @cached_property
     def flight_differs(self) -> Bool:
         """The time of flight tells another place."""
         place, slack = self.compared
         seen = self.own.flight
         return seen.present & (abs_(seen.value - place) > self.own.config.flight_threshold_mm + slack)
 
-    @property
+    @cached_property
     def reflection_differs(self) -> Bool:
         """The pattern coincides with a reflecting point of another place."""
         place, slack = self.compared
         seen = self.own.reflection
         return seen.present & (abs_(seen.value - place) > self.own.config.reflection_threshold_mm + slack)
 
-    @property
+    @cached_property
     def flaws(self) -> list[tuple[Bool, Lit]]:
         """Every disagreement with its reason; the first one counts."""
         return [
@@ -192,12 +193,12 @@ class Cycle:
             (self.reflection_differs, v.REFLECTION_DIFFERS),
         ]
 
-    @property
+    @cached_property
     def error(self) -> Bool:
         """The error signal F."""
         return any_of(flaw for flaw, _ in self.flaws)
 
-    @property
+    @cached_property
     def flaw(self) -> Num:
         """Its reason."""
         reason: Num = v.LOCATED
@@ -207,7 +208,7 @@ class Cycle:
 
     # -------------------------------------------------------------- updates
 
-    @property
+    @cached_property
     def one(self) -> Num:
         """One section, with the sign of the direction."""
         return ite(self.forwards, as_num(1, COUNT), as_num(-1, COUNT))

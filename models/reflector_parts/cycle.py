@@ -6,6 +6,7 @@ Every term is built once and shared by all transitions, the assumption and the p
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.expr import FALSE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, between, exact_to, ite
 from safeloc.models.reflector_parts.dead_reckoning import Interval, choose
@@ -51,21 +52,21 @@ class Judged:
 
     # ------------------------------------------------------------------ balise
 
-    @property
+    @cached_property
     def balise_contradicts(self) -> Bool:
         """A balise was read whose interval excludes the position."""
         return self.zones.located & self.own.balise.read & ~self.balise.meets(self.predicted)
 
     # ------------------------------------------------------------------ margins
 
-    @property
+    @cached_property
     def tolerable(self) -> Bool:
         """What counts without an echo may be kept."""
         return self.held.within(self.own.config.tolerance_nm, self.own.config.position_limit_mm)
 
     # ------------------------------------------------------------------ the self-test (RFL-6)
 
-    @property
+    @cached_property
     def reference_holds(self) -> Bool:
         """Measured distance from balise to reflector agrees with the prescribed one; only while `target.accepted`."""
         measured = self.target.range + self.run - self.own.config.radar_offset_mm
@@ -73,17 +74,17 @@ class Judged:
         travelled = abs_(self.run) * Lit(self.own.config.odometer.rate_ppm, PPM)
         return exact_to(abs_(measured - self.reference), NM) <= exact_to(allowed, NM) + travelled
 
-    @property
+    @cached_property
     def passed(self) -> Bool:
         """The reference reflector is measured where it has to be."""
         return self.target.accepted & self.reference_holds
 
-    @property
+    @cached_property
     def failed(self) -> Bool:
         """The reference reflector is measured elsewhere."""
         return self.target.accepted & ~self.reference_holds
 
-    @property
+    @cached_property
     def reference_over(self) -> Bool:
         """The reference reflector would have been seen by now."""
         limit, search = self.own.config.reference_run_mm, self.own.config.search_run_mm
@@ -92,53 +93,53 @@ class Judged:
 
     # ------------------------------------------------------------------ search and view zone
 
-    @property
+    @cached_property
     def search_over(self) -> Bool:
         """The target would have been found by now."""
         return self.reflector.over(self.held, self.own.config.search_run_mm)
 
-    @property
+    @cached_property
     def search_left(self) -> Bool:
         """The vehicle has backed out of the search zone."""
         return self.held.high < self.reflector.view_begins()
 
-    @property
+    @cached_property
     def search_opens(self) -> Bool:
         """The map's next reflector may come into view."""
         return self.own.ahead.known & self.own.ahead.reflector.opens(self.held, self.own.config.search_run_mm)
 
-    @property
+    @cached_property
     def passed_unseen(self) -> Bool:
         """The map's next reflector would have been found by now, and is not the one found last or one before it."""
         new = self.own.ahead.position.value > self.own.found
         return self.own.ahead.known & new & self.own.ahead.reflector.over(self.held, self.own.config.search_run_mm)
 
-    @property
+    @cached_property
     def steady(self) -> Bool:
         """The measured position agrees with what was run since the reflector came into view: the error is constant."""
         return self.target.fix.meets(self.anchored)
 
-    @property
+    @cached_property
     def anchored(self) -> Interval:
         """The first interval of the view zone, run on."""
         return self.own.odometer.run_on(self.own.anchor.interval)
 
-    @property
+    @cached_property
     def overlap_contradicts(self) -> Bool:
         """Two reflectors are in view and their measurements exclude each other."""
         return self.target.accepted & self.ahead.accepted & ~self.target.fix.meets(self.ahead.fix)
 
-    @property
+    @cached_property
     def too_close(self) -> Bool:
         """The vehicle may be beyond the end of the view zone."""
         return self.held.high >= exact_to(self.reflector.place - self.reflector.view_to, NM)
 
-    @property
+    @cached_property
     def gone_by(self) -> Bool:
         """The reflector surely lies behind."""
         return self.held.low >= exact_to(self.reflector.place, NM)
 
-    @property
+    @cached_property
     def lost(self) -> Bool:
         """Neither measured nor excused any longer: pauses and misses are counted apart."""
         config, own = self.own.config, self.own

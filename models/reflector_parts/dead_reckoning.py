@@ -7,6 +7,7 @@ has to be charged once (`charged`), because the odometer's error may wander with
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.expr import (
     Bool,
@@ -37,22 +38,22 @@ class Interval:
     over: Num
     under: Num
 
-    @property
+    @cached_property
     def low(self) -> Num:
         """Lower end, nm."""
         return exact_to(self.position, NM) - self.under
 
-    @property
+    @cached_property
     def high(self) -> Num:
         """Upper end, nm."""
         return exact_to(self.position, NM) + self.over
 
-    @property
+    @cached_property
     def margin(self) -> Num:
         """The greater side, nm."""
         return maximum(self.over, self.under)
 
-    @property
+    @cached_property
     def width(self) -> Num:
         """Both sides together, nm."""
         return self.over + self.under
@@ -92,7 +93,7 @@ class Track:
     over: NumVar
     under: NumVar
 
-    @property
+    @cached_property
     def interval(self) -> Interval:
         """The interval before the step."""
         return Interval(self.position, self.over, self.under)
@@ -136,34 +137,34 @@ class Odometer:
     gap_limit: int
     more: NumVar | None = None
 
-    @property
+    @cached_property
     def inputs(self) -> list[Var | Optional]:
         """The measured distance, and what comes with it."""
         return [self.step] if self.more is None else [self.step, self.more]
 
-    @property
+    @cached_property
     def admitted(self) -> Bool:
         """The distance is there and possible."""
         return self.step.present & (abs_(self.step.value) <= self.max_step_mm)
 
-    @property
+    @cached_property
     def failed(self) -> Bool:
         """Without a usable distance for longer than permitted."""
         return ~self.admitted & (self.gap + 1 > self.gap_limit)
 
-    @property
+    @cached_property
     def moved(self) -> Num:
         """The distance that counts: the measured one, else 0. Unit mm."""
         return ite(self.admitted, self.step.value, 0)
 
-    @property
+    @cached_property
     def growth(self) -> Num:
         """What the cycle adds to the error, nm."""
         measured = self.law.growth_nm(abs_(self.step.value), as_num(0, COUNT), self.period_ms)
         charge = ite(self.admitted, measured, self.blind_nm)
         return charge if self.more is None else charge + self.more
 
-    @property
+    @cached_property
     def constant_nm(self) -> int:
         """The one-off constant of the law."""
         return 2 * self.law.wander_nm

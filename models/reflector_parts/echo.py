@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from safeloc.expr import (
     Bool,
@@ -81,7 +82,7 @@ class Slot:
     judged: NumVar
     judged_next: NumVar
 
-    @property
+    @cached_property
     def inputs(self) -> tuple[Var | Optional, ...]:
         """The inputs in order."""
         return (self.range, self.error, self.model, self.intensity, self.lateral)
@@ -140,7 +141,7 @@ class Judgement:
     fix: Interval
     verdict: Num
 
-    @property
+    @cached_property
     def fits(self) -> Bool:
         """It passed every check."""
         return self.verdict.eq(FITS)
@@ -174,17 +175,17 @@ class Recognition:
     reflector: Reflector
     now: Situation
 
-    @property
+    @cached_property
     def conflict(self) -> Bool:
         """Another echo fits as well, and excludes the chosen one: neither is believed."""
         return any_of(one.fits & ~one.fix.meets(self.fix) for one in self.judgements[1:])
 
-    @property
+    @cached_property
     def accepted(self) -> Bool:
         """The reflector is measured in this cycle."""
         return any_of(one.fits for one in self.judgements) & ~self.conflict
 
-    @property
+    @cached_property
     def fix(self) -> Interval:
         """The interval of the chosen echo; only while `accepted`."""
         return self.now.fix(self.reflector, self.range, self.error)
@@ -196,17 +197,17 @@ class Recognition:
             result = ite(one.fits, term, result)
         return result
 
-    @property
+    @cached_property
     def range(self) -> Num:
         """The measured range, mm; only while `accepted`."""
         return self.of_chosen([one.slot.range.value for one in self.judgements])
 
-    @property
+    @cached_property
     def error(self) -> Num:
         """Its error bound, mm; only while `accepted`."""
         return self.of_chosen([one.slot.error for one in self.judgements])
 
-    @property
+    @cached_property
     def lateral(self) -> Num:
         """The lateral place of the chosen echo, mm; only while `accepted`."""
         return self.of_chosen([one.slot.lateral for one in self.judgements])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.expr import (
     FALSE,
@@ -45,21 +46,21 @@ class Judged:
 
     # -------------------------------------------------------------- the reference
 
-    @property
+    @cached_property
     def whole(self) -> Bool:
         """The reference is sound, recent and says something."""
         own = self.own
         recent = own.record_age <= own.config.reference_age_limit_cycles
         return own.sound & recent & (own.record_count > 0) & (own.record_low <= own.record_high)
 
-    @property
+    @cached_property
     def contradicts(self) -> Bool:
         """Another record of the same stay says otherwise."""
         own = self.own
         apart = (own.record_high < own.kept_low) | (own.record_low > own.kept_high)
         return self.known & (own.record_count.ne(own.kept_count) | apart)
 
-    @property
+    @cached_property
     def reference(self) -> tuple[Num, Num, Num]:
         """Count and bounds of the length to compare with."""
         own = self.own
@@ -67,20 +68,20 @@ class Judged:
         count, low, high = (ite(own.due, new, old) for new, old in pairs)
         return count, low, high
 
-    @property
+    @cached_property
     def accepted(self) -> Bool:
         """A reference is accepted; nothing of this cycle contradicts it."""
         return self.own.due & self.own.source.ne(v.NOBODY) & self.whole & ~self.mismatch
 
     # -------------------------------------------------------------- parameters that do not change
 
-    @property
+    @cached_property
     def count_matches(self) -> Bool:
         """The fibre's count is that of the reference."""
         seen = self.own.seen_count
         return self.own.associated & seen.present & seen.value.eq(self.reference[0])
 
-    @property
+    @cached_property
     def length_matches(self) -> Bool:
         """The fibre's length agrees with the reference within both tolerances."""
         seen = self.own.seen_length
@@ -91,37 +92,37 @@ class Judged:
         tolerance = self.own.config.length_tolerance_mm
         return between(low - tolerance, length, high + tolerance)
 
-    @property
+    @cached_property
     def verified(self) -> Bool:
         """At least one parameter that does not change was determined in this cycle, and matches."""
         return self.count_matches | self.length_matches
 
-    @property
+    @cached_property
     def controlled(self) -> Bool:
         """Train control says count or length, and what it says matches. Silence is no success."""
         count, length = self.own.control_count, self.own.control_length
         return (count.present | length.present) & ~self._control_count_differs & ~self._control_length_differs
 
-    @property
+    @cached_property
     def _control_count_differs(self) -> Bool:
         return self.own.control_count.present & self.own.control_count.value.ne(self.reference[0])
 
-    @property
+    @cached_property
     def _control_length_differs(self) -> Bool:
         return self.own.control_length.present & ~self._fits(self.own.control_length.value)
 
     # -------------------------------------------------------------- at the place of the reference
 
-    @property
+    @cached_property
     def _at_counter(self) -> Bool:
         return self.own.due & self.own.source.eq(v.AXLE_COUNTER) & self.own.associated
 
-    @property
+    @cached_property
     def speed_compared(self) -> Bool:
         """Speed can be compared: the train is at the counter."""
         return self._at_counter & self.own.seen_speed.present
 
-    @property
+    @cached_property
     def speed_fits(self) -> Bool:
         """The fibre's speed is the counter's, within tolerance and what the train can have changed since."""
         own, config = self.own, self.own.config
@@ -129,12 +130,12 @@ class Judged:
         slack = _scaled(own.record_age, change, own.seen_speed.value) + config.speed_tolerance_mm_s
         return between(own.record_speed_low - slack, own.seen_speed.value, own.record_speed_high + slack)
 
-    @property
+    @cached_property
     def place_compared(self) -> Bool:
         """Place can be compared: the train is at the counter."""
         return self._at_counter & self.placed
 
-    @property
+    @cached_property
     def place_fits(self) -> Bool:
         """The fibre's interval meets the counter's, within tolerance and what the train can have run since."""
         own, config = self.own, self.own.config
@@ -145,12 +146,12 @@ class Judged:
 
     # -------------------------------------------------------------- course over time
 
-    @property
+    @cached_property
     def placed(self) -> Bool:
         """The fibre has an interval of this train's front."""
         return self.own.associated & self.own.located & self.own.place.present
 
-    @property
+    @cached_property
     def abilities(self) -> tuple[Num, Num]:
         """How much slower and faster the train can be since its last speed, um/s."""
         own, period = self.own, Lit(self.own.config.period_ms, MS)
@@ -164,7 +165,7 @@ class Judged:
         most = own.config.change_limit_um_s
         return minimum(own.slower + slower, most), minimum(own.faster + faster, most)
 
-    @property
+    @cached_property
     def speed_changed(self) -> Bool:
         """The speed changed by more than traction and brakes allow."""
         own = self.own
@@ -174,14 +175,14 @@ class Judged:
         seen = own.associated & own.seen_speed.present & own.speed_known
         return seen & ~between(-slower - slack, change, faster + slack)
 
-    @property
+    @cached_property
     def length_changed(self) -> Bool:
         """The length is another one than before."""
         own = self.own
         seen = own.associated & own.seen_length.present & own.length_known
         return seen & (abs_(own.seen_length.value - own.last_length) > own.config.length_change_mm)
 
-    @property
+    @cached_property
     def reach(self) -> Num:
         """How far the front can have come since its last place, mm."""
         own = self.own
@@ -192,7 +193,7 @@ class Judged:
         speed = ite(own.speed_known, bound, fastest)
         return minimum(own.reach + ceil_to(speed * Lit(own.config.period_ms, MS), MM), own.reach.high)
 
-    @property
+    @cached_property
     def jumped(self) -> Bool:
         """The front is where the train cannot have come: not even within what both intervals leave open."""
         own = self.own
@@ -201,7 +202,7 @@ class Judged:
         below = -run > reach + own.front_under + own.place_over
         return self.placed & own.place_known & (above | below)
 
-    @property
+    @cached_property
     def ends_apart(self) -> Bool:
         """Both ends are located, and no length that the reference allows lies between them."""
         own, tolerance = self.own, self.own.config.length_tolerance_mm
@@ -213,7 +214,7 @@ class Judged:
 
     # -------------------------------------------------------------- the verdict
 
-    @property
+    @cached_property
     def flaws(self) -> list[tuple[Bool, Lit]]:
         """Every mismatch with its reason, the first that holds counts."""
         own = self.own
@@ -238,12 +239,12 @@ class Judged:
         ]
         return [*always_on, (own.chain_failed, v.CHAIN_FAILED)] if own.config.needs_emitter else always_on
 
-    @property
+    @cached_property
     def mismatch(self) -> Bool:
         """Something does not match, while there is something to match."""
         return (self.own.due | self.known) & any_of(flaw for flaw, _ in self.flaws)
 
-    @property
+    @cached_property
     def flaw(self) -> Num:
         """The first reason; what is latched stays."""
         reason: Num = v.NOT_VERIFIED
@@ -251,7 +252,7 @@ class Judged:
             reason = ite(flaw, why, reason)
         return ite(self.refused, self.own.reason, reason)
 
-    @property
+    @cached_property
     def lacks(self) -> list[tuple[Bool, Lit]]:
         """What is missing, with its reason; it withholds and is not latched."""
         own, config = self.own, self.own.config
@@ -262,12 +263,12 @@ class Judged:
             lacks.append((~own.chain_tested, v.CHAIN_UNTESTED))
         return lacks
 
-    @property
+    @cached_property
     def missing(self) -> Bool:
         """Something without which nothing is given out."""
         return any_of(lack for lack, _ in self.lacks)
 
-    @property
+    @cached_property
     def lack(self) -> Num:
         """The first of what is missing."""
         reason: Num = v.NOT_VERIFIED
@@ -275,13 +276,13 @@ class Judged:
             reason = ite(lack, why, reason)
         return reason
 
-    @property
+    @cached_property
     def age(self) -> Num:
         """Cycles since the last verification, after this one."""
         own = self.own
         return ite(self.verified, as_num(0, COUNT), minimum(own.age + 1, own.age.high))
 
-    @property
+    @cached_property
     def current(self) -> Bool:
         """The last verification is recent enough."""
         return self.age <= self.own.config.currency_cycles

@@ -13,7 +13,7 @@ from safeloc.errors import ModelError
 from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.machine import ANY, STAY_NAME, Initial, Machine, Transition
 from safeloc.nodes import Compare, Past
-from safeloc.terms import in_order, variables
+from safeloc.terms import in_order
 from safeloc.units import Enumeration
 
 RESERVED = ("mode", "fired")
@@ -230,29 +230,47 @@ def _fits(what: str, var: Var, value: Expr | Initial) -> Iterator[str]:
 
 
 def _reads_are_declared(machine: Machine) -> Iterator[str]:
-    inputs, state = set(input_variables(machine)), {*machine.state, machine.mode}
-    own, ghosts = inputs | state, {*machine.ghosts, *machine.ghost_inputs}
+    state, ghosts = {*machine.state, machine.mode}, {*machine.ghosts, *machine.ghost_inputs}
+    own = {*input_variables(machine), *state}
+    on_board = _Readers(own, "inputs and state")
     for t in machine.transitions:
         terms = [t.when, *(value for value in t.set.values() if isinstance(value, (Num, Bool)))]
-        yield from _only(f"transition {t.name!r} ({t.src})", terms, own, "inputs and state")
+        yield from on_board.complaints(f"transition {t.name!r} ({t.src})", terms)
+    after = _Readers(state, "state (after the step)")
     for name, term in machine.outputs.items():
-        yield from _only(f"output {name!r}", [term], state, "state (after the step)")
+        yield from after.complaints(f"output {name!r}", [term])
+    anywhere = _Readers(own | ghosts, "declared variables", on_board)
     for var, move in machine.ghost_moves.items():
-        yield from _only(f"ghost move of {var.name!r}", [move], own | ghosts, "declared variables")
-    yield from _only("assumption", [machine.assumption], own | ghosts, "declared variables")
+        yield from anywhere.complaints(f"ghost move of {var.name!r}", [move])
+    yield from anywhere.complaints("assumption", [machine.assumption])
     for name, clause in machine.clauses.items():
-        yield from _only(f"clause {name!r}", [clause], own | ghosts, "declared variables")
-    yield from _only("initially", [machine.initially], state | set(machine.ghosts), "state and ghosts")
+        yield from anywhere.complaints(f"clause {name!r}", [clause])
+    at_rest = _Readers(state | set(machine.ghosts), "state and ghosts", after)
+    yield from at_rest.complaints("initially", [machine.initially])
     for name, lemma in machine.lemmas.items():
-        yield from _only(f"lemma {name!r}", [lemma], state | set(machine.ghosts), "state and ghosts")
+        yield from at_rest.complaints(f"lemma {name!r}", [lemma])
 
 
-def _only(what: str, terms: list[Expr], allowed: set[Var], allowed_text: str) -> Iterator[str]:
-    for var in variables(terms):
-        if var not in allowed:
-            yield f"{what} reads {var.name!r}; it may read only {allowed_text}."
-    if any(isinstance(node, Past) for node in in_order(terms)):
-        yield f"{what} uses a past operator; only properties may."
+class _Readers:
+    """Terms that may read the same variables; what was found in order is not walked again, since they share most parts.
+
+    narrower   those that may read fewer variables: what was found in order of them is in order here as well
+    """
+
+    def __init__(self, allowed: set[Var], told: str, narrower: _Readers | None = None) -> None:
+        self._allowed, self._told = allowed, told
+        self._fine: set[Expr] = set() if narrower is None else set(narrower._fine)
+
+    def complaints(self, what: str, terms: Iterable[Expr]) -> list[str]:
+        """What is wrong with these terms."""
+        nodes = in_order(terms, self._fine)
+        strange = [node for node in nodes if isinstance(node, (NumVar, BoolVar)) and node not in self._allowed]
+        found = [f"{what} reads {var.name!r}; it may read only {self._told}." for var in strange]
+        if any(isinstance(node, Past) for node in nodes):
+            found.append(f"{what} uses a past operator; only properties may.")
+        if not found:
+            self._fine.update(nodes)
+        return found
 
 
 def _ghosts_move(machine: Machine) -> Iterator[str]:
@@ -262,10 +280,13 @@ def _ghosts_move(machine: Machine) -> Iterator[str]:
 
 
 def _guards_can_hold(machine: Machine) -> Iterator[str]:
+    fine: set[Expr] = set()
     for t in machine.transitions:
-        for node in in_order([t.when]):
-            if isinstance(node, Compare) and _is_constant(node):
-                yield f"transition {t.name!r} ({t.src}): a comparison in its guard never changes."
+        nodes = in_order([t.when], fine)
+        constant = [node for node in nodes if isinstance(node, Compare) and _is_constant(node)]
+        yield from [f"transition {t.name!r} ({t.src}): a comparison in its guard never changes."] * len(constant)
+        if not constant:
+            fine.update(nodes)
 
 
 def _is_constant(node: Compare) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import assert_never
+from typing import TypeGuard, assert_never, get_args
 
 from safeloc.nodes import (
     INT64_MAX,
@@ -29,9 +29,11 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
+from safeloc.terms import children
 from safeloc.units import Enumeration, Unit
 
 PARTS = {"previous": 1, "once": 1, "since": 2}
+KINDS = frozenset(get_args(Node))
 
 
 def malformed(roots: Iterable[object]) -> Iterator[str]:
@@ -43,70 +45,57 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
         if id(node) in seen:
             continue
         seen.add(id(node))
-        if not isinstance(node, Node):
+        if not _is_node(node):
             yield f"{node!r} of type {type(node).__name__} stands where a term is expected."
             continue
         wrong = _wrong(node)
         if wrong:
             yield f"{type(node).__name__}: {wrong}; build terms with the functions of safeloc.expr."
         else:
-            stack.extend(_parts(node))
+            stack.extend(children(node))
 
 
-def _parts(node: Node) -> tuple[object, ...]:
-    match node:
-        case Lit() | NumVar() | Truth() | BoolVar():
-            return ()
-        case Add(a, b) | Sub(a, b) | Mul(a, b) | Min(a, b) | Max(a, b) | Compare(_, a, b):
-            return (a, b)
-        case FloorDiv(a, _):
-            return (a,)
-        case Choose(c, a, b, _) | ChooseBool(c, a, b):
-            return (c, a, b)
-        case Not(inner):
-            return (inner,)
-        case And(parts) | Or(parts) | Past(_, parts):
-            return parts
-        case _:
-            assert_never(node)
+def _is_node(found: object) -> TypeGuard[Node]:
+    """Whether it is of one of the language's kinds; asking for its own class first saves asking for all of them in turn."""
+    return type(found) in KINDS or isinstance(found, Node)
 
 
 def _wrong(node: Node) -> str:
+    """What is wrong with one node; the kinds that are most of a machine come first."""
     match node:
+        case Choose(c, a, b):
+            return _no_truth(c) or _no_number(a) or _no_number(b) or _other_unit(a, b)
+        case ChooseBool(c, a, b):
+            return _no_truth(c) or _no_truth(a) or _no_truth(b)
+        case Compare(op, a, b):
+            return _wrong_comparison(op, a, b)
+        case And(parts) | Or(parts):
+            return _first(map(_no_truth, parts))
+        case Add(a, b) | Sub(a, b) | Min(a, b) | Max(a, b):
+            return _wrong_arithmetic(a, b)
         case Lit(value, unit):
             return _wrong_constant(value, unit)
         case NumVar():
             return _wrong_variable(node)
-        case BoolVar(before=before):
-            return "" if before is None or isinstance(before, BoolVar) else "its value before is no truth value"
-        case Truth(value):
-            return "" if isinstance(value, bool) else f"{value!r} is no truth value"
-        case Add(a, b) | Sub(a, b) | Min(a, b) | Max(a, b):
-            return _wrong_arithmetic(a, b)
-        case Mul(a, b):
-            return _first(_no_number(a), _no_number(b), _enumerated(a), _enumerated(b))
-        case FloorDiv(a, divisor):
-            return _first(
-                _no_number(a), _enumerated(a), "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
-            )
-        case Choose(c, a, b):
-            return _first(_no_truth(c), _no_number(a), _no_number(b)) or _other_unit(a, b)
-        case ChooseBool(c, a, b):
-            return _first(_no_truth(c), _no_truth(a), _no_truth(b))
         case Not(inner):
             return _no_truth(inner)
-        case And(parts) | Or(parts):
-            return _first(*map(_no_truth, parts))
-        case Compare(op, a, b):
-            return _wrong_comparison(op, a, b)
+        case BoolVar(before=before):
+            return "" if before is None or isinstance(before, BoolVar) else "its value before is no truth value"
+        case Mul(a, b):
+            return _no_number(a) or _no_number(b) or _enumerated(a) or _enumerated(b)
+        case Truth(value):
+            return "" if isinstance(value, bool) else f"{value!r} is no truth value"
+        case FloorDiv(a, divisor):
+            wrong = "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
+            return _no_number(a) or _enumerated(a) or wrong
         case Past(op, parts):
             right = PARTS.get(op) == len(parts)
-            return _first("" if right else f"operator {op!r} of {len(parts)} parts", *map(_no_truth, parts))
+            return _first(map(_no_truth, parts)) if right else f"operator {op!r} of {len(parts)} parts"
         case _:
             assert_never(node)
 
 
-def _first(*complaints: str) -> str:
+def _first(complaints: Iterable[str]) -> str:
     return next((one for one in complaints if one), "")
 
 
@@ -151,15 +140,13 @@ def _other_unit(left: Num, right: Num) -> str:
 
 def _wrong_arithmetic(left: Num, right: Num) -> str:
     """Units of sums are checked; a sum with zero of another unit is how `with_unit` says a conversion."""
-    wrong = _first(_no_number(left), _no_number(right))
-    if wrong:
-        return wrong
+    wrong = _no_number(left) or _no_number(right) or _enumerated(left) or _enumerated(right)
     converts = isinstance(right, Lit) and right.value == 0
-    return _first(_enumerated(left), _enumerated(right), "" if converts else _other_unit(left, right))
+    return wrong or ("" if converts else _other_unit(left, right))
 
 
 def _wrong_comparison(op: str, left: Num, right: Num) -> str:
-    wrong = _first(_no_number(left), _no_number(right))
+    wrong = _no_number(left) or _no_number(right)
     if wrong or op not in ("<", "<=", "=="):
         return wrong or f"operator {op!r}"
     if op != "==" and isinstance(left.unit, Enumeration):

@@ -9,7 +9,7 @@ import typer
 from safeloc.audit import audit
 from safeloc.audit.findings import AuditReport
 from safeloc.audit.vehicle import find_layout
-from safeloc.cli.show import out, print_json
+from safeloc.cli.console import out, print_json
 from safeloc.line.toml_files import find_line
 
 VIOLATED = 1

@@ -1,4 +1,4 @@
-"""How a command ends: with a verdict's exit code, or with one that no verdict has.
+"""How a command begins and ends: found by its name, and with a verdict's exit code or one that no verdict has.
 
 0    all holds
 1    something is violated
@@ -13,19 +13,32 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from typing import Any
+from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
-from safeloc.cli.show import err
+from safeloc.cli.commands import COMMANDS, loaded
+from safeloc.cli.console import err
 from safeloc.errors import SafelocError
 
 NO_RESULT, INTERRUPTED, CLOSED_PIPE = 2, 130, 141
 
 
 class Commands(TyperGroup):
-    """The commands. An error is never taken for a verdict: Python's own exit code for one would be that of `violated`."""
+    """The commands, by name and summary until one is called.
+
+    An error is never taken for a verdict: Python's own exit code for one would be that of `violated`.
+    """
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = {name: TyperCommand(name, help=known.summary) for name, known in COMMANDS.items()}
+
+    def resolve_command(self, ctx: Any, args: Any) -> Any:
+        """The command that is called, loaded from its module."""
+        name, known, rest = super().resolve_command(ctx, args)
+        return name, known if name is None else loaded(name), rest
 
     def invoke(self, ctx: Any) -> Any:
         """Run one command."""
@@ -49,3 +62,35 @@ class Commands(TyperGroup):
             traceback.print_exception(error)
             err.print("safeloc: failed, as printed above; no result. Please report it.", markup=False)
             raise typer.Exit(NO_RESULT) from error
+
+
+app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        print(f"safeloc {_version()}")
+        raise typer.Exit
+
+
+def _version() -> str:
+    from importlib import metadata  # slow to load, and every command would wait for it
+
+    try:
+        return metadata.version("safeloc")
+    except metadata.PackageNotFoundError:
+        return "of a checkout that is not installed, and has no version"
+
+
+@app.callback()
+def safeloc(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_tell_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Prove, test, replay and report how a train is located."""
+
+
+def main() -> None:
+    """Entry point."""
+    app(prog_name="safeloc")

@@ -15,7 +15,7 @@ from safeloc.backends.compiled import to_python
 from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.backends.fmu import to_fmu
 from safeloc.catalogue import Target, load_target
-from safeloc.cli.show import err
+from safeloc.cli.console import err
 from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
 from safeloc.provers.base import base

@@ -12,9 +12,9 @@ from typing import IO, Annotated
 
 import typer
 
+from safeloc.cli.console import err, out, print_json
 from safeloc.cli.files import require_not_read
 from safeloc.cli.guard_input import Way, config_of, deliveries, direction, form_of, line_of, opened, route_of
-from safeloc.cli.show import err, out, print_json
 from safeloc.errors import InputError
 from safeloc.guard.fields import columns_of
 from safeloc.guard.guard import Guard, Judgement

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from safeloc.cli.show import err
+from safeloc.cli.console import err
 from safeloc.errors import InputError
 from safeloc.line.imports.geojson import read_geojson
 from safeloc.line.imports.geojson_path import read_path, route_over

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from safeloc.cli.show import err, out, print_json
+from safeloc.cli.console import err, out, print_json
 from safeloc.errors import InputError
 from safeloc.line.imports.formats import FORMATS, importer
 from safeloc.line.imports.notes import Imported, similar

@@ -13,7 +13,8 @@ from safeloc.checker.claims import CONFIRMED, NO_PROOF
 from safeloc.checker.folder import Checking, check_folder
 from safeloc.checker.solve import NEEDED, SOLVERS
 from safeloc.checker.unsat import Survey, survey
-from safeloc.cli.show import Progressing, err, out, print_json
+from safeloc.cli.console import err, out, print_json
+from safeloc.cli.show import Progressing
 
 SCHEMA = "safeloc-recheck/1"
 EVERY = 100  # certificates to a line of progress in a pipe

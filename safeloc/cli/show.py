@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, assert_never
 
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from safeloc.cli.console import err, out, print_json
 from safeloc.report.data import report_data
 from safeloc.report.headline import Said, counted, headline
 from safeloc.results import Finding
@@ -25,18 +24,6 @@ COLOURS: Mapping[str, str] = {
     "vacuous": "magenta",
     "not asked": "yellow",
 }
-
-
-class _Console(Console):
-    """Leaves a closed pipe to the caller, who knows the exit code for it."""
-
-    def on_broken_pipe(self) -> None:
-        """Called where rich meets it."""
-        raise BrokenPipeError
-
-
-out = _Console(highlight=False, soft_wrap=True)
-err = _Console(stderr=True, highlight=False, soft_wrap=True)
 
 
 class Progressing:
@@ -156,11 +143,6 @@ def _evidence(finding: Finding) -> None:
             pass
         case _:
             assert_never(finding.result)
-
-
-def print_json(data: object) -> None:
-    """JSON and nothing else on standard output."""
-    print(json.dumps(data, indent=2))
 
 
 def result(findings: Sequence[Finding], targets: Iterable[Any], *, as_json: bool) -> int:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from safeloc.catalogue import ENTRIES, load_target
-from safeloc.cli.show import err, out
+from safeloc.cli.console import err, out
 from safeloc.errors import InputError
 from safeloc.line.toml_files import shipped_lines
 from safeloc.streams.steps import write_steps

@@ -12,7 +12,7 @@ from typing import Any
 from safeloc.audit import audit
 from safeloc.audit.vehicle import SHIPPED, find_layout
 from safeloc.catalogue import ENTRIES
-from safeloc.cli.show import err
+from safeloc.cli.console import err
 from safeloc.cli.simulate_routes import Chosen, chosen_routes
 from safeloc.config import Config
 from safeloc.errors import InputError

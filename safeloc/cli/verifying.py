@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from safeloc.catalogue import Target
-from safeloc.cli.show import err
+from safeloc.cli.console import err
 from safeloc.verdict import WORST_FIRST
 from safeloc.verification.many import Began, Event, Found, Over, Phase
 from safeloc.verification.one import expected

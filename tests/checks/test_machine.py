@@ -176,6 +176,31 @@ def test_all_offences_are_named_at_once() -> None:
     assert str(caught.value).count("\n  - ") == 2
 
 
+def test_what_rows_share_is_told_of_each() -> None:
+    """A wrong term is told of every row that has it, also where a row in order stands between them."""
+    ghostly, never, past = GHOST > 3, X < 0, once(P)
+    guards = {"one": P, "two": P & ghostly & never & past, "three": P & (X > 3), "four": P & ghostly & never & past}
+    with pytest.raises(ModelError) as raised:
+        declare(transitions=[Transition(name, A, A, guard) for name, guard in guards.items()], assumption=ghostly)
+    told = str(raised.value)
+    for complaint in (
+        "reads 'g'; it may read only inputs and state",
+        "uses a past operator",
+        "in its guard never changes",
+    ):
+        assert ["four", "two"] == sorted(
+            row for row in guards for line in told.splitlines() if f"{row!r}" in line and complaint in line
+        )
+
+
+def test_what_an_environment_may_read_an_output_may_not() -> None:
+    """That a term is in order in one place says nothing of places where less may be read."""
+    shared = GHOST + N
+    with pytest.raises(ModelError, match=r"output 'o' reads 'g'; it may read only state") as raised:
+        declare(outputs={"o": shared}, ghost_moves={GHOST: shared}, lemmas={"l": shared > 3})
+    assert 1 == str(raised.value).count("may read only")
+
+
 def test_unknown_names_are_told() -> None:
     """fired, output and flag say what there is instead."""
     machine = declare(outputs={"n": N, "some": N > 0})

@@ -10,13 +10,12 @@ import pytest
 from rich.console import Console
 
 from safeloc.cli import main as commands
-from safeloc.cli import show
+from safeloc.cli import show, verify
 from safeloc.cli.show import Progressing
 from safeloc.results import Finding
 from safeloc.verdict import Held
 from tests.cli.calling import DOOR, Call
 
-MAIN = sys.modules["safeloc.cli.main"]
 ROOT = Path(__file__).parents[2]
 COMMAND = [sys.executable, "-c", "from safeloc.cli import main; main()"]
 
@@ -38,7 +37,7 @@ def test_no_error_looks_like_a_violation(
     def fails(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(MAIN, "load_target", fails)
+    monkeypatch.setattr(verify, "load_target", fails)
     called = call("prove", DOOR)
     assert (called.code, called.out) == (code, "")
     assert message in called.err

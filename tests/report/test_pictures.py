@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from safeloc.catalogue import load_target
-from safeloc.cli.main import app
+from safeloc.cli.entry import app
 from safeloc.errors import InputError
 from safeloc.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema

@@ -1,4 +1,4 @@
-"""The commands."""
+"""The commands that judge machines: `safeloc prove`, `test`, `replay`, `verify`, and `report`, which shows again what was judged."""
 
 from __future__ import annotations
 
@@ -11,17 +11,8 @@ from typing import Annotated
 import typer
 
 from safeloc.catalogue import ENTRIES, Target, load_target
-from safeloc.cli.audit import audit_line
-from safeloc.cli.entry import Commands
-from safeloc.cli.export import export
-from safeloc.cli.guard import guard
-from safeloc.cli.line_drive import drive
-from safeloc.cli.line_import import import_line
-from safeloc.cli.listing import list_
-from safeloc.cli.recheck import recheck
-from safeloc.cli.run import run
-from safeloc.cli.show import Progressing, code, err, findings_table, out, print_json, result, summed_up
-from safeloc.cli.simulate import simulate
+from safeloc.cli.console import err, out, print_json
+from safeloc.cli.show import Progressing, code, findings_table, result, summed_up
 from safeloc.cli.verifying import Verifying
 from safeloc.errors import InputError
 from safeloc.provers.limits import Limits
@@ -34,17 +25,6 @@ from safeloc.verification.many import in_order, verify_targets
 from safeloc.verification.one import Plan, Work, claims, owed
 from safeloc.verification.replay import as_table, replay_stream
 from safeloc.verification.unasked import nothing_asked
-
-app = typer.Typer(cls=Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-app.command("list")(list_)
-app.command("import")(import_line)
-app.command("audit")(audit_line)
-app.command("drive")(drive)
-app.command("guard")(guard)
-app.command("export")(export)
-app.command("simulate")(simulate)
-app.command("run")(run)
-app.command("recheck")(recheck)
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
@@ -67,7 +47,6 @@ ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]
 
 
-@app.command()
 def prove(
     target: TargetArgument,
     config: ConfigOption = None,
@@ -101,7 +80,6 @@ def _chosen(target: Target, names: list[str] | None) -> list[Property]:
     return [known[name] for name in names]
 
 
-@app.command()
 def test(
     target: TargetArgument,
     config: ConfigOption = None,
@@ -121,7 +99,6 @@ def test(
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 
-@app.command()
 def replay(
     target: TargetArgument,
     stream: Annotated[Path, typer.Argument(help="JSONL, CSV or Parquet with the inputs of every step")],
@@ -155,13 +132,11 @@ def replay(
     raise typer.Exit(code(findings))
 
 
-@app.command()
 def report(folder: Annotated[Path, typer.Argument(help="folder that `safeloc verify` wrote")]) -> None:
     """Render the page of a report folder again from its report.json."""
     err.print(f"report: {render_folder(folder)}", markup=False)
 
 
-@app.command()
 def verify(
     targets: Annotated[list[str] | None, typer.Argument(help="machines; all shipped ones without any")] = None,
     config: ConfigOption = None,
@@ -205,8 +180,3 @@ def _summary(findings: Sequence[Finding]) -> None:
     if wrong:
         findings_table(wrong, sum_up=False)
     out.print(summed_up(findings), markup=False)
-
-
-def main() -> None:
-    """Entry point."""
-    app(prog_name="safeloc")
