@@ -90,6 +90,7 @@ def lemmas(own: Parts, current: Num, table: tuple[Lit, ...], trusted: Trusted) -
         "speed between its bounds": (state.slowest <= state.speed) & (state.speed <= state.fastest),
         "coasting counts": current.eq(located).implies(own.coasted.eq(0)),
         "position and anchor meet": between(-(state.over + margin), own.anchor_offset, state.under + margin),
+        "the vehicle can stop before the coordinates end": can_stop(own, own.truth, own.true_speed),
     }
 
 

@@ -24,7 +24,7 @@ from safeloc.verdict import word
 from safeloc.verification.many import in_order, verify_targets
 from safeloc.verification.one import Plan, Work, claims, owed
 from safeloc.verification.replay import as_table, replay_stream
-from safeloc.verification.unasked import nothing_asked
+from safeloc.verification.unasked import nothing_asked, nothing_tested
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
@@ -95,7 +95,7 @@ def test(
     with Progressing(owed(loaded) + len(loaded.properties), quiet=as_json) as progress:
         work = Work(loaded, jobs, progress.say, progress.add)
         obliged = work.obliged(plan.limits)
-        findings = work.tested(plan, obliged)
+        findings = [*nothing_tested(loaded), *work.tested(plan, obliged)]
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
 
 

@@ -27,7 +27,7 @@ from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import PackedTrace, pack_trace
 from safeloc.provers.workers import Lost, Task
 from safeloc.spec import Goal, Property, always, watch
-from safeloc.system import Part, TransitionSystem, environment, in_range
+from safeloc.system import Part, TransitionSystem, environment, first_without_the_world, in_range
 from safeloc.terms import Substitution, variables
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Vacuous, Verdict
@@ -90,9 +90,13 @@ class Found:
         return Vacuous(f"{told}: {REMEDY}")
 
     def runs(self) -> list[Trace]:
-        """The runs that a search found, as the interpreter makes them; recorded ones are known already."""
+        """The runs that a search found, as the interpreter makes them; recorded ones are known already.
+
+        A case of an unconditional property may have been found from a first state that the environment excludes.
+        """
         packed = {id(run_): run_ for run_ in map(_run, self.cases) if run_ is not None}
-        return [run(self.system, one.stream, first=one.initial) for one in packed.values()]
+        anyhow = replace(self.system, assume=TRUE, init=first_without_the_world(self.system))
+        return [run(anyhow, one.stream, first=one.initial) for one in packed.values()]
 
     def obligation(self) -> Iterator[Obligation]:
         """That all cases occur, as one obligation of the system; none where no property speaks of cases."""

@@ -8,6 +8,7 @@ dead ends         every state that a run comes to has a lawful next step (safelo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import z3
 
@@ -26,6 +27,7 @@ from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 ASSUMPTION_STEPS = 5
 RECORDED_STEPS = 65  # of a recorded run that is to show how inputs move
 ROUND_STEPS = 250
+PATIENCE = 2  # how often the time limit of one search, for all groups of inputs together
 NO_DEAD_END = "every state that a run comes to has a lawful next step"
 
 
@@ -34,7 +36,7 @@ def assumption_kept(
 ) -> Iterator[Obligation]:
     """A run under the assumption that moves, that it can be kept for ever, and that no run comes to a dead end."""
     yield _moves(system, limits, recordings)
-    verdict = lasts(system, limits, recordings)
+    verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
     round_ = None if isinstance(verdict, Proved) else comes_round(system, limits)
     if round_ is None:
         yield Obligation("assumption lasts", LASTS, verdict, how(verdict))

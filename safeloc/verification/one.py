@@ -17,7 +17,7 @@ from safeloc.streams.steps import read_steps
 from safeloc.testing import run_tests
 from safeloc.verdict import Proved
 from safeloc.verification.replay import replay_stream, whole_run
-from safeloc.verification.unasked import nothing_asked, nothing_tested
+from safeloc.verification.unasked import nothing_asked
 
 OnPhase = Callable[[str, int], None]
 """Told of what begins, and of how many findings are expected of it."""
@@ -84,7 +84,7 @@ class Work:
         streams = [whole_run(self.target, path) for path in self.target.streams]
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
-        return [*nothing_tested(self.target), *self._told(tests)]
+        return self._told(tests)
 
     def _recordings(self) -> list[Recording]:
         return [Recording(stream.first, stream.steps) for stream in map(read_steps, self.target.streams)]

@@ -7,7 +7,7 @@ import pytest
 from safeloc.antecedents import cases
 from safeloc.composition import compose
 from safeloc.expr import TRUE, Bool, boolean, minimum, number
-from safeloc.machine import Machine, Transition, modes
+from safeloc.machine import ANY, Machine, Transition, modes
 from safeloc.provers.antecedents import Never, Open, Seen, found, search
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import obligations
@@ -16,6 +16,7 @@ from safeloc.provers.recorded import Recording
 from safeloc.results import Finding
 from safeloc.spec import Property, always, never, reachable, within
 from safeloc.system import TransitionSystem, lower
+from safeloc.testing import run_tests
 from safeloc.units import COUNT
 from safeloc.verdict import Proved, Unknown, Vacuous, word
 
@@ -215,3 +216,18 @@ DEEP = Machine(
     ],
 )
 DEEP_CASE = DEEP.mode.eq(B) & (N >= 40)
+
+
+def test_a_run_from_a_first_state_that_the_environment_excludes() -> None:
+    """A case of an unconditional property, found from there: the run is known, and is none for the property tests."""
+    (only,) = modes("ONLY")
+    place, truth = number("place", COUNT, 0, 9), number("truth", COUNT, 0, 9)
+    known_at_first = {"state": {place: ANY}, "ghosts": {truth: 0}, "ghost_moves": {truth: truth}}
+    rows = [Transition("still", only, only, X > 5)]
+    made = Machine("still", (only,), [X], outputs={}, transitions=rows, initially=place.eq(truth), **known_at_first)
+    system, prop = lower(made), always("free", place.eq(5).implies(place >= 1), unconditional=True)
+    prove(system, [prop], Limits(seconds=20))
+    (known,) = found(system, [prop]).runs()
+    assert 5 == known.initial["place"]
+    (finding,) = run_tests(system, [prop], examples=3, steps=3, seed=1, corpus=[known])
+    assert "vacuous" == word(finding.result)
