@@ -100,6 +100,13 @@ class Running:
             if time.monotonic() > until or not self._more(until - time.monotonic()):
                 raise TimeoutError(f"no {event!r} in the log: {self.log}")
 
+    def caught_up(self) -> list[Data]:
+        """The log as far as it is written."""
+        assert self.process.stderr is not None
+        while select.select([self.process.stderr], [], [], 0)[0] and self._more(0):
+            pass
+        return self.log
+
     def _more(self, seconds: float) -> bool:
         assert self.process.stderr is not None
         fd = self.process.stderr.fileno()
