@@ -129,7 +129,7 @@ def test_a_damaged_state_that_passes_never_leaves_its_ranges(name: str, tmp_path
 @pytest.mark.parametrize("name", sorted(set(ENTRIES) - {"delocalized", "stop_point", "emitter", "localizer"}))
 def test_all_shipped_machines(name: str, tmp_path: Path) -> None:
     """The same, longer; of those left out nothing beside ranges is to be kept, or proving it takes too long here."""
-    holds_for(name, tmp_path, 1_000, 20)
+    holds_for(name, tmp_path, 400, 12)
 
 
 @pytest.mark.parametrize("name", ["route", "sections"])

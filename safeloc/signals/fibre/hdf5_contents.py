@@ -59,7 +59,7 @@ def require_harmless(path: Path, largest: int) -> None:
     largest   bytes of all arrays, unpacked
     """
     try:
-        import h5py  # comes with dascore
+        import h5py  # pyright: ignore[reportMissingImports] # comes with dascore
     except ModuleNotFoundError as error:
         raise EngineError(f"{path} is HDF5, read with h5py: pip install 'safeloc[das]'.") from error
     with streaming(path):
