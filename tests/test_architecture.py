@@ -39,6 +39,7 @@ ROOMS = {
     ),
     "scipy": ("safeloc/signals/",),
     "dascore": ("safeloc/signals/fibre/recordings.py",),
+    "h5py": ("safeloc/signals/fibre/hdf5_contents.py",),
     "hypothesis": ("safeloc/testing.py",),
     "transitions": ("safeloc/backends/runtime.py",),
     "typer": ("safeloc/cli/",),

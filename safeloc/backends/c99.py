@@ -16,6 +16,7 @@ from safeloc.backends.c99_layout import Layout, layout_of
 from safeloc.backends.c99_source import source
 from safeloc.backends.c99_terms import constant
 from safeloc.backends.c99_vectors import Run, vectors
+from safeloc.expr import Bool
 from safeloc.nodes import Value
 from safeloc.system import TransitionSystem
 
@@ -24,15 +25,18 @@ __all__ = ["STRICT", "Run", "library_texts", "to_c"]
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 
 
-def to_c(system: TransitionSystem, runs: Sequence[Run], *, doc: str = "") -> dict[str, str]:
+def to_c(
+    system: TransitionSystem, runs: Sequence[Run], *, doc: str = "", kept: Mapping[str, Bool] | None = None
+) -> dict[str, str]:
     """The files of the folder. `system` is what runs on board: without ghosts.
 
     runs   what the self-check replays, at least one step in all
     doc    one paragraph for the header and README
+    kept   what `check_state` asks beside the ranges, as `safeloc.provers.lasting` proves it; None: not known
 
     InputError where the system cannot run in C (past operators, terms beyond 64 bits), or a run cannot be taken.
     """
-    layout = layout_of(system)
+    layout = layout_of(system, kept)
     return {
         **library_texts(layout, doc),
         "check.c": check_program(layout),
@@ -129,11 +133,19 @@ if ({p}_init(&state{first}) == {upper}_OK) {{
 - One call of `{p}_step` is one cycle; the machine has no clock of its own.
 - Inputs are never clipped or replaced. A refused input is a fault to handle: mend it, or declare it absent.
 - No term leaves 64 bits while inputs and state are in their ranges; `{p}_step` checks the inputs, and `{p}_check_state`
-  the state where the host may have damaged it. Every state that steps lead to from the first one is in its ranges. One
-  that was damaged and passes the check is in them too, but need not be one of those: a step from it may lead out of
-  them, so check after each step as well, or go back to a snapshot, whose checksum sees the damage.
+  the state where the host may have damaged it. {_of_damage(layout)}
 - A state belongs to its caller; two threads may use two states.
 - Snapshots fit the declaration they were taken of (`{upper}_DECLARATION`) and others are refused.
 
 Declaration: SHA-256 {layout.digest}.
 """
+
+
+def _of_damage(layout: Layout) -> str:
+    if layout.kept is None:
+        return """Every state that steps lead to from the first one is in its ranges. One
+  that was damaged and passes the check is in them too, but need not be one of those: a step from it may lead out of
+  them, so check after each step as well, or go back to a snapshot, whose checksum sees the damage."""
+    return """Of a damaged state that passes, it is proved that
+  no step ever leaves the ranges, whatever the inputs. It may still be another one than before the damage, with another
+  place of the vehicle in it: that only a snapshot shows, whose checksum sees the damage."""

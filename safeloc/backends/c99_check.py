@@ -102,6 +102,7 @@ static void step({p}_state *state, {p}_outputs *outputs)
 {_read(layout.inputs, "inputs") or "    inputs.nothing = 0;" + chr(10)}    step_number++;
     steps++;
     compare("status", {p}_step(state, &inputs, outputs), number());
+    compare("status of check_state", {p}_check_state(state), {upper}_OK);
 {_compared(layout.told, "outputs", "output")}{_compared(layout.state, "state", "state")}}}
 
 """

@@ -91,6 +91,9 @@ def statuses(layout: Layout) -> list[tuple[str, int, str]]:
         (f"{upper}_SNAPSHOT_FOREIGN", "the snapshot is of another declaration; nothing was restored"),
         (f"{upper}_SNAPSHOT_DAMAGED", "the snapshot's checksum is wrong; nothing was restored"),
     ]
+    if layout.kept:
+        text = "every state variable is in its range, but no step leads to such a state; nothing was done"
+        fixed.append((f"{upper}_STATE_UNSOUND", text))
     found = [(name, number, text) for number, (name, text) in enumerate(fixed)]
     for number, field in enumerate(layout.inputs, FIRST_INPUT_STATUS):
         found.append((input_status(layout, field), number, f"input {field.source} is not {_allowed(layout, field)}"))
@@ -158,6 +161,16 @@ def _told(layout: Layout, field: Field) -> str:
     return f"{said}{f'; read only where {field.present} is 1' if field.present else ''}{name}"
 
 
+def _of_check_state(layout: Layout) -> str:
+    if layout.kept is None:
+        return (
+            "/* Whether every state variable is in its range; for hosts that keep the state where it may be damaged. */"
+        )
+    return """/* Whether every state variable is in its range and all holds that is proved of every state; for hosts that keep the
+ * state where it may be damaged. Steps from a state that passes never leave the ranges, whatever the inputs.
+ */"""
+
+
 def functions(layout: Layout) -> str:
     """Declarations of the functions, each with what it does."""
     p, upper = layout.names.prefix, layout.names.upper
@@ -173,7 +186,7 @@ int32_t {p}_reset({p}_state *state{first});
  */
 int32_t {p}_check_inputs(const {p}_inputs *inputs);
 
-/* Whether every state variable is in its range; for hosts that keep the state where it may be damaged. */
+{_of_check_state(layout)}
 int32_t {p}_check_state(const {p}_state *state);
 
 /* One step: checks the inputs, takes the first enabled transition, and tells the outputs after it. Where an input is

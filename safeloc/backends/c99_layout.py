@@ -13,7 +13,7 @@ from safeloc.backends.c99_names import Names, names_of
 from safeloc.backends.known import Known
 from safeloc.digest import declaration_digest
 from safeloc.errors import InputError
-from safeloc.expr import Expr, Num, NumVar, Var
+from safeloc.expr import Bool, Expr, Num, NumVar, Var
 from safeloc.machine import Any_
 from safeloc.nodes import Past
 from safeloc.ranges import beyond_int64, bounds
@@ -47,6 +47,7 @@ class Layout:
     """The structures of one system, and what its functions are made of.
 
     first   state variables whose first value is open
+    kept    what is proved to last, beside the ranges: name -> term over state; None: nothing is known to
     """
 
     system: TransitionSystem
@@ -58,6 +59,7 @@ class Layout:
     first: tuple[Field, ...]
     shown: Mapping[str, Expr]
     digest: str
+    kept: Mapping[str, Bool] | None = None
 
     @property
     def told(self) -> tuple[Field, ...]:
@@ -65,9 +67,13 @@ class Layout:
         return (*self.outputs, *self.fired)
 
 
-def layout_of(system: TransitionSystem) -> Layout:
-    """The structures of a system without ghosts. InputError where C cannot run it soundly: past operators, 64 bits."""
+def layout_of(system: TransitionSystem, kept: Mapping[str, Bool] | None = None) -> Layout:
+    """The structures of a system without ghosts. InputError where C cannot run it soundly: past operators, 64 bits.
+
+    kept   as `safeloc.provers.lasting` proves it
+    """
     terms = [*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init]
+    terms += (kept or {}).values()
     if any(isinstance(node, Past) for node in in_order(terms)):
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
     if wide := beyond_int64(terms):
@@ -86,6 +92,7 @@ def layout_of(system: TransitionSystem) -> Layout:
         tuple(of.variable(var) for var in system.state if isinstance(system.initial[var], Any_)),
         shown,
         declaration_digest(system),
+        kept,
     )
 
 

@@ -19,7 +19,7 @@ from safeloc.backends.c99 import library_texts
 from safeloc.backends.c99_build import build
 from safeloc.backends.c99_layout import Field, Layout, layout_of
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Var
+from safeloc.expr import Bool, BoolVar, Var
 from safeloc.interpret import fired_names, read_inputs, start
 from safeloc.nodes import Value
 from safeloc.system import TransitionSystem
@@ -33,16 +33,18 @@ def load_c(
     folder: Path | None = None,
     cc: str | None = None,
     first: Mapping[str, Value] | None = None,
+    kept: Mapping[str, Bool] | None = None,
 ) -> CMachine:
     """The system, without ghosts, as compiled C in its first state.
 
     folder  where libraries are kept and found again; a temporary one without
     cc      the C compiler; else $CC, cc, gcc or clang
     first   values of state variables that are open
+    kept    what is asked of a state that is put or restored, beside the ranges; as `safeloc.provers.lasting` proves it
 
     EngineError where there is no compiler; InputError where the system cannot run in C, or `first` is refused.
     """
-    layout = layout_of(system)
+    layout = layout_of(system, kept)
     if folder is not None:
         return CMachine(layout, build(library_texts(layout), folder, layout.names.prefix, cc=cc), first)
     with tempfile.TemporaryDirectory() as place:  # once loaded, the file is not needed any more
@@ -98,6 +100,16 @@ class CMachine:
     def state(self) -> dict[str, Value]:
         """The state by name."""
         return dict(zip((var.name for var in self.system.state), self._values(), strict=True))
+
+    def put(self, state: Mapping[str, Value]) -> None:
+        """Into this state, all of it by name; InputError where `check_state` refuses it, and nothing changes."""
+        fields = self.layout.state
+        if state.keys() != {field.source for field in fields}:
+            raise InputError(f"{self.system.name}: a state has a value for each of its variables, and nothing else.")
+        wanted = type(self._state)()
+        _fill(wanted, fields, [state[field.source] for field in fields])
+        self._call("check_state", ctypes.byref(wanted))
+        self._state = wanted
 
     def rows(self, records: Sequence[Mapping[str, object]]) -> ctypes.Array[Any]:
         """Inputs of many steps as C holds them; InputError as for `step`."""

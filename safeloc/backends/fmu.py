@@ -19,6 +19,7 @@ from safeloc.backends.c99_layout import layout_of
 from safeloc.backends.fmi3_description import build_description, description
 from safeloc.backends.fmi3_source import unit_source
 from safeloc.backends.fmi3_variables import variables_of
+from safeloc.expr import Bool
 from safeloc.nodes import Value
 from safeloc.system import TransitionSystem
 
@@ -31,6 +32,7 @@ def to_fmu(
     period_ms: int | None = None,
     first: Mapping[str, Value] | None = None,
     doc: str = "",
+    kept: Mapping[str, Bool] | None = None,
     cc: str | None = None,
 ) -> bytes:
     """The unit as the bytes of its .fmu file. `system` is what runs on board: without ghosts.
@@ -38,11 +40,12 @@ def to_fmu(
     period_ms  cycle of the machine: communication steps of another length are refused; None: one step is one cycle,
                however long
     first      start values of the parameters that choose open first values
+    kept       what is asked of a state that is restored, beside the ranges; as `safeloc.provers.lasting` proves it
     cc         the C compiler; else $CC, cc, gcc or clang
 
     EngineError where there is no compiler; InputError where the system cannot run in C.
     """
-    layout = layout_of(system)
+    layout = layout_of(system, kept)
     variables = variables_of(layout, first or {})
     texts = {**library_texts(layout, doc), "fmi3.c": unit_source(layout, variables, period_ms)}
     sources = sorted(name for name in texts if name.endswith(".c"))

@@ -18,7 +18,9 @@ from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err
 from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
+from safeloc.expr import Bool
 from safeloc.provers.base import base
+from safeloc.provers.lasting import lasting
 from safeloc.runs.lawful import first_state
 from safeloc.runs.sampled import sampled_runs
 from safeloc.system import without_ghosts
@@ -32,7 +34,9 @@ TEXTS: Mapping[str, Callable[[Target], str]] = {
     "smtlib": lambda target: "\n".join(base(target.system).certificates.values()),
 }
 FOLDERS: Mapping[str, Callable[[Target], Mapping[str, str]]] = {
-    "c": lambda target: to_c(without_ghosts(target.system), sampled_runs(target), doc=target.doc),
+    "c": lambda target: to_c(
+        without_ghosts(target.system), sampled_runs(target), doc=target.doc, kept=_lasting(target)
+    ),
 }
 FILES: Mapping[str, Callable[[Target], bytes]] = {"fmu": lambda target: _unit(target)}
 FORMS = (*TEXTS, *FOLDERS, *FILES)
@@ -85,7 +89,19 @@ def _unit(target: Target) -> bytes:
     """A co-simulation unit; its period is the one its configuration says, or those of its machines."""
     on_board = without_ghosts(target.system)
     period_ms = configured_period_ms(target.name, target.config)
-    return to_fmu(on_board, period_ms=period_ms, first=first_state(on_board, random.Random(0)), doc=target.doc)
+    first = first_state(on_board, random.Random(0))
+    return to_fmu(on_board, period_ms=period_ms, first=first, doc=target.doc, kept=_lasting(target))
+
+
+def _lasting(target: Target) -> Mapping[str, Bool] | None:
+    """What a state that is put back has to keep; told where it is not known, for the code is another one then."""
+    err.print(f"{target.name}: proving what every state keeps", markup=False)
+    found = lasting(target.system)
+    if found is None:
+        err.print(
+            "not proved of every range: check_state looks at ranges only, and a step may leave them", markup=False
+        )
+    return found
 
 
 def _table(target: Target) -> str:

@@ -42,7 +42,7 @@ def run(
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
     ] = None,
     source: Annotated[
-        str, typer.Option("--from", help="stdin, file:PATH (may grow), tcp:PORT or udp:PORT (on this machine)")
+        str, typer.Option("--from", help="stdin, file:PATH (may grow), tcp:, udp: or proxy:PORT (on this machine)")
     ] = "stdin",
     sink: Annotated[
         str | None, typer.Option("--to", help="stdout, file:PATH, or back (over the socket; the default there)")
@@ -81,7 +81,7 @@ def run(
     _require_apart(source, sink, snapshot, alive)
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
-    most = of_a_peer if source.startswith(("tcp:", "udp:")) else None
+    most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
     ways = Ways(
         period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
         first=_first(first),
@@ -136,8 +136,10 @@ def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
             return TcpPort(address(where), journal)
         case "udp", where if where:
             return UdpPort(address(where), journal)
+        case "proxy", where if where:
+            return TcpPort(address(where), journal, proxied=True)
         case _:
-            raise typer.BadParameter(f"--from {source!r}: choose stdin, file:PATH, tcp:PORT or udp:PORT.")
+            raise typer.BadParameter(f"--from {source!r}: choose stdin, file:PATH, tcp:PORT, udp:PORT or proxy:PORT.")
 
 
 def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> Outlet:

@@ -29,10 +29,11 @@ MARK = 4_096
 
 
 class Arrived(NamedTuple):
-    """A line."""
+    """A line. `vehicle`: the only one its sender may speak of; None: any."""
 
     origin: str
     line: Line
+    vehicle: str | None = None
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, assert_never
 
 from safeloc.embedding import Controller, Program
 from safeloc.errors import SnapshotError
@@ -14,7 +14,7 @@ from safeloc.nodes import Value
 from safeloc.service.by_records import RecordsVehicle
 from safeloc.service.by_steps import StepsVehicle
 from safeloc.service.lines import Line
-from safeloc.service.messages import ALONE, Header, Message, Reader, Refused, shortened
+from safeloc.service.messages import ALONE, Ended, Header, Message, Reader, Refused, Said, Step, shortened
 from safeloc.service.pace import LONGEST_GAP_MS, Pace
 from safeloc.service.vehicle import Told, Vehicle
 
@@ -89,10 +89,13 @@ class Fleet:
         for one in (program, *self._own.values()):
             _controller(one, ways, 0)  # what is wrong with the figures shows now, not with the first line
 
-    def heed(self, origin: str, line: Line, *, whole: bool) -> list[Told]:
-        """One line. `whole`: the first line of this origin is the first one there was."""
+    def heed(self, origin: str, line: Line, *, whole: bool, only: str | None = None) -> list[Told]:
+        """One line. `whole`: the first line of this origin is the first one there was. `only`: of which vehicle alone
+        it may be; a line of another one is nobody's, and may have been this one's."""
         self.tally.lines += 1
         message = self._reader.read(line)
+        if only is not None:
+            message = _of_it(only, message)
         if isinstance(message, Header):
             return self._begun(message, whole and origin not in self._flawed)
         name = message.vehicle if isinstance(message, Refused) else message.envelope.vehicle
@@ -252,6 +255,25 @@ class Fleet:
             self.tally.cycles += "mode" in one
             self.tally.rejections += len(one.get("rejections", ()))
         return told
+
+
+def _of_it(only: str, message: Message) -> Message:
+    """The message, refused where the vehicle it names is not the one that its sender is known to be."""
+    name: str | None
+    match message:
+        case Header():
+            name = ALONE
+        case Refused():
+            name = message.vehicle
+        case Said() | Ended() | Step():
+            name = message.envelope.vehicle
+        case _:
+            assert_never(message)
+    if name is None or name == only:
+        return message
+    return Refused(
+        f"a line of vehicle {name}; by its certificate, who sent it is vehicle {only} and speaks of no other"
+    )
 
 
 def _controller(program: Program, ways: Ways, start_ms: int) -> Controller:

@@ -159,11 +159,11 @@ class Loop:
         fleet, whole = self._parts.fleet, self._parts.feed.whole
         for event in events:
             match event:
-                case Arrived(origin, line):
+                case Arrived(origin, line, vehicle):
                     self._changed = True
                     if self._allowance is not None:
                         self._allowance.said(origin, len(line.text))
-                    self._tell(fleet.heed(origin, line, whole=whole), origin)
+                    self._tell(fleet.heed(origin, line, whole=whole, only=vehicle), origin)
                 case Left(origin, why):
                     fleet.gone(origin, why)
                     if self._allowance is not None:

@@ -1,5 +1,7 @@
 """Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles back.
 
+Behind a proxy that checks certificates, each connection begins with what the proxy says of it, and is of one vehicle.
+
 They take turns. Of what a peer sends a few lines are heard at once, and the rest when all others had their turn: who
 says little waits for nobody who says much.
 """
@@ -12,8 +14,10 @@ import time
 from collections import deque
 from collections.abc import Iterator
 
+from safeloc.errors import InputError
 from safeloc.service.address import Address, bound
 from safeloc.service.feeds import Arrived, Event, Feed, Left
+from safeloc.service.introduction import Introduction
 from safeloc.service.journal import Journal
 from safeloc.service.lines import Line, LineCutter
 from safeloc.service.outlets import FULL, Outlet
@@ -35,8 +39,10 @@ TOO_MUCH = 8 * FULL
 class Peer:
     """One connection. Reading from it stops while too much waits for it, or all reading is held."""
 
-    def __init__(self, origin: str, sock: socket.socket, port: TcpPort) -> None:
-        self.origin, self._sock, self._port = origin, sock, port
+    def __init__(
+        self, origin: str, sock: socket.socket, port: TcpPort, introduction: Introduction | None = None
+    ) -> None:
+        self.origin, self._sock, self._port, self._introduction = origin, sock, port, introduction
         self._cutter = LineCutter()
         self._buffer = bytearray()
         self._mask = 0
@@ -111,17 +117,33 @@ class Peer:
             yield Left(self.origin, "the connection broke")
             return
         if data:
-            self._lines = self._cutter.feed(data)
-            self._next = next(self._lines, None)
-            yield from self.said()
+            yield from self._take(data)
             return
         self.ended = True
         tail = self._cutter.tail()
         if tail is not None:
-            yield Arrived(self.origin, tail._replace(cut=True))
+            yield Arrived(self.origin, tail._replace(cut=True), self._vehicle)
         yield Left(self.origin, "the peer closed the connection")
         self._port.has_room(self)
         self.attend()
+
+    def _take(self, data: bytes) -> Iterator[Event]:
+        if self._introduction is not None and self._vehicle is None:
+            try:
+                data = self._introduction.after(data)
+            except InputError as error:
+                self._port.drop(self, str(error))
+                return
+            if self._vehicle is not None:
+                self._port.introduced(self, self._vehicle)
+        self._lines = self._cutter.feed(data)
+        self._next = next(self._lines, None)
+        yield from self.said()
+
+    @property
+    def _vehicle(self) -> str | None:
+        """The only one it may speak of, as far as the proxy has said; None without a proxy: any."""
+        return None if self._introduction is None else self._introduction.vehicle
 
     def said(self) -> Iterator[Event]:
         """A few of the lines that were read; with more, it has another turn."""
@@ -130,7 +152,7 @@ class Peer:
             if line is None:
                 break
             self._next = next(self._lines, None)
-            yield Arrived(self.origin, line)
+            yield Arrived(self.origin, line, self._vehicle)
         if self.behind:
             self._port.another_turn(self)
         if self.origin in self._port.peers:
@@ -146,10 +168,10 @@ class Peer:
 
 
 class TcpPort(Feed, Outlet):
-    """Listens, reads from all peers, and writes back."""
+    """Listens, reads from all peers, and writes back. `proxied`: each is introduced by a proxy first."""
 
-    def __init__(self, where: Address, journal: Journal) -> None:
-        self._where, self._journal = where, journal
+    def __init__(self, where: Address, journal: Journal, *, proxied: bool = False) -> None:
+        self._where, self._journal, self._proxied = where, journal, proxied
         self.peers: dict[str, Peer] = {}
         self._left: list[Left] = []
         self._written: set[Peer] = set()
@@ -164,7 +186,7 @@ class TcpPort(Feed, Outlet):
         self._listener.listen()
         selector.register(self._listener, selectors.EVENT_READ, self._ready)
         host, port = self._listener.getsockname()[:2]
-        self._journal.info("listening", protocol="tcp", host=host, port=port)
+        self._journal.info("listening", protocol="proxy" if self._proxied else "tcp", host=host, port=port)
 
     def hold(self, held: bool) -> None:
         """A connection that is not read fills, and its sender waits."""
@@ -186,6 +208,10 @@ class TcpPort(Feed, Outlet):
             else:
                 turns = len(self._behind) + 1
                 yield from peer.said()
+
+    def introduced(self, peer: Peer, vehicle: str) -> None:
+        """The proxy has said who it is."""
+        self._journal.info("peer introduced", peer=peer.origin, vehicle=vehicle)
 
     def another_turn(self, peer: Peer) -> None:
         """It has said more than was heard."""
@@ -258,7 +284,7 @@ class TcpPort(Feed, Outlet):
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._count += 1
-        peer = Peer(f"tcp:{self._count}", sock, self)
+        peer = Peer(f"tcp:{self._count}", sock, self, Introduction() if self._proxied else None)
         self.peers[peer.origin] = peer
         peer.attend()
         self._journal.info("peer came", peer=peer.origin, address=f"{where[0]}:{where[1]}")

@@ -8,7 +8,7 @@ import select
 import subprocess
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,8 @@ from tests.embedding.driving import drive
 ROOT = Path(__file__).parents[2]
 TRUSTING = "trust_first_marker = true\n"
 PATIENCE_S = 90.0
+SAFELOC = (sys.executable, "-c", "from safeloc.cli import main; main()")
+"""The command `safeloc`, of this checkout."""
 
 Data = dict[str, Any]
 
@@ -58,8 +60,7 @@ def command(folder: Path, *arguments: str, config: str = TRUSTING, machine: str 
     """What a shell would start."""
     path = folder / "config.toml"
     path.write_text(config, encoding="utf-8")
-    code = "from safeloc.cli import main; main()"
-    return [sys.executable, "-c", code, "run", machine, "--config", str(path), *arguments]
+    return [*SAFELOC, "run", machine, "--config", str(path), *arguments]
 
 
 def ran(
@@ -75,16 +76,8 @@ def ran(
 class Running:
     """A process that goes on; its log is read as it comes."""
 
-    def __init__(
-        self, folder: Path, *arguments: str, config: str = TRUSTING, machine: str = "odometry", **streams: Any
-    ) -> None:
-        self.process = subprocess.Popen(
-            command(folder, *arguments, config=config, machine=machine),
-            stderr=subprocess.PIPE,
-            cwd=ROOT,
-            bufsize=0,
-            **streams,
-        )
+    def __init__(self, words: Sequence[str], **streams: Any) -> None:
+        self.process = subprocess.Popen(words, stderr=subprocess.PIPE, cwd=ROOT, bufsize=0, **streams)
         self.log: list[Data] = []
         self._rest = b""
 
@@ -99,6 +92,13 @@ class Running:
                     return one
             if time.monotonic() > until or not self._more(until - time.monotonic()):
                 raise TimeoutError(f"no {event!r} in the log: {self.log}")
+
+    def caught_up(self) -> list[Data]:
+        """The log as far as it is written."""
+        assert self.process.stderr is not None
+        while select.select([self.process.stderr], [], [], 0)[0] and self._more(0):
+            pass
+        return self.log
 
     def _more(self, seconds: float) -> bool:
         assert self.process.stderr is not None
@@ -127,9 +127,18 @@ class Running:
 
 
 @contextmanager
-def running(folder: Path, *arguments: str, **streams: Any) -> Iterator[Running]:
+def running(
+    folder: Path, *arguments: str, config: str = TRUSTING, machine: str = "odometry", **streams: Any
+) -> Iterator[Running]:
     """A process that does not outlive the test."""
-    made = Running(folder, *arguments, **streams)
+    with started(command(folder, *arguments, config=config, machine=machine), **streams) as made:
+        yield made
+
+
+@contextmanager
+def started(words: Sequence[str], **streams: Any) -> Iterator[Running]:
+    """The same of any command line."""
+    made = Running(words, **streams)
     try:
         yield made
     finally:

@@ -16,6 +16,7 @@ from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.service.fleet import Fleet, Ways
 from safeloc.service.lines import Line
 from safeloc.shipped import ENTRIES
+from safeloc.streams.steps import SCHEMA
 from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
@@ -33,12 +34,12 @@ class Told:
         self.fleet = fleet or Fleet(ODOMETRY, Ways(100))
         self.whole, self.number = whole, 0
 
-    def say(self, *texts: str, origin: str = HERE) -> list[Data]:
+    def say(self, *texts: str, origin: str = HERE, only: str | None = None) -> list[Data]:
         """Answers to these lines."""
         answers: list[Data] = []
         for text in texts:
             self.number += 1
-            answers += self.fleet.heed(origin, Line(self.number, text.strip().encode()), whole=self.whole)
+            answers += self.fleet.heed(origin, Line(self.number, text.strip().encode()), whole=self.whole, only=only)
         return answers
 
 
@@ -676,3 +677,54 @@ def test_whatever_is_said_cycles_go_on(kinds: list[str]) -> None:
         seen += told.say(*said.get(kind, [kind]))
     numbers = [answer["cycle"] for answer in reports(seen)]
     assert numbers == list(range(3, 3 + len(numbers)))
+
+
+# ------------------------------------------------------------------ a peer that is known to be one vehicle
+
+NOT_ITS_OWN = "a line of vehicle {}; by its certificate, who sent it is vehicle 12 and speaks of no other"
+
+
+def two() -> Told:
+    """Vehicles 12 and 13, each known by its certificate."""
+    told = Told(whole=False)
+    for name in ("12", "13"):
+        answers = told.say(*numbered(3, name), origin=name, only=name)
+        assert [answer["cycle"] for answer in reports(answers)] == [1, 2, 3]
+    return told
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (numbered(4, "13")[-1], "13"),  # the very line that vehicle would say next
+        ('{"vehicle": "13", "number": "x"}', "13"),
+        ('{"vehicle": "14", "number": 1, "kind": "cycle", "time_ms": 100}', "14"),
+        (end(400), "1"),
+    ],
+)
+def test_a_certificate_speaks_for_its_own_vehicle_only(text: str, name: str) -> None:
+    """A line of another one is refused to who sent it: the other is as it was, none is made, and the sender may have lost
+    a line of its own."""
+    told = two()
+    before = told.fleet.freeze()()
+    assert told.say(text, origin="12", only="12") == [
+        {"event": "refused", "line": told.number, "reason": NOT_ITS_OWN.format(name)}
+    ]
+    after = told.fleet.freeze()()
+    assert after.keys() == {"12", "13"}
+    assert after["13"] == before["13"]
+    assert [before["12"]["lost"][0], after["12"]["lost"][0][:8]] == ["", f"line {told.number}: "[:8]]
+    assert told.fleet.origins == {"12": "12", "13": "13"}
+    goes_on = told.say(*numbered(4, "13")[-5:], origin="13", only="13")
+    assert not doubted(reports(goes_on)[-1])
+
+
+def test_a_stream_without_a_name_is_of_vehicle_1() -> None:
+    """Its header says so as its lines do, so only that vehicle's certificate may say it."""
+    header = '{"schema": "' + SCHEMA + '", "kept": ["front_wheel_mm"]}'
+    told = Told(Fleet(ODOMETRY, Ways(100, inputs=True)), whole=False)
+    (refused,) = told.say(header, origin="12", only="12")
+    assert refused["reason"] == NOT_ITS_OWN.format("1")
+    assert told.fleet.vehicles == {}
+    assert told.say(header, origin="1", only="1") == []
+    assert list(told.fleet.vehicles) == ["1"]

@@ -1,4 +1,4 @@
-"""Recorded arrays: `.npy` and `.npz` always; HDF5, PRODML and whatever else dascore reads with the extra `das`.
+"""Recorded arrays: `.npy` and `.npz` always; HDF5 in each form that dascore knows (PRODML among them) with the extra `das`.
 
 A recording is phase rate or strain rate, [frames, channels], finite or not as it was recorded: the border judges it,
 block by block. Data in another scale serve as well, since levels are compared with each channel's own quiet.
@@ -19,7 +19,8 @@ from safeloc.errors import EngineError, InputError, StreamError
 from safeloc.outside import refuse_beyond, shortened, shown
 from safeloc.signals.fibre.blocks import FibreBlock
 from safeloc.signals.fibre.figures import MS_PER_S, FibreConfig
-from safeloc.streams.files import streaming
+from safeloc.signals.fibre.hdf5_contents import require_harmless
+from safeloc.streams.files import existing, streaming
 
 MM_PER_M = 1_000
 LARGEST_RECORDING = 4_000_000_000
@@ -85,7 +86,10 @@ def _recording(path: Path, data: object, told: dict[str, float], channels_first:
 
 
 def read_das(path: Path) -> Recording:
-    """A file of any format that dascore knows. EngineError without dascore; StreamError when it cannot read the file."""
+    """An HDF5 file in a form that dascore knows. EngineError without dascore; StreamError when it cannot read the file.
+
+    No other kind of file: dascore tells kinds apart by trying, and one of those it tries is the pickle, which is code.
+    """
     try:
         import dascore  # pyright: ignore[reportMissingImports] # an extra
     except ModuleNotFoundError as error:
@@ -93,17 +97,25 @@ def read_das(path: Path) -> Recording:
             f"{path} is read with dascore: pip install 'safeloc[das]'; .npy and .npz need nothing."
         ) from error
     with streaming(path):
-        refuse_beyond(path, path.stat().st_size if path.is_file() else 0, LARGEST_RECORDING, "bytes")
+        refuse_beyond(path, existing(path).stat().st_size, LARGEST_RECORDING, "bytes")
+    require_harmless(path, LARGEST_RECORDING)
     try:
         library: Any = dascore
         patch = library.spool(path)[0].transpose("time", "distance")
     except Exception as error:
-        raise StreamError(f"{path}: dascore cannot read it ({type(error).__name__}: {error}).") from error
+        raise StreamError(f"{path}: dascore cannot read it ({shortened(error)}).") from error
+    with streaming(path):
+        return _of_patch(path, patch)
+
+
+def _of_patch(path: Path, patch: Any) -> Recording:
     data = np.asarray(patch.data)
-    if data.ndim != 2 or data.dtype.kind not in "fiu":
-        raise StreamError(f"{path}: needs two axes of real numbers, time and distance.")
+    if data.ndim != 2 or data.dtype.kind not in "fiu" or min(data.shape) < 2:
+        raise StreamError(f"{path}: needs two axes of real numbers, time and distance, of two or more each.")
     seconds = np.diff(patch.get_array("time")[:2]) / np.timedelta64(1, "s")
     metres = np.diff(patch.get_array("distance")[:2])
+    if not seconds[0] > 0:
+        raise StreamError(f"{path}: its first two frames are {seconds[0]:g} s apart; time has to go on.")
     return Recording(data.astype(np.float32), float(1 / seconds[0]), float(metres[0]) * MM_PER_M)
 
 

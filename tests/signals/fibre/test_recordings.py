@@ -109,8 +109,21 @@ def test_dascore_reads_what_it_wrote(tmp_path: Path) -> None:
 def test_dascore_refuses_what_it_does_not_know(tmp_path: Path) -> None:
     """As a stream error with its reason."""
     pytest.importorskip("dascore")
-    (tmp_path / "a.h5").write_bytes(b"no DAS data")
+    with pytest.importorskip("h5py").File(tmp_path / "a.h5", "w") as file:
+        file["data"] = np.zeros((3, 4))
     with pytest.raises(StreamError, match=r"a\.h5: dascore cannot read it"):
+        read_das(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize(("frames", "step_ms", "why"), [(1, 2, "of two or more each"), (3, 0, "0 s apart")])
+def test_dascore_tells_no_rate(tmp_path: Path, frames: int, step_ms: int, why: str) -> None:
+    """One frame has none, nor have frames of one time."""
+    dascore = pytest.importorskip("dascore")
+    time = np.datetime64("2026-01-01") + np.arange(frames) * np.timedelta64(step_ms, "ms")
+    coords = {"distance": np.arange(3) * 10.0, "time": time}
+    patch = dascore.Patch(data=np.zeros((3, frames)), coords=coords, dims=("distance", "time"))
+    patch.io.write(tmp_path / "a.h5", "dasdae")
+    with pytest.raises(StreamError, match=rf"a\.h5: .*{why}"):
         read_das(tmp_path / "a.h5")
 
 
