@@ -21,7 +21,7 @@ from safeloc.trace import Step
 from tests.backends.c_folder import needs_compiler
 from tests.backends.fmi_unit import Unit, loaded
 
-pytestmark = needs_compiler
+pytestmark = [needs_compiler, pytest.mark.slow]  # exporting proves first what a state has to keep: a minute
 PERIOD_S = 0.1
 TARGET = ENTRIES["localizer"].make(ENTRIES["localizer"].config())
 ON_BOARD = without_ghosts(TARGET.system)

@@ -15,9 +15,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from typer.main import get_command
 
-from safeloc.cli.main import app
+from safeloc.cli.commands import loaded
 from tests.service.processes import (
     PATIENCE_S,
     ROOT,
@@ -198,8 +197,7 @@ def test_options_that_are_shown_are_taken(options: str) -> None:
 
 def taken(command: str, arguments: list[str]) -> Mapping[str, object]:
     """What the command line makes of it; an error where it does not know an option."""
-    group = get_command(app)
-    return group.commands[command].make_context(command, arguments).params  # type: ignore[attr-defined]
+    return loaded(command).make_context(command, arguments).params
 
 
 @pytest.mark.parametrize(
