@@ -33,7 +33,7 @@ from safeloc.runs.driver import Driver, Statistics
 from safeloc.runs.lawful import NoFirstStateError, begins
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE
 from safeloc.spec import Property
-from safeloc.system import TransitionSystem
+from safeloc.system import TransitionSystem, first_without_the_world
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Result, Unknown, Vacuous, Violated
 
@@ -48,9 +48,11 @@ def state_machine(
 
     steps    the longest stretch; a run has up to as many stretches as the settings' stateful_step_count
     corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams); a
-             property that one of them breaks is found without searching
+             property that one of them breaks is found without searching. One that begins as the environment never
+             does is a run for unconditional properties only
     """
-    corpus = [run for run in corpus if begins(system, run.initial)]
+    on_board = replace(system, init=first_without_the_world(system))
+    corpus = [run for run in corpus if begins(on_board, run.initial)]
     driver = Driver(system, properties, corpus)
     lengths = sorted({steps, -(-steps // 2), -(-steps // 10), 1}, reverse=True)
 

@@ -19,11 +19,11 @@ from safeloc.expr import BoolVar, Expr, Var
 from safeloc.nodes import Value
 from safeloc.provers.shorten import shortened
 from safeloc.runs.allowed import slack
-from safeloc.runs.lawful import NoFirstStateError, Pick, Repair, first_state
+from safeloc.runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
 from safeloc.runs.occurring import Key, Occurring
 from safeloc.runs.profiles import Profile
 from safeloc.spec import Property, observe, watch
-from safeloc.system import TransitionSystem, environment
+from safeloc.system import TransitionSystem, environment, first_without_the_world
 from safeloc.trace import Trace
 
 
@@ -97,6 +97,7 @@ class Driver:
             state=(*watched.state, *flags, *given, allowed),
             next={**watched.next, **flags, **given, allowed: environment(system)},
             initial={**watched.initial, **begin, **dict.fromkeys(given, True), allowed: True},
+            init=first_without_the_world(system),  # whether the environment begins so is looked at for each run
             outputs=outputs,
         )
         self.system, self.code = system, compile_system(self._whole)
@@ -212,7 +213,8 @@ class Driver:
 
     def _recorded(self, trace: Trace) -> _Known:
         self.first = dict(trace.initial)
-        self._start(self.code.first(dict(self.first)), [])
+        lawful = begins(self.system, self.first)
+        self._start(self.code.first(dict(self.first)), [], [*[True] * len(self.goals), lawful])
         started = time.perf_counter()
         states, kept = [self._state], [self._kept]
         for record in trace.steps:
@@ -227,10 +229,11 @@ class Driver:
 
 
 def _usual(system: TransitionSystem, corpus: Sequence[Trace]) -> dict[str, Value]:
-    """A first state near zero; where none is found, the one of a known run."""
+    """A lawful first state near zero; where none is found, the one of a known run."""
     try:
         return first_state(system, random.Random(0))
     except NoFirstStateError:
-        if not corpus:
+        lawful = [run.initial for run in corpus if begins(system, run.initial)]
+        if not lawful:
             raise
-        return dict(corpus[0].initial)
+        return dict(lawful[0])

@@ -219,7 +219,7 @@ DEEP_CASE = DEEP.mode.eq(B) & (N >= 40)
 
 
 def test_a_run_from_a_first_state_that_the_environment_excludes() -> None:
-    """A case of an unconditional property, found from there: the run is known, and is none for the property tests."""
+    """A case of an unconditional property, found from there: the property tests follow it, and for that property only."""
     (only,) = modes("ONLY")
     place, truth = number("place", COUNT, 0, 9), number("truth", COUNT, 0, 9)
     known_at_first = {"state": {place: ANY}, "ghosts": {truth: 0}, "ghost_moves": {truth: truth}}
@@ -229,5 +229,8 @@ def test_a_run_from_a_first_state_that_the_environment_excludes() -> None:
     prove(system, [prop], Limits(seconds=20))
     (known,) = found(system, [prop]).runs()
     assert 5 == known.initial["place"]
-    (finding,) = run_tests(system, [prop], examples=3, steps=3, seed=1, corpus=[known])
-    assert "vacuous" == word(finding.result)
+    lawful = always("lawful", place.eq(0))
+    findings = run_tests(system, [prop, lawful], examples=9, steps=3, seed=1, corpus=[known])
+    assert ["held", "held"] == [word(finding.result) for finding in findings]
+    (alone,) = run_tests(system, [prop], examples=9, steps=3, seed=1)
+    assert "vacuous" == word(alone.result)
