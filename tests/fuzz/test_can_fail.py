@@ -17,12 +17,13 @@ from safeloc.system import TransitionSystem
 from safeloc.verdict import Proved, Result, Unknown, Vacuous, Violated
 from tests.fuzz import backends, verdicts
 from tests.fuzz.build import build
+from tests.fuzz.case import Case
 from tests.fuzz.explore import search
 from tests.fuzz.judge import Claim
 from tests.fuzz.obligations import _judged
 from tests.fuzz.tally import Expect, Tally
 from tests.fuzz.terms import Term
-from tests.fuzz.verdicts import Case, claim
+from tests.fuzz.verdicts import claim
 from tests.fuzz.world import Row, Var, World
 
 X, GO = Var("x", "number", 0, 3), Var("go", "truth")

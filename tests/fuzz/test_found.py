@@ -12,6 +12,7 @@ import pytest
 
 from tests.fuzz import verdicts
 from tests.fuzz.backends import all_back_ends
+from tests.fuzz.case import Case
 from tests.fuzz.cases import built_or_refused
 from tests.fuzz.draw import Draw
 from tests.fuzz.expect import NOW, OPEN
@@ -19,7 +20,6 @@ from tests.fuzz.explore import search
 from tests.fuzz.judge import WAITING, Claim
 from tests.fuzz.tally import Tally
 from tests.fuzz.terms import Term
-from tests.fuzz.verdicts import Case
 from tests.fuzz.world import Game, Row, Var, Whole, World
 
 Look = Callable[[Case], None]
