@@ -16,8 +16,8 @@ from tests.fuzz.draw_claims import Claims
 from tests.fuzz.draw_terms import Pen
 from tests.fuzz.explore import Space, allowed_by, anyhow, lawful, occurs, search, truth
 from tests.fuzz.judge import Claim, Watch, hit_at, holds_at, requires_first
-from tests.fuzz.speaks import cases
-from tests.fuzz.terms import Term, Values, fast, value
+from tests.fuzz.speaks import cases, plain
+from tests.fuzz.terms import FALSE, TRUE, Term, Values, fast, value
 from tests.fuzz.world import Row, Var, Whole, World
 
 OURS = (
@@ -203,3 +203,57 @@ def test_past_operators_are_as_documented() -> None:
     assert [False, True, True, True] == [holds_at(("previous", p), run, step) for step in range(4)]
     assert [False, True, True, True] == [holds_at(("once", q), run, step) for step in range(4)]
     assert [False, True, True, False] == [holds_at(("since", p, q), run, step) for step in range(4)]
+
+
+P, Z, R = ("var", "go"), ("var", "z"), ("gt", ("var", "x"), ("lit", 1))
+X_IS = [("eq", ("var", "x"), ("lit", number)) for number in (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("expected", "term"),
+    [
+        ([P], ("implies", P, R)),
+        ([("not", P)], ("or", P, R)),
+        ([P], ("or", ("not", P), R)),
+        ([P, R], ("and", ("implies", P, R), ("and", ("implies", R, P), P))),
+        ([P], ("not", ("not", ("implies", P, R)))),
+        ([], ("not", ("implies", P, R))),
+        ([], ("iff", P, R)),
+        ([], ("or", ("and", P, Z), ("and", ("not", P), ("not", Z)))),
+        ([], ("among", ("var", "x"), 0, 1)),
+        ([], ("or", *X_IS)),
+        ([("not", X_IS[0])], ("or", X_IS[0], P)),
+        ([("not", ("among", ("var", "x"), 0, 1))], ("or", ("among", ("var", "x"), 0, 1), P)),
+        ([], ("ite", P, R, ("not", R))),
+        ([], ("implies", P, ("eq", ("lit", 1), ("lit", 1)))),
+        ([], ("or", FALSE, P)),
+        ([P], ("ite", P, R, TRUE)),
+    ],
+)
+def test_a_claim_speaks_of_cases(expected: list[Term], term: Term) -> None:
+    """Of what stands before `implies`, of the failing of the first part of `or`; not of both or neither, nor of one of several."""
+    assert expected == cases(Claim("c", "always", term))
+    assert [] == cases(Claim("c", "reachable", term))
+    assert [term] == cases(Claim("c", "within", term, P, 1))
+
+
+def test_the_plain_form_means_the_same() -> None:
+    """For random truths, in random states."""
+    rng = Random("plain")
+    variables = (Var("a", "number", -3, 3), Var("c", "truth"), Var("d", "colour", 0, 2))
+    pen = Pen(rng, variables, (("mode", 3),))
+    for _ in range(400):
+        term = ("ite", pen.truth(2), rng.choice((TRUE, FALSE, pen.truth(1))), rng.choice((TRUE, FALSE, pen.truth(3))))
+        values = {**{var.name: rng.choice(var.values) for var in variables}, "mode": rng.randrange(3)}
+        assert bool(value(term, values)) == bool(value(plain(term), values))
+
+
+def test_a_run_that_never_ends_is_found() -> None:
+    """A counter that has to move ends at its assumption's bound, one that may rest does not; a ring never ends."""
+    must: Term = ("and", at_most(1), ("var", "go"))
+    assert set() == search(replace(COUNTER, assumption=must)).for_ever(lawful)
+    may = search(replace(COUNTER, assumption=at_most(1)))
+    assert [0, 1] == sorted(may.states[state]["x"] for state in may.for_ever(lawful))
+    ring: Term = ("ite", ("ge", ("var", "x"), ("lit", 3)), ("lit", 0), UP)
+    turns = search(replace(COUNTER, rows=(Row("turn", (0,), 0, sets={"x": ring}),)))
+    assert 4 == len(turns.for_ever(anyhow))
