@@ -1,14 +1,15 @@
 """Whether the environment's assumption can be kept: not by standing still, for ever, and from every state.
 
 assumption        a run in which as many inputs and ghosts as possible take different values
-assumption lasts  it can be kept for ever: no dead end at all, or at least one run that comes round to where it was
+assumption lasts  it can be kept for ever: no dead end at all, or at least one run that comes round to where it was; it
+                  cannot where no run has so many steps. One run into a dead end says neither
 dead ends         every state that a run comes to has a lawful next step (safeloc.provers.dead_ends)
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import z3
 
@@ -37,14 +38,7 @@ def assumption_kept(
     """A run under the assumption that moves, that it can be kept for ever, and that no run comes to a dead end."""
     yield _moves(system, limits, recordings)
     verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
-    round_ = None if isinstance(verdict, Proved) else comes_round(system, limits)
-    if round_ is None:
-        yield Obligation("assumption lasts", LASTS, verdict, how(verdict))
-    else:
-        told = Proved(None, "bmc", len(round_.steps), ("interpreter",), witness=round_)
-        yield Obligation(
-            "assumption lasts", LASTS, told, "a run whose last state is an earlier one: it can be repeated"
-        )
+    yield Obligation("assumption lasts", LASTS, *_for_ever(system, limits, verdict))
     yield Obligation("dead ends", NO_DEAD_END, verdict, how(verdict))
 
 
@@ -132,8 +126,33 @@ def _changes(unrolling: Unrolling, var: Var) -> Iterator[z3.BoolRef | bool]:
 # ------------------------------------------------------------------ a run without end
 
 
-def comes_round(system: TransitionSystem, limits: Limits) -> Trace | None:
-    """A lawful run whose last state is one that it has been in before, so that it can go on without end; None if none was found."""
+@dataclass(frozen=True)
+class Ended:
+    """No lawful run has so many steps."""
+
+    steps: int
+
+
+def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -> tuple[Verdict, str]:
+    """Whether some run goes on for ever, and how that was shown."""
+    match of_dead_ends:
+        case Proved() | Violated(trace=None):  # every run goes on; there is none
+            return of_dead_ends, how(of_dead_ends)
+    match comes_round(system, limits):
+        case Trace() as round_:
+            told = Proved(None, "bmc", len(round_.steps), ("interpreter",), witness=round_)
+            return told, "a run whose last state is an earlier one: it can be repeated"
+        case Ended(steps):
+            method = f"bounded search: no lawful run has {steps} steps"
+            ends = Violated(None, "bmc", f"no run keeps the assumption for {steps} steps")
+            return of_dead_ends if isinstance(of_dead_ends, Violated) else ends, method
+        case Unknown(reason, depth):
+            known = "some run comes to a dead end" if isinstance(of_dead_ends, Violated) else of_dead_ends.reason
+            return Unknown(f"{known}; {reason}", depth), "bounded search for a run that comes back to an earlier state"
+
+
+def comes_round(system: TransitionSystem, limits: Limits) -> Trace | Ended | Unknown:
+    """A lawful run whose last state is one that it has been in before, so that it can go on without end."""
     unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
     solver.set("random_seed", limits.seed)
     solver.add(unrolling.initially())
@@ -144,10 +163,21 @@ def comes_round(system: TransitionSystem, limits: Limits) -> Trace | None:
         answer = z3.unknown if ends.passed else _checked(solver, ends)
         if answer == z3.sat:
             return _run(system, unrolling, solver.model(), steps)
-        if answer == z3.unknown:
-            return None
         solver.pop()
-    return None
+        if answer == z3.unknown:
+            return _none_comes_round(steps - 1)
+        if _worth_asking(steps) and _checked(solver, ends) == z3.unsat:
+            return Ended(steps)
+    return _none_comes_round(ROUND_STEPS)
+
+
+def _worth_asking(steps: int) -> bool:
+    """Whether to ask if there is a run at all: each time it has doubled, and in the end."""
+    return steps.bit_count() == 1 or steps == ROUND_STEPS
+
+
+def _none_comes_round(steps: int) -> Unknown:
+    return Unknown(f"no lawful run of at most {steps} steps comes back to an earlier state")
 
 
 def _same(unrolling: Unrolling, one: int, other: int) -> z3.BoolRef:

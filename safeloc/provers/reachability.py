@@ -128,9 +128,7 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
             method = "a recorded run under the assumption" if recorded else _how(target, kept, excluded)
             yield Obligation(target.name, target.statement, verdict, method)
         elif target in dead:
-            why = (
-                f"the machine by itself comes there ({alone[target]}), the whole never, whatever its inputs: dead in it"
-            )
+            why = f"the machine by itself comes there ({alone[target].words}), the whole never, whatever its inputs: dead in it"
             yield Obligation(target.name, target.statement, Violated(None, "1-induction", why), "1-induction")
         elif target in alone:
             yield _only_alone(target, alone[target], kept.depth, target in excluded)
@@ -138,24 +136,31 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
             yield Obligation(target.name, target.statement, _dead(target.free, free.depth, limits), "bounded search")
 
 
-def _only_alone(target: _Target, how: str, depth: int, excluded: bool) -> Obligation:
-    """Of the whole no run was found; what is known of it then."""
-    whole = (
-        "proved impossible in the whole while the assumption is kept"
-        if excluded
-        else f"none of the whole in {depth} steps"
-    )
-    verdict = Proved(None, "bmc", depth, ("interpreter",))
-    return Obligation(
-        target.name, f"{target.statement}, by itself", verdict, f"of the machine by itself, {how}; {whole}"
-    )
+@dataclass(frozen=True)
+class _Alone:
+    """A run of a machine by itself: what it shows, and its number of steps."""
+
+    words: str
+    steps: int
+
+
+def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
+    """Of the whole no run was found: what is claimed is of the machine by itself, and what is known of the whole is told."""
+    whole = "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_whole(depth)
+    verdict = Proved(None, "bmc", alone.steps, ("interpreter",))
+    method = f"of the machine by itself, {alone.words}; {whole}"
+    return Obligation(target.name, f"{target.statement}, by itself", verdict, method)
+
+
+def _none_of_the_whole(depth: int) -> str:
+    return "the whole was not searched in time" if depth < 0 else f"none of the whole in {depth} steps"
 
 
 def _by_itself(
     system: TransitionSystem, targets: Sequence[_Target], open_: Container[_Target], limits: Limits
-) -> dict[_Target, str]:
+) -> dict[_Target, _Alone]:
     """Of a composition, what no run of the whole was found for, but one of the machine alone; and what that run is."""
-    found: dict[_Target, str] = {}
+    found: dict[_Target, _Alone] = {}
     for number, part in enumerate(system.parts):
         own = [target for target in targets if target.part == number]
         pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
@@ -163,10 +168,11 @@ def _by_itself(
         unlawful = first_runs([mine.free for mine, _ in pairs if mine.goal not in lawful], limits).found
         for mine, theirs in pairs:
             if mine.goal in lawful:
-                found[theirs] = f"witness of {len(lawful[mine.goal].steps)} steps under its assumption"
+                steps = len(lawful[mine.goal].steps)
+                found[theirs] = _Alone(f"witness of {steps} steps under its assumption", steps)
             elif mine.free in unlawful:
                 steps = len(unlawful[mine.free].steps)
-                found[theirs] = f"a defence: witness of {steps} steps with its assumption broken"
+                found[theirs] = _Alone(f"a defence: witness of {steps} steps with its assumption broken", steps)
     return found
 
 
@@ -235,7 +241,8 @@ def _comes_to(
 def _how(target: _Target, kept: Runs, excluded: Container[_Target]) -> str:
     if target.goal in kept.found:
         return "witness under the assumption"
-    proved = "proved impossible" if target in excluded else f"not found in {kept.depth} steps"
+    searched = f"not found in {kept.depth} steps" if kept.depth >= 0 else "not searched in time"
+    proved = "proved impossible" if target in excluded else searched
     return f"a defence: witness with the assumption broken, {proved} while it is kept"
 
 

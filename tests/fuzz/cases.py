@@ -11,6 +11,7 @@ from safeloc.provers.limits import Limits
 from tests.fuzz import verdicts
 from tests.fuzz.backends import all_back_ends
 from tests.fuzz.build import Built, build
+from tests.fuzz.case import LIMITS, Case
 from tests.fuzz.draw import Draw
 from tests.fuzz.draw_claims import Claims, inherited
 from tests.fuzz.draw_whole import whole
@@ -40,7 +41,7 @@ class Plan:
     rarely: tuple[str, ...] = ("portfolio", "falsifier")
     every: int = 4
     light: bool = False
-    limits: Limits = verdicts.LIMITS
+    limits: Limits = LIMITS
     compile_every: int = 4
 
 
@@ -109,7 +110,7 @@ def _verdicts(draw: Draw, make: Callable[[], Game], number: int, plan: Plan, *, 
     built = built_or_refused(game, draw.drawn.traps, tally)
     if built is None:
         return tally
-    case = verdicts.Case(game, built, space, plan.expect, tally, plan.limits)
+    case = Case(game, built, space, plan.expect, tally, plan.limits)
     turn = number % len(plan.engines)
     if not plan.light or turn == 0:
         verdicts.facts(case)
@@ -125,7 +126,7 @@ def _verdicts(draw: Draw, make: Callable[[], Game], number: int, plan: Plan, *, 
     return tally
 
 
-def _forked(case: verdicts.Case, draw: Draw, claims: list[Claim]) -> None:
+def _forked(case: Case, draw: Draw, claims: list[Claim]) -> None:
     """As a user asks: all together, each in a process of its own."""
     asked = [one for one in claims if one.helper is None][:1]
     if isinstance(case.game, Whole):

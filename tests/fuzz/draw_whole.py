@@ -156,12 +156,10 @@ def _renamed_input(made: Whole, var: Var, *, ghost: bool) -> Whole:
     role = replace(var, name="role")
     second = renamed(second, var.name, role)
     if ghost:
-        first = replace(first, ghosts={role: role.values[0]}, ghost_moves={"role": ("var", "role")})
+        first = replace(first, ghosts={role: role.least}, ghost_moves={"role": ("var", "role")})
     else:
         told = Var("hidden", role.kind, role.low, role.high)
-        first = replace(
-            first, ghosts={told: told.values[0]}, ghost_inputs=(role,), ghost_moves={"hidden": ("var", "role")}
-        )
+        first = replace(first, ghosts={told: told.least}, ghost_inputs=(role,), ghost_moves={"hidden": ("var", "role")})
     return replace(made, worlds=(first, second, *made.worlds[2:]), shared=made.shared | {"role"})
 
 

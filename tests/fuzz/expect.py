@@ -12,7 +12,6 @@ NOW = Expect(
     vacuous=True,
     dead_ends=True,
     overlap_happens=True,
-    dead_in_the_whole=True,
     falsifier_starts=True,
 )
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from tests.fuzz.judge import Claim, Watch, antecedent, requires_first
+from tests.fuzz.judge import Claim, Watch, requires_first
+from tests.fuzz.speaks import comes
 from tests.fuzz.terms import Term, fast, was
 from tests.fuzz.world import Game, State
 
@@ -66,6 +67,14 @@ class Space:
         """States that allowed steps lead to and none leaves."""
         return [state for state in self.reached(allowed) if not any(map(allowed, self.edges[state]))]
 
+    def for_ever(self, allowed: Callable[[Edge], int]) -> set[int]:
+        """States from which some run of allowed steps never ends, as far as states have their steps."""
+        left = {state: {edge.after for edge in self.edges[state] if allowed(edge)} for state in self.reached(allowed)}
+        while ending := [state for state, later in left.items() if not later & left.keys()]:
+            for state in ending:
+                del left[state]
+        return set(left)
+
     def lasts(self, allowed: Callable[[Edge], int], steps: int) -> bool:
         """Whether some run has so many allowed steps."""
         now = set(range(self.starts))
@@ -118,21 +127,14 @@ class Truth:
 
     depth     of the shortest run that breaks it (for `reachable`: that comes there); None where there is none
     known     whether the search saw enough to say so; a depth that is known is the shortest
-    occurs    whether its antecedent or trigger ever holds
     goes_on   whether each of its runs can go on
     lasts     whether some run keeps what it is given for five steps
     """
 
     depth: int | None
     known: bool
-    occurs: bool
     goes_on: bool
     lasts: bool
-
-    @property
-    def empty(self) -> bool:
-        """Whether a proof of it would say nothing."""
-        return not (self.occurs and self.goes_on)
 
 
 def allowed_by(claim: Claim) -> Callable[[Edge], int]:
@@ -146,32 +148,33 @@ def allowed_by(claim: Claim) -> Callable[[Edge], int]:
 def truth(space: Space, claim: Claim) -> Truth:
     """The claim by breadth-first search over states and what the claim remembers of its past."""
     allowed = allowed_by(claim)
-    watch, speaks_of = Watch(claim), antecedent(claim)
+    watch = Watch(claim)
     first = requires_first(claim, space.game.state_names)
     queue = [(state, watch.memory, 0) for state in range(space.starts)]
     seen = {(state, memory) for state, memory, _ in queue}
-    occurs = False
-    if first:
-        hits = [watch.hit(space.states[state]) for state in range(space.starts)]
-        if any(hits):
-            return Truth(0, True, True, True, True)
-        occurs = any(speaks_of(space.states[state]) for state in range(space.starts))
+    if first and any(watch.hit(space.states[state]) for state in range(space.starts)):
+        return Truth(0, True, True, True)
     for state, memory, depth in queue:
         for edge in space.edges[state]:
             if not allowed(edge):
                 continue
             env = space.env(edge)
-            after, hit, trigger = watch.step(memory, env)
+            after, hit = watch.step(memory, env)
             if hit:
-                return Truth(depth + 1, space.full is None or depth <= space.full, True, True, True)
-            occurs = occurs or trigger
+                return Truth(depth + 1, space.full is None or depth <= space.full, True, True)
             if (edge.after, after) not in seen:
                 seen.add((edge.after, after))
                 queue.append((edge.after, after, depth + 1))
         if len(seen) > NODES:
-            return Truth(None, False, True, True, True)
+            return Truth(None, False, True, True)
     goes_on = bool(space.starts) and not space.dead_ends(allowed)
-    return Truth(None, space.full is None, occurs, goes_on, space.lasts(allowed, 5))
+    return Truth(None, space.full is None, goes_on, space.lasts(allowed, 5))
+
+
+def occurs(space: Space, claim: Claim, case: Term) -> bool | None:
+    """Whether some run comes to a case of a claim; None where the search saw too little."""
+    found = truth(space, comes(claim, case, space.game.state_names))
+    return True if found.depth is not None else False if found.known else None
 
 
 def false_somewhere(space: Space, term: Term, allowed: Callable[[Edge], int]) -> State | None:

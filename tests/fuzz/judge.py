@@ -115,7 +115,6 @@ class Watch:
         self._past: list[tuple[str, list[Callable[[Env], int]]]] = []
         self._names: dict[Term, str] = {}
         self._term, self._response = fast(self._lifted(claim.term)), fast(self._lifted(claim.response))
-        self._trigger = fast(self._lifted(_speaks_of(claim)))
         self.memory: tuple[int, ...] = (*(0 for _ in self._past), -1)
 
     def _lifted(self, term: Term) -> Term:
@@ -133,27 +132,19 @@ class Watch:
         """Whether the first state breaks it, or reaches it."""
         return bool(self._term(first)) == (self._claim.kind == "reachable")
 
-    def step(self, memory: tuple[int, ...], env: Env) -> tuple[tuple[int, ...], bool, bool]:
-        """Memory after a step, whether the step breaks (or reaches) it, and whether its antecedent holds."""
+    def step(self, memory: tuple[int, ...], env: Env) -> tuple[tuple[int, ...], bool]:
+        """Memory after a step, and whether the step breaks (or reaches) it."""
         values, after = dict(env) if self._past else env, list(memory)
         for number, (operator, inner) in enumerate(self._past):
             known = [bool(one(values)) for one in inner]
             now, later = _remembered(operator, known, bool(memory[number]))
             values[f"past {number}"], after[number] = now, later  # type: ignore[index] # a dict where there is a past
-        trigger = bool(self._trigger(values))
+        now = bool(self._term(values))
         if self._claim.kind != "within":
-            return tuple(after), bool(self._term(values)) == (self._claim.kind == "reachable"), trigger
-        age = -1 if self._response(values) else memory[-1] + 1 if memory[-1] >= 0 else 0 if trigger else -1
+            return tuple(after), now == (self._claim.kind == "reachable")
+        age = -1 if self._response(values) else memory[-1] + 1 if memory[-1] >= 0 else 0 if now else -1
         after[-1] = min(age, self._claim.steps)
-        return tuple(after), age >= self._claim.steps, trigger
-
-
-def _speaks_of(claim: Claim) -> Term:
-    """What has to hold in some step for the claim to say something."""
-    if claim.kind == "within":
-        return claim.term
-    before: Term = claim.term[1] if claim.term[0] == "implies" else TRUE
-    return before
+        return tuple(after), age >= self._claim.steps
 
 
 def _remembered(operator: str, known: Sequence[bool], memory: bool) -> tuple[bool, bool]:
@@ -162,8 +153,3 @@ def _remembered(operator: str, known: Sequence[bool], memory: bool) -> tuple[boo
         return memory, known[0]
     now = (known[0] or memory) if operator == "once" else (known[1] or (known[0] and memory))
     return now, now
-
-
-def antecedent(claim: Claim) -> Callable[[Env], int]:
-    """What has to hold, in the first state, for a claim to say something."""
-    return fast(TRUE) if has_past(claim.term) else fast(_speaks_of(claim))

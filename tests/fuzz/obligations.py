@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from itertools import combinations
 
@@ -9,11 +10,11 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.obligations import CHECKS
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Vacuous, Violated
+from tests.fuzz.case import Case
 from tests.fuzz.explore import Edge, Space, anyhow, lawful, search
 from tests.fuzz.replay import NotARunError, again, row_of
 from tests.fuzz.terms import fast
-from tests.fuzz.verdicts import Case
-from tests.fuzz.world import State, Var, Whole, World
+from tests.fuzz.world import Game, State, Var, Whole, World
 
 Allowed = Callable[[Edge], int]
 STEPS, FURTHER = 5, 60  # of the runs that show the assumption to be kept
@@ -56,7 +57,9 @@ def _wrong(case: Case, one: Obligation, all_: list[Obligation]) -> tuple[str, st
     if name == "assumption":
         return "assumption", _assumption(case, one)
     if name == "assumption lasts":
-        return "assumption lasts", _lasts(case, one)
+        return name, _lasts(case, one)
+    if name == "dead ends":
+        return name, _dead_ends(case, one)
     if name == "division":
         return "division", "" if isinstance(one.verdict, Proved) else "every divisor is a positive constant"
     if name.startswith("overflow"):
@@ -171,17 +174,22 @@ def _read_though_absent(space: Space, world: World) -> Iterator[str]:
 # ------------------------------------------------------------------ what is reached
 
 
-def _wanted(case: Case, one: Obligation) -> tuple[World, Callable[[State], bool], bool]:
-    """The machine, what its target is in a step of the whole, and whether the first state may show it."""
-    kind, _, rest = one.name.partition(" ")
-    worlds = case.game.worlds if isinstance(case.game, Whole) else (case.game,)
-    world = next(w for w in worlds if rest.startswith((f"{w.name} ", f"{w.name}: ")))
-    prefix = f"{world.name}." if isinstance(case.game, Whole) else ""
+def _world(game: Game, one: Obligation) -> World:
+    """The machine whose mode or row it is about."""
+    worlds = game.worlds if isinstance(game, Whole) else (game,)
+    rest = one.name.partition(" ")[2]
+    return next(world for world in worlds if rest.startswith((f"{world.name} ", f"{world.name}: ")))
+
+
+def _wanted(game: Game, one: Obligation) -> tuple[Callable[[State], bool], bool]:
+    """What its target is in a step of the game, and whether the first state may show it."""
+    world, (kind, _, rest) = _world(game, one), one.name.partition(" ")
+    prefix = f"{world.name}." if isinstance(game, Whole) else ""
     if kind == "mode":
         mode = int(rest.removeprefix(f"{world.name} M"))
-        return world, lambda env: env[f"{prefix}mode"] == mode, True
+        return lambda env: env[f"{prefix}mode"] == mode, True
     name, row = f"{prefix}fired", rest.removeprefix(f"{world.name}: ")
-    return world, lambda env: row_of(case.game, name, env[name]) == row, False
+    return lambda env: row_of(game, name, env[name]) == row, False
 
 
 def _depth(space: Space, wanted: Callable[[State], bool], first: bool, allowed: Allowed) -> int | None:
@@ -192,20 +200,45 @@ def _depth(space: Space, wanted: Callable[[State], bool], first: bool, allowed: 
 
 
 def _reached(case: Case, one: Obligation) -> str:
-    _, wanted, first = _wanted(case, one)
+    wanted, first = _wanted(case.game, one)
     free = _depth(case.board(), wanted, first, anyhow)
     match one.verdict:
         case Proved(witness=Trace() as witness):
             return _witness(case, one, witness, wanted, first)
+        case Proved() if one.statement.endswith(", by itself"):
+            return _by_itself(case, one, wanted, first)
         case Proved():
-            lonely = "by itself" in one.statement and not case.expect.dead_in_the_whole
-            return "" if lonely or free is not None else "Proved, yet no run comes there"
+            return "Proved, yet no run is shown"
         case Violated() | Vacuous():
             return "" if free is None else f"dead, yet reached after {free} steps"
         case Unknown(depth=depth):
             under = _depth(case.space, wanted, first, lawful)
             missed = under is not None and under <= min(depth, case.limits.depth)
             return f"no run of {depth} steps, yet there is one of {under}" if missed else ""
+    return ""
+
+
+BY_ITSELF = re.compile(
+    r"of the machine by itself, (?:a defence: )?witness of (?P<steps>\d+) steps "
+    r"(?:(?P<under>under its assumption)|with its assumption broken); "
+    r"(?:none of the whole in (?P<none>\d+) steps|(?P<never>proved impossible in the whole while the assumption is kept)"
+    r"|the whole was not searched in time)"
+)
+
+
+def _by_itself(case: Case, one: Obligation, wanted: Callable[[State], bool], first: bool) -> str:
+    """Of the whole no run is told: whether the machine by itself comes there as told, and the whole is told of rightly."""
+    said = BY_ITSELF.fullmatch(one.method)
+    if said is None or not isinstance(case.game, Whole):
+        return "it is not told what the machine does by itself, nor what is known of the whole"
+    world = _world(case.game, one)
+    space, allowed = (search(world), lawful) if said["under"] else (search(world.board()), anyhow)
+    alone = _depth(space, *_wanted(world, one), allowed)
+    if space.full is None and alone != int(said["steps"]):
+        return f"the machine by itself comes there after {alone} steps"
+    whole = _depth(case.space, wanted, first, lawful)
+    if whole is not None and (said["never"] or whole <= int(said["none"] or -1)):
+        return f"the whole comes there after {whole} steps"
     return ""
 
 
@@ -237,14 +270,43 @@ def _assumption(case: Case, one: Obligation) -> str:
 
 
 def _lasts(case: Case, one: Obligation) -> str:
-    ends = case.space.dead_ends(lawful)
+    """Some run never ends: shown by one that comes round, or because no run ends."""
+    endless = case.space.for_ever(lawful)
     match one.verdict:
-        case Proved(witness=witness):
-            if case.expect.dead_ends and ends and case.space.full is None:
-                return f"Proved, yet {case.space.states[ends[0]]} is a dead end"
-            return _ends(case.space, witness, lawful, lambda _: True) if isinstance(witness, Trace) else ""
-        case Violated(trace=trace) | Vacuous(trace=trace):
-            if not ends and case.space.full is None:
+        case Proved(witness=Trace() as witness):
+            return _round(case, witness)
+        case Proved():
+            return _dead_ends(case, one)
+        case Violated() if endless:
+            return f"every run ends is told, yet from {case.space.states[min(endless)]} one never does"
+        case Violated(trace=Trace() as trace):
+            return _at_an_end(case, trace)
+    return ""
+
+
+def _round(case: Case, trace: Trace) -> str:
+    """What is wrong with a run that is to come back to where it was."""
+    *earlier, last = [trace.initial, *(step.state for step in trace.steps)]
+    return _ends(case.space, trace, lawful, lambda _: True) or (
+        "" if last in earlier else "its run does not come round"
+    )
+
+
+def _dead_ends(case: Case, one: Obligation) -> str:
+    """Every state that a run comes to has a lawful next step; and there is a run."""
+    ends = case.space.dead_ends(lawful)
+    known = case.space.full is None
+    match one.verdict:
+        case Proved():
+            if case.expect.dead_ends and known and not case.space.for_ever(lawful):
+                return "Proved, yet no run lasts"
+            return (
+                f"Proved, yet {case.space.states[ends[0]]} is a dead end"
+                if case.expect.dead_ends and known and ends
+                else ""
+            )
+        case Violated(trace=trace):
+            if not ends and known and case.space.starts:
                 return "a dead end is told, yet there is none"
             return _at_an_end(case, trace) if isinstance(trace, Trace) else ""
     return ""

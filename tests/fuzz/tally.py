@@ -29,16 +29,14 @@ class Expect:
     """What is required besides sound verdicts; each stands for a defect until it is mended.
 
     vacuous            nothing is Proved whose trigger never occurs, or whose assumption no run keeps for ever
-    dead_ends          `assumption lasts` is Proved only where every lawful run can go on
+    dead_ends          `dead ends` is Proved only where every lawful run can go on
     overlap_happens    overlap and absence are Violated only where a run shows it
-    dead_in_the_whole  what no run of a composition comes to is not Proved to be reached
     falsifier_starts   a falsifier that finds no first state is Unknown
     """
 
     vacuous: bool = False
     dead_ends: bool = False
     overlap_happens: bool = False
-    dead_in_the_whole: bool = False
     falsifier_starts: bool = False
 
 

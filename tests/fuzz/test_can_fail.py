@@ -9,6 +9,8 @@ import pytest
 from safeloc.backends import compiled
 from safeloc.errors import PropertyError
 from safeloc.expr import TRUE
+from safeloc.interpret import run
+from safeloc.provers.antecedents import Never, Open, Outcome, Seen
 from safeloc.provers.base import Base
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligation import Obligation
@@ -17,13 +19,15 @@ from safeloc.system import TransitionSystem
 from safeloc.verdict import Proved, Result, Unknown, Vacuous, Violated
 from tests.fuzz import backends, verdicts
 from tests.fuzz.build import build
+from tests.fuzz.case import Case
 from tests.fuzz.explore import search
 from tests.fuzz.judge import Claim
 from tests.fuzz.obligations import _judged
+from tests.fuzz.occurrence import of_cases
 from tests.fuzz.tally import Expect, Tally
 from tests.fuzz.terms import Term
-from tests.fuzz.verdicts import Case, claim
-from tests.fuzz.world import Row, Var, World
+from tests.fuzz.verdicts import claim
+from tests.fuzz.world import Row, Var, Whole, World
 
 X, GO = Var("x", "number", 0, 3), Var("go", "truth")
 UP: Term = ("min", ("add", ("var", "x"), ("lit", 1)), ("lit", 3))
@@ -108,8 +112,6 @@ def test_a_fact_that_does_not_hold_is_told(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_contract_that_is_not_kept_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """That a machine hears what it may, and that what it is owed is kept."""
-    from tests.fuzz.world import Whole
-
     later = World("b", 1, (Var("q", "number", 0, 1),), {}, assumption=("le", ("var", "q"), ("lit", 0)))
     whole = Whole("w", (replace(COUNTER, name="a"), later), {"b.q": ("var", "a.x")}, owes=("b",))
     asked = Case(whole, build(whole), search(whole), Expect(), Tally())
@@ -129,6 +131,8 @@ def test_a_contract_that_is_not_kept_is_told(monkeypatch: pytest.MonkeyPatch) ->
         ("transition m: a", Violated(None, "liar")),
         ("assumption", Violated(None, "liar")),
         ("assumption lasts", Proved(None, "liar")),
+        ("assumption lasts", Violated(None, "liar")),
+        ("dead ends", Proved(None, "liar")),
         ("overflow", Violated(None, "liar")),
         ("division", Violated(None, "liar")),
     ],
@@ -143,7 +147,9 @@ def test_a_wrong_obligation_is_told(name: str, verdict: Result) -> None:
     rows = (replace(rows[0], sets={"x": grows}), rows[1])
     world = World("m", 2, (GO, o), {X: 0}, rows=rows, assumption=small)
     asked = Case(world, build(world), search(world, 40), Expect(dead_ends=True), Tally())
-    asked = replace(asked, space=replace(asked.space, full=None)) if name == "assumption lasts" else asked
+    asked = (
+        replace(asked, space=replace(asked.space, full=None)) if name in ("assumption lasts", "dead ends") else asked
+    )
     one = Obligation(name, "", verdict, "")  # type: ignore[arg-type] # all of these are verdicts
     _judged(asked, one, [one])
     assert 1 == len(asked.tally.wrong)
@@ -186,3 +192,83 @@ def test_a_pair_of_rows_is_judged_by_itself() -> None:
             asked.tally.wrong.clear()
             _judged(asked, Obligation(name, "", verdict, ""), [Obligation(each, "", right, "") for each in told])
             assert (name, count) == (name, len(asked.tally.wrong))
+
+
+def test_a_run_that_does_not_come_round_is_told() -> None:
+    """Where the assumption is said to last by a run, its last state has to be an earlier one."""
+    asked = case()
+    for stream, count in (([{"go": True}, {"go": False}], 0), ([{"go": True}, {"go": True}], 1)):
+        asked.tally.wrong.clear()
+        shown = Proved(None, "bmc", 2, witness=run(asked.built.system, stream))
+        one = Obligation("assumption lasts", "", shown, "")
+        _judged(asked, one, [one])
+        assert count == len(asked.tally.wrong)
+
+
+CALM = World("a", 1, (Var("i", "number", 0, 3),), {X: 0}, rows=(Row("follow", (0,), 0, sets={"x": ("var", "i")}),))
+HEARS = Var("q", "number", 0, 9)
+ALARM = World("b", 2, (HEARS,), rows=(Row("raise", (0,), 1, ("gt", ("var", "q"), ("lit", 2))),))
+WIRED = Whole("w", (CALM, ALARM), {"b.q": ("var", "a.x")})
+BY_ITSELF = "of the machine by itself, witness of {} steps under its assumption; {}"
+
+
+@pytest.mark.parametrize(
+    ("method", "count"),
+    [
+        (BY_ITSELF.format(1, "the whole was not searched in time"), 0),
+        (BY_ITSELF.format(1, "none of the whole in 0 steps"), 0),
+        (BY_ITSELF.format(1, "none of the whole in 1 steps"), 1),
+        (BY_ITSELF.format(1, "none of the whole in -1 steps"), 1),
+        (BY_ITSELF.format(2, "the whole was not searched in time"), 1),
+        (BY_ITSELF.format(1, "proved impossible in the whole while the assumption is kept"), 1),
+        ("found", 1),
+    ],
+)
+def test_what_a_machine_does_by_itself_is_judged_as_it_is_told(method: str, count: int) -> None:
+    """The machine's own run has to be as long as is told, and the whole not to come there as early as was searched."""
+    asked = Case(WIRED, build(WIRED), search(WIRED), SOUND, Tally())
+    one = Obligation("transition b: raise", "b: 'raise' fires, by itself", Proved(None, "bmc", 1), method)
+    _judged(asked, one, [one])
+    assert count == len(asked.tally.wrong)
+    of_the_whole = replace(one, statement="b: 'raise' fires")
+    asked.tally.wrong.clear()
+    _judged(asked, of_the_whole, [of_the_whole])
+    assert ["obligation reachable: Proved, yet no run is shown"] == [one.split(";")[0] for one in asked.tally.wrong]
+
+
+RARE = Claim("c", "always", ("or", ("le", ("var", "b.mode"), ("lit", 0)), ("ge", ("var", "a.x"), ("lit", 0))))
+LOUD = replace(WIRED, wires={"b.q": ("min", ("var", "a.x"), ("lit", 1))})  # the alarm is never raised in the whole
+ALONE = Seen("of b by itself, none of the whole")
+
+
+@pytest.mark.parametrize(
+    ("game", "outcomes", "wrong"),
+    [
+        (WIRED, [Seen("by search")], []),
+        (WIRED, [Never("liar")], ["never, yet it occurs"]),
+        (LOUD, [Never("right")], ["Proved, yet it says nothing"]),
+        (LOUD, [Open("not found")], []),
+        (LOUD, [Open("nobody looked")], ["nobody looked"]),
+        (LOUD, [ALONE], []),
+        (LOUD, [Seen("of a by itself, none of the whole")], ["its machine by itself does not come there"]),
+        (LOUD, [Seen("by search")], ["it occurs, yet no run comes there", "Proved, yet it says nothing"]),
+        (LOUD, [], ["0 cases are told of, where there are", "Proved, yet it says nothing"]),
+    ],
+)
+def test_what_is_told_of_a_case_is_judged(game: Whole, outcomes: list[Outcome], wrong: list[str]) -> None:
+    """That it occurs, never occurs, occurs in its machine by itself; a proof that says nothing has to be told of."""
+    asked = Case(game, build(game), search(game), Expect(vacuous=True), Tally())
+    of_cases(asked, RARE, outcomes)
+    verdicts.judged(asked, RARE, verdicts.truth(asked.space, RARE), "prove", Proved(None, "any"), outcomes)
+    assert len(wrong) == len(asked.tally.wrong)
+    assert all(each in told for each, told in zip(wrong, asked.tally.wrong, strict=True))
+
+
+def test_vacuous_is_wrong_where_a_claim_speaks_of_no_case() -> None:
+    """Also where the assumption ends: that is told once, of the assumption, and not of each property."""
+    ends = replace(COUNTER, assumption=("and", ("var", "go"), ("not", ("var", "go"))))
+    asked = Case(ends, build(ends), search(ends), Expect(vacuous=True), Tally())
+    for said, count in ((Proved(None, "right"), 0), (Vacuous("nothing said"), 1)):
+        asked.tally.wrong.clear()
+        verdicts.judged(asked, HOLDS, verdicts.truth(asked.space, HOLDS), "prove", said)
+        assert count == len(asked.tally.wrong)

@@ -10,16 +10,21 @@ from random import Random
 
 import pytest
 
+from safeloc.antecedents import antecedents
 from tests.fuzz import verdicts
 from tests.fuzz.backends import all_back_ends
-from tests.fuzz.cases import built_or_refused
+from tests.fuzz.build import build, read
+from tests.fuzz.case import Case
+from tests.fuzz.cases import KINDS, Plan, built_or_refused
 from tests.fuzz.draw import Draw
+from tests.fuzz.draw_terms import Pen
 from tests.fuzz.expect import NOW, OPEN
-from tests.fuzz.explore import search
+from tests.fuzz.explore import anyhow, search
 from tests.fuzz.judge import WAITING, Claim
+from tests.fuzz.obligations import obligations
+from tests.fuzz.speaks import cases
 from tests.fuzz.tally import Tally
-from tests.fuzz.terms import Term
-from tests.fuzz.verdicts import Case
+from tests.fuzz.terms import Term, fast
 from tests.fuzz.world import Game, Row, Var, Whole, World
 
 Look = Callable[[Case], None]
@@ -132,6 +137,34 @@ THEN = copies("b", Y, Q, assumption=AT_LEAST_ONE)
 WIRED = Whole("w", (FIRST, THEN), {"b.q": ("var", "a.x")}, owes=("b",))
 INHERITED = Claim("q is at least 1", "always", ("ge", ("var", "a.x"), ("lit", 1)), of="b", own=AT_LEAST_ONE)
 
+ROUND = World(
+    "m",
+    2,
+    (GO, HOW_MANY),
+    {X: 0, Var("t", "truth"): False},
+    rows=(
+        Row("up", (0,), 1, ("var", "go"), {"t": ("not", ("var", "t"))}),
+        Row("down", (1,), 0, sets={"x": ("var", "i")}),
+    ),
+)
+NONE: Term = ("and", ("var", "go"), ("not", ("var", "go")))
+LEAVES = World(
+    "m", 1, (GO,), {X: 0}, rows=(Row("leave", (0,), 0, ("var", "go"), {"x": ("lit", 3)}),), assumption=at_most("x", 2)
+)
+SILENT = Whole("w", (World("a", 1, (GO,), {X: 0}, assumption=NONE), copies("b", Y, Q)))
+NEXT: Term = ("ite", at_most("x", 1), ("add", ("var", "x"), ("lit", 2)), ("sub", ("var", "x"), ("lit", 2)))
+EVEN = World(
+    "a", 1, (GO,), {X: 0}, rows=(Row("turn", (0,), 0, sets={"x": NEXT}),)
+)  # 0, 2, 0: never 1, which 3 would lead to
+ODD = World("b", 2, (Q,), rows=(Row("raise", (0,), 1, is_("q", 1)),))
+NEVER_ODD = Whole("w", (EVEN, ODD), {"b.q": ("var", "a.x")})
+
+
+def together(*claims: Claim) -> Look:
+    """Claims as `prove` decides them."""
+    return lambda case: verdicts.proved_together(case, claims)
+
+
 FOUND: dict[str, tuple[Game, str, Look]] = {
     "d01: a helper reads an input": (ARMED, "helper reads inputs", by("k-induction", one=ANSWERED)),
     "d03: a ghost is another machine's input": (
@@ -149,11 +182,72 @@ FOUND: dict[str, tuple[Game, str, Look]] = {
         "inherited over a wire",
         lambda case: verdicts.proved_together(case, [INHERITED]),
     ),
+    "an assumption lasts that one run only ends": (LEAVES, "", obligations),
+    "no run at all keeps the assumption": (SILENT, "", obligations),
+    "a disjunction speaks of the failing of its first part": (
+        NEVER_ODD,
+        "",
+        together(
+            Claim("c", "always", ("or", at_most("a.x", 3), ("var", "a.go"))),
+            Claim("d", "always", ("or", ("var", "a.go"), at_most("a.x", 3))),
+            Claim(
+                "e",
+                "always",
+                ("or", at_most("a.x", 3), ("var", "a.go")),
+                of="a",
+                own=("or", at_most("x", 3), ("var", "go")),
+            ),
+        ),
+    ),
+    "no step is lawful, and a claim speaks of no case": (
+        SILENT,
+        "",
+        together(
+            Claim("c", "always", at_most("a.x", 3)),
+            Claim("d", "always", ("implies", ("var", "a.go"), at_most("a.x", 3))),
+            Claim("e", "always", at_most("a.x", 0), of="a", own=at_most("x", 0)),
+        ),
+    ),
+    "a case occurs in its machine by itself": (
+        NEVER_ODD,
+        "",
+        together(
+            Claim(
+                "c",
+                "always",
+                ("implies", ("among", ("was", "b.mode"), 1), ("among", ("var", "b.mode"), 1)),
+                of="b",
+                own=("implies", ("among", ("was", "mode"), 1), ("among", ("var", "mode"), 1)),
+            ),
+        ),
+    ),
+    "a row fires in its machine by itself, in no run of the whole": (NEVER_ODD, "", obligations),
 }
 
 
 def void(_: object) -> None:
     """What is looked at only for what it leaves in the tally."""
+
+
+def test_product_and_oracle_speak_of_the_same_cases() -> None:
+    """As many of them, each of which means the same, for random claims: the rule is stated twice."""
+    rng, count = Random("cases"), 0
+    variables = (*ROUND.inputs, *ROUND.state)
+    pen, built = Pen(rng, variables, (("mode", 2),)), build(ROUND)
+    space = search(ROUND)
+    for number in range(150):
+        one = Claim(f"c{number}", "always", ("and", pen.truth(2), ("implies", pen.truth(1), pen.truth(2))))
+        told, own = antecedents(built.prop(one)), cases(one)
+        assert len(told) == len(own), one
+        count += len(own)
+        for theirs, ours in zip(map(read, told), own, strict=True):
+            assert all(fast(theirs)(edge.known) == fast(ours)(edge.known) for _, edge in space.steps(anyhow)), one
+    assert count > 150
+
+
+def test_a_wide_range_is_never_listed() -> None:
+    """A ghost that is another machine's input, over all numbers of 64 bits, begins with the least of them."""
+    assert [] == KINDS["back ends"](1, 89, Plan(expect=NOW)).wrong
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=known(FOUND[name][1])) for name in FOUND])

@@ -14,12 +14,25 @@ from tests.fuzz.bounds import FIRST, LAST, bounds, fits
 from tests.fuzz.draw import Draw
 from tests.fuzz.draw_claims import Claims
 from tests.fuzz.draw_terms import Pen
-from tests.fuzz.explore import Space, allowed_by, anyhow, lawful, search, truth
+from tests.fuzz.explore import Space, allowed_by, anyhow, lawful, occurs, search, truth
 from tests.fuzz.judge import Claim, Watch, hit_at, holds_at, requires_first
-from tests.fuzz.terms import Term, Values, fast, value
+from tests.fuzz.speaks import cases, plain
+from tests.fuzz.terms import FALSE, TRUE, Term, Values, fast, value
 from tests.fuzz.world import Row, Var, Whole, World
 
-OURS = ("terms", "bounds", "world", "judge", "explore", "draw_terms", "draw", "draw_claims", "draw_whole", "tally")
+OURS = (
+    "terms",
+    "bounds",
+    "world",
+    "judge",
+    "speaks",
+    "explore",
+    "draw_terms",
+    "draw",
+    "draw_claims",
+    "draw_whole",
+    "tally",
+)
 X, GO, Q, Y = Var("x", "number", 0, 3), Var("go", "truth"), Var("q", "number", 0, 3), Var("y", "number", 0, 3)
 UP: Term = ("min", ("add", ("var", "x"), ("lit", 1)), ("lit", 3))
 COUNTER = World("m", 1, (GO,), {X: 0}, rows=(Row("up", (0,), 0, ("var", "go"), {"x": UP}),))
@@ -109,7 +122,7 @@ def test_a_dead_end_is_found() -> None:
     assert [{"mode": 0, "x": 2}] == [space.states[state] for state in space.dead_ends(lawful)]
     assert [True, False] == [space.lasts(lawful, steps) for steps in (2, 3)]
     given = truth(search(COUNTER), Claim("c", "always", at_most(3), given=("and", at_most(0), ("var", "go"))))
-    assert given.empty
+    assert not given.goes_on
     assert not given.lasts
 
 
@@ -117,9 +130,9 @@ def test_a_trigger_that_never_comes_is_told() -> None:
     """An antecedent, or the trigger of a `within`, that holds in no step leaves a claim empty."""
     space = search(COUNTER)
     never: Term = ("gt", ("var", "x"), ("lit", 3))
-    assert truth(space, Claim("c", "always", ("implies", never, at_most(0)))).empty
-    assert truth(space, Claim("c", "within", never, at_most(0), 1)).empty
-    assert not truth(space, Claim("c", "always", at_most(3))).empty
+    for claim in (Claim("c", "always", ("implies", never, at_most(0))), Claim("c", "within", never, at_most(0), 1)):
+        assert [False] == [occurs(space, claim, case) for case in cases(claim)]
+    assert [] == cases(Claim("c", "always", at_most(3)))
 
 
 def test_a_wire_tells_the_state_after_the_step() -> None:
@@ -160,7 +173,7 @@ def remembered(claim: Claim, first: Values, run: list[Values], state_names: Sequ
         return 0
     memory = watch.memory
     for number, env in enumerate(run, 1):
-        memory, hit, _ = watch.step(memory, env)
+        memory, hit = watch.step(memory, env)
         if hit:
             return number
     return None
@@ -190,3 +203,57 @@ def test_past_operators_are_as_documented() -> None:
     assert [False, True, True, True] == [holds_at(("previous", p), run, step) for step in range(4)]
     assert [False, True, True, True] == [holds_at(("once", q), run, step) for step in range(4)]
     assert [False, True, True, False] == [holds_at(("since", p, q), run, step) for step in range(4)]
+
+
+P, Z, R = ("var", "go"), ("var", "z"), ("gt", ("var", "x"), ("lit", 1))
+X_IS = [("eq", ("var", "x"), ("lit", number)) for number in (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("expected", "term"),
+    [
+        ([P], ("implies", P, R)),
+        ([("not", P)], ("or", P, R)),
+        ([P], ("or", ("not", P), R)),
+        ([P, R], ("and", ("implies", P, R), ("and", ("implies", R, P), P))),
+        ([P], ("not", ("not", ("implies", P, R)))),
+        ([], ("not", ("implies", P, R))),
+        ([], ("iff", P, R)),
+        ([], ("or", ("and", P, Z), ("and", ("not", P), ("not", Z)))),
+        ([], ("among", ("var", "x"), 0, 1)),
+        ([], ("or", *X_IS)),
+        ([("not", X_IS[0])], ("or", X_IS[0], P)),
+        ([("not", ("among", ("var", "x"), 0, 1))], ("or", ("among", ("var", "x"), 0, 1), P)),
+        ([], ("ite", P, R, ("not", R))),
+        ([], ("implies", P, ("eq", ("lit", 1), ("lit", 1)))),
+        ([], ("or", FALSE, P)),
+        ([P], ("ite", P, R, TRUE)),
+    ],
+)
+def test_a_claim_speaks_of_cases(expected: list[Term], term: Term) -> None:
+    """Of what stands before `implies`, of the failing of the first part of `or`; not of both or neither, nor of one of several."""
+    assert expected == cases(Claim("c", "always", term))
+    assert [] == cases(Claim("c", "reachable", term))
+    assert [term] == cases(Claim("c", "within", term, P, 1))
+
+
+def test_the_plain_form_means_the_same() -> None:
+    """For random truths, in random states."""
+    rng = Random("plain")
+    variables = (Var("a", "number", -3, 3), Var("c", "truth"), Var("d", "colour", 0, 2))
+    pen = Pen(rng, variables, (("mode", 3),))
+    for _ in range(400):
+        term = ("ite", pen.truth(2), rng.choice((TRUE, FALSE, pen.truth(1))), rng.choice((TRUE, FALSE, pen.truth(3))))
+        values = {**{var.name: rng.choice(var.values) for var in variables}, "mode": rng.randrange(3)}
+        assert bool(value(term, values)) == bool(value(plain(term), values))
+
+
+def test_a_run_that_never_ends_is_found() -> None:
+    """A counter that has to move ends at its assumption's bound, one that may rest does not; a ring never ends."""
+    must: Term = ("and", at_most(1), ("var", "go"))
+    assert set() == search(replace(COUNTER, assumption=must)).for_ever(lawful)
+    may = search(replace(COUNTER, assumption=at_most(1)))
+    assert [0, 1] == sorted(may.states[state]["x"] for state in may.for_ever(lawful))
+    ring: Term = ("ite", ("ge", ("var", "x"), ("lit", 3)), ("lit", 0), UP)
+    turns = search(replace(COUNTER, rows=(Row("turn", (0,), 0, sets={"x": ring}),)))
+    assert 4 == len(turns.for_ever(anyhow))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 from safeloc.errors import InputError, ModelError, PropertyError
 from safeloc.expr import Bool
+from safeloc.provers.antecedents import Outcome, found
 from safeloc.provers.base import Base, base
 from safeloc.provers.bmc import bmc
 from safeloc.provers.falsify import falsify
@@ -16,12 +16,14 @@ from safeloc.provers.portfolio import prove, prove_one
 from safeloc.provers.spacer import spacer
 from safeloc.spec import Goal, observe
 from safeloc.verdict import Proved, Result, Unknown, Vacuous, Violated
-from tests.fuzz.build import Built, read
-from tests.fuzz.explore import Edge, Space, Truth, allowed_by, anyhow, false_somewhere, lawful, search, truth
+from tests.fuzz.build import read
+from tests.fuzz.case import Case
+from tests.fuzz.explore import Edge, Space, Truth, allowed_by, anyhow, false_somewhere, lawful, occurs, truth
 from tests.fuzz.judge import Claim
+from tests.fuzz.occurrence import of_cases, silent
 from tests.fuzz.replay import complaint
-from tests.fuzz.tally import Expect, Tally
-from tests.fuzz.terms import reads
+from tests.fuzz.speaks import cases
+from tests.fuzz.terms import TRUE, reads
 from tests.fuzz.world import Game, Whole
 
 Engine = Callable[[Goal, Limits], Result]
@@ -33,30 +35,6 @@ ENGINES: dict[str, Engine] = {
     "falsifier": falsify,
 }
 SHORTEST = ("bmc",)
-LIMITS = Limits(depth=12, induction=3, seconds=1.0)
-
-
-@dataclass(frozen=True)
-class Case:
-    """A machine or composition in both forms, with all its states."""
-
-    game: Game
-    built: Built
-    space: Space
-    expect: Expect
-    tally: Tally
-    limits: Limits = LIMITS
-
-    def board(self) -> Space:
-        """All states on board, where they start otherwise than with the environment; else all states."""
-        worlds = self.game.worlds if isinstance(self.game, Whole) else (self.game,)
-        mixed = any(reads(term) & world.ghost_names for world in worlds for term in world.initially)
-        return search(self.game.board()) if mixed else self.space
-
-    def untied(self) -> Space:
-        """All states for all inputs; the same ones where nothing ties the machine to its environment at the start."""
-        loose = self.game.untied()
-        return self.space if list(loose.firsts()) == list(self.game.firsts()) else search(loose)
 
 
 def claim(case: Case, one: Claim, engines: Sequence[str]) -> None:
@@ -66,7 +44,7 @@ def claim(case: Case, one: Claim, engines: Sequence[str]) -> None:
     except (ModelError, PropertyError) as error:
         refused(case, "helper reads inputs" if _helper_reads(one, case.game) else "", f"{one}: {error}")
         return
-    true = truth(case.untied() if one.unconditional else case.space, one)
+    true = truth(case.spoken_of(one), one)
     for name in engines:
         if one.kind == "reachable" and name not in ("bmc", "portfolio"):
             continue
@@ -102,23 +80,23 @@ def _excused(case: Case, name: str, error: Exception) -> bool:
     return isinstance(error, InputError) and name in ("falsifier", "portfolio") and not case.expect.falsifier_starts
 
 
-def judged(case: Case, one: Claim, true: Truth, name: str, said: Result) -> None:
-    """What one engine says against what is true."""
-    wrong = wrong_verdict(case, one, true, name, said)
+def judged(case: Case, one: Claim, true: Truth, name: str, said: Result, told: Sequence[Outcome] = ()) -> None:
+    """What one engine says against what is true; `told` is what is told of the claim's cases besides."""
+    wrong = wrong_verdict(case, one, true, name, said, told)
     if isinstance(said, Unknown) and not wrong:
         case.tally.open(name)
     else:
         case.tally.judge(name, wrong and f"{wrong}; true: {true}; {one}")
 
 
-def wrong_verdict(case: Case, one: Claim, true: Truth, name: str, said: Result) -> str:
+def wrong_verdict(case: Case, one: Claim, true: Truth, name: str, said: Result, told: Sequence[Outcome] = ()) -> str:
     """What is wrong with a verdict; empty if nothing."""
     allowed, wanted = allowed_by(one), one.kind == "reachable"
     match said:
         case Proved() if wanted:
             return _shown(case, one, true, name, said.witness, allowed)
         case Proved():
-            return _proved(case, one, true, name, said)
+            return _proved(case, one, true, name, said, told)
         case Violated(trace=None):
             return (
                 "Violated without a run"
@@ -133,7 +111,7 @@ def wrong_verdict(case: Case, one: Claim, true: Truth, name: str, said: Result) 
             early = true.depth is not None and true.depth <= depth
             return f"no violation up to depth {depth}, yet there is one at {true.depth}" if early else ""
         case Vacuous():
-            return "" if true.empty else "Vacuous, yet it occurs and every run goes on"
+            return "" if _may_be_empty(case, one, true) else "Vacuous, yet it occurs and every run goes on"
     return f"no verdict: {said}"
 
 
@@ -151,18 +129,25 @@ def _shown(case: Case, one: Claim, true: Truth, name: str, trace: object, allowe
     return wrong
 
 
-def _says_nothing(one: Claim, true: Truth, name: str) -> bool:
-    """Whether a trigger never occurs is asked where all properties are; whether what is given lasts, by the portfolio."""
-    ends = one.given != ("true",) and not true.lasts
-    return (name in ("prove", "inherited") and not true.occurs) or (
-        name in ("portfolio", "prove", "inherited") and ends
-    )
+def _says_nothing(case: Case, one: Claim, true: Truth, name: str, told: Sequence[Outcome]) -> bool:
+    """Whether a case never occurs is asked where all properties are; whether what is given lasts, by the portfolio."""
+    together = name in ("prove", "inherited")
+    ends = one.given != TRUE and not true.lasts
+    return (together and silent(case, one, told)) or ((together or name == "portfolio") and ends)
 
 
-def _proved(case: Case, one: Claim, true: Truth, name: str, said: Proved) -> str:
+def _may_be_empty(case: Case, one: Claim, true: Truth) -> bool:
+    """Whether a case never occurs, or what is given ends, as far as the search saw."""
+    if true.depth is not None:
+        return False
+    ends = one.given != TRUE and not (true.known and true.goes_on)
+    return ends or not all(occurs(case.spoken_of(one), one, term) for term in cases(one))
+
+
+def _proved(case: Case, one: Claim, true: Truth, name: str, said: Proved, told: Sequence[Outcome]) -> str:
     if true.depth is not None:
         return f"Proved, yet broken after {true.depth} steps"
-    if case.expect.vacuous and true.known and _says_nothing(one, true, name):
+    if case.expect.vacuous and true.known and _says_nothing(case, one, true, name, told):
         return "Proved, yet it says nothing"
     return _invariant(case, one, said.invariant)
 
@@ -218,14 +203,18 @@ def _contracts(case: Case, whole: Whole, known: Base) -> None:
 
 def proved_together(case: Case, claims: Sequence[Claim]) -> None:
     """Claims as `prove` decides them, machines of a composition by themselves included; in processes of their own."""
+    props = [case.built.prop(one) for one in claims]
     try:
-        findings = prove(case.built.system, [case.built.prop(one) for one in claims], case.limits)
+        findings = prove(case.built.system, props, case.limits)
     except Exception as error:
         if not _excused_text(case, str(error)):
             case.tally.judge("prove", f"{type(error).__name__} instead of findings: {error}")
         return
-    for one, finding in zip(claims, findings[len(findings) - len(claims) :], strict=True):
-        judged(case, one, truth(case.space, one), "inherited" if one.of else "prove", finding.result)
+    for one, prop, finding in zip(claims, props, findings[len(findings) - len(claims) :], strict=True):
+        told = [each.outcome for each in found(case.built.system, [prop]).cases]
+        of_cases(case, one, told)
+        true = truth(case.spoken_of(one), one)
+        judged(case, one, true, "inherited" if one.of else "prove", finding.result, told)
 
 
 def _excused_text(case: Case, text: str) -> bool:

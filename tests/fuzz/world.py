@@ -37,6 +37,11 @@ class Var:
         return (False, True) if self.kind == "truth" else tuple(range(self.low, self.high + 1))
 
     @property
+    def least(self) -> int:
+        """The first of them; of a wide range nobody could list them."""
+        return False if self.kind == "truth" else self.low
+
+    @property
     def absent(self) -> int:
         """What stands for a value that is not there: the one nearest zero."""
         return min(self.values, key=abs) if self.high - self.low < 100 else min(max(0, self.low), self.high)

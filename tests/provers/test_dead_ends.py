@@ -6,7 +6,8 @@ import pytest
 
 from safeloc.expr import FALSE, TRUE, Bool, boolean, minimum, number
 from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.provers.assumption import assumption_kept, comes_round
+from safeloc.provers import assumption
+from safeloc.provers.assumption import Ended, assumption_kept, comes_round
 from safeloc.provers.dead_ends import lasts
 from safeloc.provers.evidence import admissible_run
 from safeloc.provers.kinduction import kinduction
@@ -137,7 +138,28 @@ def test_an_assumption_that_ends_in_every_run_does_not_last() -> None:
         assert isinstance(verdict, Violated)
         assert verdict.trace is not None
         assert 7 == len(verdict.trace.steps)
-    assert comes_round(lower(machine(X < 7)), Limits(seconds=5)) is None
+    assert Ended(8) == comes_round(lower(machine(X < 7)), Limits(seconds=5))
+
+
+def test_one_run_that_ends_is_no_evidence_that_all_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ring of twenty-one states, longer than the search, that can be left for a dead end: the ring was not excluded."""
+    monkeypatch.setattr(assumption, "ROUND_STEPS", 6)
+    rows = [
+        Transition("leave", S, S, GO & X.eq(3), {X: 20 + 0 * X}),
+        Transition("round", S, S, X.eq(19), {X: 0 * X}),
+        Transition("up", S, S, X < 19, {X: X + 1}),
+    ]
+    system = lower(Machine("ring", (S,), [GO], {X: 0}, {}, rows, assumption=X < 20))
+    found = kept(system)
+    assert isinstance(found["dead ends"].verdict, Violated)
+    lasting = found["assumption lasts"].verdict
+    assert isinstance(lasting, Unknown)
+    assert (
+        "some run comes to a dead end; no lawful run of at most 6 steps comes back to an earlier state"
+        == lasting.reason
+    )
+    monkeypatch.undo()
+    assert isinstance(kept(system)["assumption lasts"].verdict, Proved)
 
 
 def test_an_assumption_that_lasts_is_proved_to() -> None:

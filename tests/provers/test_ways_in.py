@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,13 +18,14 @@ from safeloc.interpret import run
 from safeloc.machine import ANY, Machine, Transition, modes
 from safeloc.monitor import Broken, Monitor
 from safeloc.nodes import INT64_MAX, Lit
+from safeloc.provers import reachability
 from safeloc.provers.evidence import replayed
 from safeloc.provers.falsify import falsify
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import obligations
 from safeloc.provers.portfolio import prove, prove_one
 from safeloc.results import Finding
-from safeloc.spec import Property, always, observe, previous, reachable, within
+from safeloc.spec import Goal, Property, always, observe, previous, reachable, within
 from safeloc.system import TransitionSystem, lower, without_ghosts
 from safeloc.units import ONE
 from safeloc.verdict import Proved, Unknown, Violated, word
@@ -350,6 +353,27 @@ def test_what_is_dead_in_the_whole_is_told() -> None:
     assert word(found["transition b: raise"].result) == "violated"
     assert "the whole never, whatever its inputs: dead in it" in found["transition b: raise"].result.reason  # type: ignore[union-attr]
     assert said(whole.system, reachable("alarm", whole.of(second).bool(second.mode.eq(alarm)))) == ["violated"]
+
+
+def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the length of its run; and where the whole was not searched in time, no number of steps is told of it."""
+    calm, alarm = modes("CALM", "ALARM")
+    heard = number("q", ONE, 0, 9)
+    second = Machine("b", (calm, alarm), [heard], {}, {}, [Transition("raise", calm, alarm, heard > 5)])
+    whole = compose("w", [follower("a"), second], {heard: X}).system
+    search = reachability.first_runs
+
+    def hurried(goals: Sequence[Goal], *more: Any) -> reachability.Runs:
+        out_of_time = any(goal.original is whole for goal in goals)
+        return reachability.Runs({}, -1) if out_of_time else search(goals, *more)
+
+    monkeypatch.setattr(reachability, "first_runs", hurried)
+    (told,) = [one for one in reachability.reached(whole, LIMITS) if one.name == "transition b: raise"]
+    assert told.statement.endswith(", by itself")
+    expected = "of the machine by itself, witness of 1 steps under its assumption; the whole was not searched in time"
+    assert expected == told.method
+    assert isinstance(told.verdict, Proved)
+    assert 1 == told.verdict.depth
 
 
 def test_a_violated_unconditional_property_comes_with_its_run() -> None:
