@@ -15,10 +15,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from tests.kept_lines import keep, kept_lines
 from tests.soak.fleet import Fleet, Plan
 from tests.soak.judge import Bounds, judged
 from tests.soak.process import Process
-from tests.soak.windows import Window, at_share, kept, written
+from tests.soak.windows import Window, as_line, as_window, at_share
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = _arguments(arguments)
     plan = Plan(asked.hours_of_fleet, asked.vehicles, asked.wall_minutes, asked.windows, asked.seed)
     bounds = Bounds(asked.most_growth_mib, asked.most_p99_ms)
-    done = kept(asked.out)
+    done = [as_window(line) for line in kept_lines(asked.out)]
     print(f"{plan.windows} windows, {len(done)} of them in {asked.out}; the fleet's clock runs {plan.speed:.1f} times as fast")
     if len(done) < plan.windows:
         done += _go_on(plan, done, asked.out)
@@ -59,12 +60,10 @@ def _go_on(plan: Plan, done: Sequence[Window], out: Path) -> list[Window]:
     gc.freeze()  # the sender's own pauses are not the process's
     made: list[Window] = []
     try:
-        with out.open("a", encoding="utf-8") as file:
-            for window in fleet.windows(len(done)):
-                file.write(written(window))
-                file.flush()
-                made.append(window)
-                _progress(window, plan)
+        for window in fleet.windows(len(done)):
+            keep(out, as_line(window))
+            made.append(window)
+            _progress(window, plan)
     finally:
         process.kill()
     return made

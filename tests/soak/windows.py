@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 BUCKETS_PER_E = 50
@@ -79,22 +77,12 @@ def at_share(latencies: Iterable[Mapping[str, int]], share: float) -> float:
     return 0.0
 
 
-def written(window: Window) -> str:
-    """A window as a line, with the percentiles that people look for."""
+def as_line(window: Window) -> dict[str, Any]:
+    """A window as plain data, with the percentiles that people look for."""
     shown = {f"p{share}_ms": round(at_share([window.latency], share / 100), 3) for share in (50, 99)}
-    return json.dumps({**asdict(window), **shown}) + "\n"
+    return {**asdict(window), **shown}
 
 
-def kept(file: Path) -> list[Window]:
-    """What stands in the file; a last line that a kill has cut off is left out, and cut off."""
-    if not file.exists():
-        return []
-    text = file.read_text(encoding="utf-8")
-    whole = text[: text.rfind("\n") + 1]
-    if whole != text:
-        file.write_text(whole, encoding="utf-8")
-    return [_window(json.loads(line)) for line in whole.splitlines()]
-
-
-def _window(line: dict[str, Any]) -> Window:
-    return Window(**{name: line[name] for name in Window.__dataclass_fields__})
+def as_window(line: Mapping[str, Any]) -> Window:
+    """And back."""
+    return Window(**{one.name: line[one.name] for one in fields(Window)})
