@@ -122,7 +122,9 @@ def _led(name: str, chosen: argparse.Namespace) -> Tried:
     told = f"{done.stdout}{done.stderr}"
     runs = re.findall(r"#(\d+)\s+\w+\s+cov: (\d+)", told)
     inputs, branches = map(int, runs[-1]) if runs else (0, 0)
-    defect = f"exit {done.returncode}: {told[-4_000:]}" if done.returncode else "" if runs else f"no input: {told[-4_000:]}"
+    defect = (
+        f"exit {done.returncode}: {told[-4_000:]}" if done.returncode else "" if runs else f"no input: {told[-4_000:]}"
+    )
     return Tried(name, chosen.seconds, chosen.seed, True, inputs, branches, defect)
 
 

@@ -26,9 +26,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """The exit code."""
     asked = _arguments(arguments)
     plan = Plan(asked.hours_of_fleet, asked.vehicles, asked.wall_minutes, asked.windows, asked.seed)
-    bounds = Bounds(asked.most_growth_mib, asked.most_p99_ms)
+    bounds = Bounds(asked.most_growth_mib, asked.most_p99_ms, asked.most_waited)
     done = [as_window(line) for line in kept_lines(asked.out)]
-    print(f"{plan.windows} windows, {len(done)} of them in {asked.out}; the fleet's clock runs {plan.speed:.1f} times as fast")
+    print(
+        f"{plan.windows} windows, {len(done)} of them in {asked.out}; the fleet's clock runs {plan.speed:.1f} times as fast"
+    )
     if len(done) < plan.windows:
         done += _go_on(plan, done, asked.out)
     found = list(judged(done, plan.windows, bounds))
@@ -49,6 +51,7 @@ def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, required=True, help="a line a window; read again to go on")
     parser.add_argument("--most-growth-mib", type=float, default=Bounds.growth_mib)
     parser.add_argument("--most-p99-ms", type=float, default=Bounds.p99_ms)
+    parser.add_argument("--most-waited", type=float, default=Bounds.waited, help="share of a window without a core")
     return parser.parse_args(arguments)
 
 

@@ -40,16 +40,21 @@ class Run:
 
 @dataclass(frozen=True)
 class Trip:
-    """The first `cycles` of a run, from a time of the vehicle's own clock on."""
+    """The first `cycles` of the run with this seed, from a time of the vehicle's own clock on."""
 
     begin_ms: int
-    run: Run
+    seed: int
     cycles: int
 
     @property
     def end_ms(self) -> int:
         """When the last cycle is over."""
         return self.begin_ms + self.cycles * PERIOD_MS
+
+    @property
+    def run(self) -> Run:
+        """The run; it is simulated when it is first asked for."""
+        return run(self.seed)
 
     def cycle_at(self, time_ms: int) -> int:
         """The cycle, from 0, that is over at this time."""
@@ -90,8 +95,7 @@ def trips(seed: int, vehicle: int) -> Iterator[Trip]:
     chance = Random(f"{seed} {vehicle}")
     begin_ms, left = -1_000 * chance.randrange(DAY_S), TRIPS_A_DUTY
     while True:
-        drive = run(chance.randrange(RUNS))
-        trip = Trip(begin_ms, drive, min(len(drive.truth_mm), chance.randint(*TRIP_S)))
+        trip = Trip(begin_ms, chance.randrange(RUNS), chance.randint(*TRIP_S))
         yield trip
         pause_s = chance.randint(*(PAUSE_S if left else IN_DEPOT_S))
         left = left - 1 if left else TRIPS_A_DUTY

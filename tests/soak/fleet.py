@@ -9,7 +9,6 @@ import signal
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from tests.soak.day import HOUR_MS, PERIOD_MS
 from tests.soak.process import Process, waited_s

@@ -17,7 +17,7 @@ MIB = 1024
 class Bounds:
     """What is still good.
 
-    growth_mib  memory may grow by that over the last half of the day: of 200 vehicles some 5 million reports, so what keeps
+    growth_mib  memory may grow by that over the last half of the day: of 200 vehicles some 4 million reports, so what keeps
                 two bytes of each is seen
     p99_ms      of the reports of windows with cores to themselves: the target of a vehicle among 30 that flood
     waited      a window had cores to itself where neither process nor sender waited for one for more of the time

@@ -21,16 +21,16 @@ MOST_WAITING = 8
 class Vehicle:
     """The vehicle with this number.
 
-    port      where the process listens; None while it does not run, and what is said then is lost
+    port        where the process listens
     connection  None while it is switched off or away
-    unheard   cycles sent since the process last answered
+    unheard     cycles sent since the process last answered
+    next_ms     the end of the cycle that it says next
     """
 
     def __init__(self, number: int, seed: int, begin_ms: int, selector: selectors.BaseSelector) -> None:
         self.name, self._selector = f"v{number}", selector
         self.connection: socket.socket | None = None
-        self.port: int | None = None
-        self.unheard = 0
+        self.port = self.unheard = 0
         self._number, self._heard = 1, b""
         self._sent: dict[int, float] = {}
         self._chance = Random(f"{seed} {number} {begin_ms} mishaps")
@@ -38,7 +38,6 @@ class Vehicle:
         self._trips = trips(seed, number)
         self._trip = self._before = _under_way(self._trips, begin_ms)
         self.next_ms = max(self._trip.begin_ms, begin_ms) + PERIOD_MS
-        """The end of the cycle that it says next."""
 
     def speak(self, window: Window) -> None:
         """Say the cycle that is over now, unless something keeps it from being heard."""
@@ -49,7 +48,7 @@ class Vehicle:
         self.next_ms += PERIOD_MS
         said = lines(self.name, self._number, time_ms, self._trip.run.records[self._trip.cycle_at(time_ms)])
         self._number += len(said)
-        if self._is_away(window) or self.port is None:
+        if self._is_away(window):
             return
         if name := befall(said, self._chance):
             window.befell(name)
@@ -107,7 +106,7 @@ class Vehicle:
     def _sends(self, said: bytes) -> bool:
         try:
             if self.connection is None:
-                self.connection = socket.create_connection(("127.0.0.1", self.port or 0), timeout=20)
+                self.connection = socket.create_connection(("127.0.0.1", self.port), timeout=20)
                 self._selector.register(self.connection, selectors.EVENT_READ, self)
             self.connection.sendall(said)
         except ConnectionError:
