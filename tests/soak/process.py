@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 from pathlib import Path
+from typing import Any
 
 from tests.service.processes import PATIENCE_S, ROOT, command, wait_for
 from tests.soak.day import CONFIG
@@ -67,7 +68,7 @@ class Process:
         fields = self._of("stat").rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def _told(self, event: str) -> dict[str, object] | None:
+    def _told(self, event: str) -> dict[str, Any] | None:
         """The first line of its log with this event."""
         whole = self._log.read_text(encoding="utf-8").splitlines(keepends=True)
         told = (json.loads(line) for line in whole if line.startswith("{") and line.endswith("\n"))

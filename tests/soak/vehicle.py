@@ -15,7 +15,7 @@ from tests.soak.mishaps import HANG_UP, away, befall
 from tests.soak.windows import Window
 
 MOST_WAITING = 8
-"""Cycles that may wait for an answer before the vehicle speaks again."""
+"""So many cycles without any answer, and the vehicle waits for one before it speaks again. Else it never waits for reports."""
 
 
 class Vehicle:
