@@ -49,7 +49,7 @@ def drawn(windows: Sequence[Window]) -> str:
     across = Axis(0, windows[-1].to_ms / HOUR_MS, LEFT, RIGHT)
     tops = [TOP + place * (TALL + BETWEEN) for place in range(4)]
     bottom = tops[-1] + TALL
-    title = f"{windows[-1].to_ms / HOUR_MS:g} hours of a fleet, in windows of {windows[0].to_ms / 60_000:g} min"
+    title = f"{round(windows[-1].to_ms / HOUR_MS, 1):g} hours of a fleet, in windows of {windows[0].to_ms / 60_000:g} min"
     parts = [
         STYLE,
         word(LEFT, 20, title),
@@ -66,7 +66,7 @@ def drawn(windows: Sequence[Window]) -> str:
 def _memory(windows: Sequence[Window], across: Axis, top: float) -> str:
     most = max(one.resident_kib for one in windows) / 1024
     axis = _axis(0, most * 1.15, top)
-    return upright_axis(axis, "resident memory, MiB", unit=1) + _line(
+    return upright_axis(axis, "memory, MiB", unit=1) + _line(
         windows, across, axis, lambda one: one.resident_kib / 1024, BLUE, "memory"
     )
 

@@ -197,7 +197,7 @@ def test_a_day_is_drawn() -> None:
     picture = ET.fromstring(drawn(windows))
     words = ["".join(one.itertext()) for one in picture.iter() if one.tag.endswith("text")]
     for label in (
-        "resident memory, MiB",
+        "memory, MiB",
         "latency, ms",
         "vehicles that drive",
         "hours of the fleet's clock",
