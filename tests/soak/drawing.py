@@ -49,7 +49,9 @@ def drawn(windows: Sequence[Window]) -> str:
     across = Axis(0, windows[-1].to_ms / HOUR_MS, LEFT, RIGHT)
     tops = [TOP + place * (TALL + BETWEEN) for place in range(4)]
     bottom = tops[-1] + TALL
-    title = f"{round(windows[-1].to_ms / HOUR_MS, 1):g} hours of a fleet, in windows of {windows[0].to_ms / 60_000:g} min"
+    title = (
+        f"{round(windows[-1].to_ms / HOUR_MS, 1):g} hours of a fleet, in windows of {windows[0].to_ms / 60_000:g} min"
+    )
     parts = [
         STYLE,
         word(LEFT, 20, title),
