@@ -32,7 +32,7 @@ def _doubled(said: Said, chance: Random) -> None:
 
 
 def _swapped(said: Said, chance: Random) -> None:
-    at = chance.randrange(1, len(said))
+    at = chance.randrange(len(said))
     said[at - 1], said[at] = said[at], said[at - 1]
 
 

@@ -80,6 +80,14 @@ def test_a_mishap_befalls_lines(name: str) -> None:
     assert not any(b'"time_ms": 9' in line and b'"marker"' in line for one in befallen for line in one)
 
 
+@pytest.mark.parametrize("name", MISHAPS)
+def test_a_mishap_befalls_a_cycle_without_records(name: str) -> None:
+    """Where no unit said anything there is its end alone."""
+    chance = Random(name)
+    for _ in range(20):
+        MISHAPS[name](day.lines("v3", 7, 5_000, ()), chance)
+
+
 # ------------------------------------------------------------------ what is seen
 
 
