@@ -1,7 +1,8 @@
 # Two commands set everything up on a machine with Python 3.11 or newer, make and a C compiler:
 #   make verify   proofs, property tests, replay, report      make test   all ordinary tests
-# What takes hours, topic by topic; an ended run goes on where it was, and the last line is `N passed, N failed`:
+# What takes hours, topic by topic (docs/long_tests.md); an ended run goes on where it was, and the last line is `N passed, N failed`:
 #   make test-long TOPIC=fuzz [LONG="--seed 2 --jobs 2"]   random machines against an explicit search (tests/fuzz)
+#   readers, oracle, soak                                  readers given anything, mishaps to streams, a day of a fleet
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
@@ -19,6 +20,9 @@ test-all: $(READY)
 
 # One line a topic: long-NAME is the command of TOPIC=NAME; what it writes stands in long/.
 long-fuzz = -m tests.fuzz --machines 20000 --compositions 1000 --seed 1 --out long/fuzz.jsonl
+long-readers = -m tests.fuzz_readers --seconds 600 --out long/readers.jsonl
+long-oracle = -m tests.streams.oracle --lines 10000000 --seed 1 --out long/oracle.jsonl
+long-soak = -m tests.soak --hours-of-fleet 24 --vehicles 200 --wall-minutes 60 --out long/soak.jsonl
 
 test-long: $(READY)
 	@test -n "$(long-$(TOPIC))" || { echo "TOPIC is one of: $(patsubst long-%,%,$(filter long-%,$(.VARIABLES)))"; exit 2; }

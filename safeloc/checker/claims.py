@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
@@ -17,16 +17,17 @@ from typing import Any
 from safeloc.checker.dag import Rewriting
 from safeloc.checker.instance import covered
 from safeloc.checker.rules import Terms, Theory
+from safeloc.checker.walk import Walk
 from safeloc.composition import Composition
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import Bool, Expr, Lit, Num, NumVar, Optional, Var, as_num, before, between, ite, was
-from safeloc.interpret import Program, holds, read_inputs, start, step
+from safeloc.interpret import holds
 from safeloc.machine import Machine, Transition
 from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv, Value
 from safeloc.ranges import beyond_int64
 from safeloc.spec import Goal, Property, observe, reachable
 from safeloc.streams.steps import read_steps
-from safeloc.system import Part, TransitionSystem, environment, in_range
+from safeloc.system import Part, TransitionSystem, in_range
 from safeloc.target import Target
 from safeloc.terms import Substitution, in_order, variables
 
@@ -107,6 +108,7 @@ class Claims:
     theory: Theory
     run: Callable[[str], Path]
     claimed: frozenset[str]
+    _walks: dict[tuple[int, ...], Walk] = field(default_factory=dict)
 
     def answer(self, row: Row) -> Answer:
         """Whether the result is confirmed, and if not, why."""
@@ -321,15 +323,12 @@ class Claims:
         path = self.run(row["id"])
         if not path.is_file():
             raise InputError("no run is kept that shows it")
-        stream, allowed, names = read_steps(path), Program([environment(system)]), {var.name for var in system.inputs}
-        state = start(system, stream.first)
-        yield state
-        for record in stream.steps:
-            inputs = read_inputs(system, {name: cell for name, cell in record.items() if name in names})
-            if not allowed({**state, **inputs})[0]:
-                return
-            state = step(system, state, inputs)[0]
-            yield state
+        stream, names = read_steps(path), {var.name for var in system.inputs}
+        same = (id(system.init), id(system.assume), *map(id, system.next.values()))
+        if same not in self._walks:
+            self._walks[same] = Walk(system)
+        rows = ({name: cell for name, cell in record.items() if name in names} for record in stream.steps)
+        return self._walks[same].states(stream.first, rows)
 
 
 def _computed(system: TransitionSystem) -> list[Expr]:

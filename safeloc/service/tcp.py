@@ -3,7 +3,9 @@
 Behind a proxy that checks certificates, each connection begins with what the proxy says of it, and is of one vehicle.
 
 They take turns. Of what a peer sends a few lines are heard at once, and the rest when all others had their turn: who
-says little waits for nobody who says much.
+says little waits for nobody who says much. Who has said no more than can be read at once is heard in every turn, as those
+that keep up: what piled up while the process had no time makes nobody wait for long. Those that have said more share a
+short time.
 """
 
 from __future__ import annotations
@@ -22,14 +24,14 @@ from safeloc.service.journal import Journal
 from safeloc.service.lines import Line, LineCutter
 from safeloc.service.outlets import FULL, Outlet
 
-AT_ONCE = 8_192
+AT_ONCE = 32_768
 """Bytes read from one peer; no more is read until they were heard."""
 
 LINES_AT_ONCE = 16
 """Lines of one peer before others have their turn; a vehicle says a handful in a cycle."""
 
-BEHIND_S = 0.003
-"""How long a turn may take for those that have said more."""
+FLOODS_S = 0.003
+"""How long a turn may take for those that have said more than can be read at once."""
 
 MOST_PEERS = 200
 TOO_MUCH = 8 * FULL
@@ -48,7 +50,7 @@ class Peer:
         self._mask = 0
         self._lines: Iterator[Line] = iter(())
         self._next: Line | None = None
-        self.ended = False
+        self.ended = self.floods = False
 
     @property
     def behind(self) -> bool:
@@ -117,6 +119,7 @@ class Peer:
             yield Left(self.origin, "the connection broke")
             return
         if data:
+            self.floods = len(data) == AT_ONCE  # more waits to be read
             yield from self._take(data)
             return
         self.ended = True
@@ -176,6 +179,8 @@ class TcpPort(Feed, Outlet):
         self._left: list[Left] = []
         self._written: set[Peer] = set()
         self._behind: deque[Peer] = deque()
+        self._flooding: deque[Peer] = deque()
+        self._waited = 0
         self._count = 0
         self.held = False
 
@@ -199,14 +204,30 @@ class TcpPort(Feed, Outlet):
         """Peers that were found gone while writing to them; then more of what others have said, one after the other."""
         left, self._left = self._left, []
         yield from left
-        until, turns = time.monotonic() + BEHIND_S, len(self._behind)
-        while self._behind and turns and not self.held and time.monotonic() < until:
+        yield from self._more_of_all()
+        yield from self._more_of_floods()
+        self._waited = len(self._behind)
+
+    def _more_of_all(self) -> Iterator[Event]:
+        """A turn for each that was behind when the last turn ended; the others have had theirs in this one."""
+        for _ in range(min(self._waited, len(self._behind))):
+            if self.held or not self._behind:
+                return
             peer = self._behind.popleft()
             if peer.deaf:
                 self._behind.append(peer)
+            else:
+                yield from peer.said()
+
+    def _more_of_floods(self) -> Iterator[Event]:
+        until, turns = time.monotonic() + FLOODS_S, len(self._flooding)
+        while self._flooding and turns and not self.held and time.monotonic() < until:
+            peer = self._flooding.popleft()
+            if peer.deaf:
+                self._flooding.append(peer)
                 turns -= 1  # a turn of those who cannot be heard: when all are, there is nothing to do
             else:
-                turns = len(self._behind) + 1
+                turns = len(self._flooding) + 1
                 yield from peer.said()
 
     def introduced(self, peer: Peer, vehicle: str) -> None:
@@ -215,12 +236,12 @@ class TcpPort(Feed, Outlet):
 
     def another_turn(self, peer: Peer) -> None:
         """It has said more than was heard."""
-        self._behind.append(peer)
+        (self._flooding if peer.floods else self._behind).append(peer)
 
     @property
     def again_s(self) -> float | None:
         """At once while there is something to tell or to hear."""
-        heard = not self.held and any(not peer.deaf for peer in self._behind)
+        heard = not self.held and any(not peer.deaf for peers in (self._behind, self._flooding) for peer in peers)
         return 0.0 if self._left or heard else None
 
     def put(self, origin: str, data: bytes) -> None:
@@ -259,8 +280,9 @@ class TcpPort(Feed, Outlet):
             if not peer.ended:
                 self._left.append(Left(peer.origin, why))
             peer.close()
-            if peer in self._behind:
-                self._behind.remove(peer)
+            for peers in (self._behind, self._flooding):
+                if peer in peers:
+                    peers.remove(peer)
 
     def close(self) -> None:
         """No more reading and writing."""
@@ -268,6 +290,7 @@ class TcpPort(Feed, Outlet):
             peer.close()
         self.peers.clear()
         self._behind.clear()
+        self._flooding.clear()
         self.selector.unregister(self._listener)
         self._listener.close()
 

@@ -70,8 +70,12 @@ def test_the_first_command_of_the_page() -> None:
     with (ROOT / command[1]).open("rb") as records:
         done = subprocess.run(arguments, stdin=records, capture_output=True, cwd=ROOT, check=True, timeout=60)
     said = read(done.stdout)
+    printed = iter(done.stdout.decode().splitlines())
+    shown = text[text.index("The first command prints") :].split("```\n")[1]
+    for line in shown.splitlines():
+        assert any(one.startswith(line.removesuffix("...").rstrip()) for one in printed), line
     modes = [one["mode"]["odometry"] for one in said if "mode" in one]
     assert all("believed once lines of 2 cycles agree" in one["reason"] for one in said if "mode" not in one)
-    assert len(modes) == 40
+    assert (len(modes), len(said)) == (40, 48)
     assert set(modes) == {"DELOCALIZED", "FRONT"}
     assert modes[-1] == "DELOCALIZED"

@@ -7,7 +7,6 @@ One line of FILE a case; started again with the same FILE, it goes on where it w
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
 import sys
 import time
@@ -15,11 +14,11 @@ import traceback
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any
 
 from tests.fuzz.cases import KINDS, Plan
 from tests.fuzz.expect import NOW, OPEN
 from tests.fuzz.tally import TRAPS, Tally, tally, total
+from tests.kept_lines import keep, kept_lines
 
 Task = tuple[str, int, int, frozenset[str]]
 SHOWN_EVERY = 50
@@ -38,13 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f"{len(tasks)} cases, {len(tasks) - len(left)} of them in {asked.out}", flush=True)
     found = {(task[0], task[2]): done[task[0], task[2]] for task in tasks if (task[0], task[2]) in done}
     started = time.monotonic()
-    with asked.out.open("a", encoding="utf-8") as file:
-        for task, one in _run(left, asked.jobs):
-            line = {"kind": task[0], "seed": task[1], "number": task[2], **one.data()}
-            file.write(json.dumps(line) + "\n")
-            file.flush()
-            found[task[0], task[2]] = one
-            _progress(task, one, found, len(tasks), started)
+    for task, one in _run(left, asked.jobs):
+        keep(asked.out, {"kind": task[0], "seed": task[1], "number": task[2], **one.data()})
+        found[task[0], task[2]] = one
+        _progress(task, one, found, len(tasks), started)
     return _closing(found)
 
 
@@ -70,15 +66,8 @@ def _tasks(asked: argparse.Namespace, traps: frozenset[str]) -> list[Task]:
 
 
 def _done(file: Path, seed: int) -> dict[tuple[str, int], Tally]:
-    """What stands in the file; a last line that a kill has cut off is left out, and cut off."""
-    if not file.exists():
-        return {}
-    text = file.read_text(encoding="utf-8")
-    whole = text[: text.rfind("\n") + 1]
-    if whole != text:
-        file.write_text(whole, encoding="utf-8")
-    lines: list[dict[str, Any]] = [json.loads(line) for line in whole.splitlines()]
-    return {(line["kind"], line["number"]): tally(line) for line in lines if line["seed"] == seed}
+    """What stands in the file."""
+    return {(line["kind"], line["number"]): tally(line) for line in kept_lines(file) if line["seed"] == seed}
 
 
 def _run(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Tally]]:

@@ -81,26 +81,46 @@ def lines_of(events: list[Event], origin: str) -> list[bytes]:
 
 def test_who_says_little_is_heard_before_who_says_much(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a flood only a few lines come before another peer's own; then the flood goes on where it was, in order."""
-    monkeypatch.setattr("safeloc.service.tcp.BEHIND_S", 0.0)
+    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
     loud, calm = tcp.peer(), tcp.peer()
-    flood = [b"%d" % n for n in range(500)]
+    flood = [b"%07d" % n for n in range(AT_ONCE // 4)]
     loud.sendall(b"\n".join(flood) + b"\n")
     first = tcp.turn()
     calm.sendall(b"calm\n")
     heard = list(first)
     wait_for(lambda: heard.extend(tcp.turn()) or lines_of(heard, "tcp:2") == [b"calm"], "calm is not heard")
     assert len(lines_of(heard, "tcp:1")) <= 4 * LINES_AT_ONCE
-    monkeypatch.setattr("safeloc.service.tcp.BEHIND_S", 0.003)
-    wait_for(lambda: heard.extend(tcp.turn()) or len(lines_of(heard, "tcp:1")) == 500, "the rest is not heard")
+    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.003)
+    wait_for(lambda: heard.extend(tcp.turn()) or len(lines_of(heard, "tcp:1")) == len(flood), "the rest is not heard")
     assert lines_of(heard, "tcp:1") == flood
     loud.close()
     wait_for(lambda: heard.extend(tcp.turn()) or Left("tcp:1", "the peer closed the connection") in heard, "not gone")
     calm.close()
 
 
+def test_who_fell_behind_is_heard_in_every_turn(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What piled up while the process had no time: some lines a turn, no more than of those that keep up, and beside a flood
+    that has no time left."""
+    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
+    loud, late, later = tcp.peer(), tcp.peer(), tcp.peer()
+    loud.sendall(b"x\n" * AT_ONCE)
+    for peer in (late, later):
+        peer.sendall(b"".join(b"%d\n" % n for n in range(100)))
+    heard: list[Event] = []
+    for turn in range(1, 7):
+        told = tcp.turn()
+        assert [LINES_AT_ONCE] * 2 == [len(lines_of(told, origin)) for origin in ("tcp:2", "tcp:3")], turn
+        heard += told
+    heard += tcp.turn()
+    assert [b"%d" % n for n in range(100)] == lines_of(heard, "tcp:2") == lines_of(heard, "tcp:3")
+    assert len(lines_of(heard, "tcp:1")) == LINES_AT_ONCE
+    for peer in (loud, late, later):
+        peer.close()
+
+
 def test_no_more_is_read_of_a_peer_than_is_heard(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its sender waits instead: a peer in arrears is not read from."""
-    monkeypatch.setattr("safeloc.service.tcp.BEHIND_S", 0.0)
+    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
     loud = tcp.peer()
     loud.setblocking(False)
     sent = 0
@@ -114,10 +134,11 @@ def test_no_more_is_read_of_a_peer_than_is_heard(tcp: Turns, monkeypatch: pytest
 
 def test_a_held_port_gives_nothing(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor does it keep the loop awake."""
-    monkeypatch.setattr("safeloc.service.tcp.BEHIND_S", 0.0)
+    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
     loud = tcp.peer()
     loud.sendall(b"x\n" * 1_000)
     wait_for(lambda: bool(tcp.turn()), "nothing is heard")
+    assert tcp.turn()
     tcp.port.hold(True)
     assert tcp.turn() == []
     assert tcp.port.again_s is None

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from pathlib import Path
+
 import pytest
 
-from tests.streams.oracle import MISHAPS, Outcome, one, run
+from tests.streams.oracle import MISHAPS, Outcome, main, one, run, search
 
 HARMLESS = [mishap for mishap in MISHAPS if not mishap.breaks]
 BREAKING = [mishap for mishap in MISHAPS if mishap.breaks]
@@ -48,3 +51,38 @@ def test_the_stream_has_places_and_no_truth() -> None:
     lines, truth = run(1)
     assert len(lines) == len(truth) > 100
     assert not any("truth" in line for line in lines)
+
+
+def test_a_search_goes_on_from_its_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Block by block, each once; what is read back is what was found, wrong intervals and all."""
+    made: list[int] = []
+
+    def made_block(number: int, seed: int) -> Outcome:
+        made.append(number)
+        return Outcome(100, 40, 2, number, Counter({"": number, "an assumption": 1}), {"": f"{seed}"}, [])
+
+    monkeypatch.setattr("tests.streams.oracle.block", made_block)
+    out = tmp_path / "oracle.jsonl"
+    whole = search(400, 1)
+    search(200, 1, out)
+    made.clear()
+    assert whole == search(400, 1, out)
+    assert [2, 3] == made
+    assert (8, 6, 6) == (whole.runs, whole.failed, whole.wrong[""])
+
+
+def test_a_failed_run_fails_the_search(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The last line and the exit code say it."""
+    monkeypatch.setattr("tests.streams.oracle.block", lambda number, seed: Outcome(100, 40, 3, 1, Counter({"": 1})))
+    assert main(["--lines", "100"]) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == "2 passed, 1 failed"
+
+
+@pytest.mark.slow
+def test_many_lines() -> None:
+    """Each mishap alone, then each with others, over and over: no interval is wrong while every assumption is kept."""
+    outcome = search(300_000, 2)
+    assert ({}, []) == ({breaks: told for breaks, told in outcome.first.items() if not breaks}, outcome.unforeseen)
+    assert outcome.failed == 0
+    assert outcome.lines >= 300_000
+    assert outcome.located > outcome.lines / 10
