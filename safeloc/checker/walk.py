@@ -28,13 +28,14 @@ class Walk:
 
     def states(self, first: Mapping[str, Value], stream: Iterable[Mapping[str, Cell]]) -> Iterator[State]:
         """The states of a run as long as it keeps the system's assumption; InputError for no inputs of the system."""
-        now: int | None = self._begun(first)
-        for record in stream:
-            yield self._states[now]
-            now = self._moved(now, record)
-            if now is None:
-                return
+        now = self._begun(first)
         yield self._states[now]
+        for record in stream:
+            after = self._moved(now, record)
+            if after is None:
+                return
+            now = after
+            yield self._states[now]
 
     def _begun(self, first: Mapping[str, Value]) -> int:
         key = frozenset(first.items())
