@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.checker.dag import Rewriting
-from safeloc.checker.instance import covered
+from safeloc.checker.instance import GaveUpError, covered
 from safeloc.checker.rules import Terms, Theory
 from safeloc.checker.walk import Walk
 from safeloc.composition import Composition
@@ -125,6 +125,8 @@ class Claims:
             return OPEN, f"there are {len(checks)} things of this name in the declaration that the checker knows"
         try:
             return checks[0](row)
+        except GaveUpError as error:
+            return OPEN, str(error)
         except (InputError, StreamError) as error:
             return WRONG, str(error)
 

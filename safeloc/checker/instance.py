@@ -13,17 +13,38 @@ from safeloc.checker.dag import Dag, Rewriting
 Terms = frozenset[int]
 
 
+MOST_TRIES = 2000  # terms put in the place of an input; a search that takes more is given up, and says so
+
+
+class GaveUpError(Exception):
+    """Too many terms may stand in the place of inputs: whether some of them meet the conditions is not known."""
+
+
+class _Tries:
+    """How many terms may still be tried."""
+
+    def __init__(self) -> None:
+        self._left = MOST_TRIES
+
+    def one(self) -> None:
+        """One more; GaveUpError where none is left."""
+        self._left -= 1
+        if self._left < 0:
+            raise GaveUpError(f"the search for inputs was given up after {MOST_TRIES} tries")
+
+
 def covered(dag: Dag, asked: Terms, inputs: Sequence[int], shown: Terms, facts: Terms) -> bool:
     """Whether of all that is asked of a step some inputs meet it in every state.
 
     Conditions that share no inputs are met independently: each such group by one of the terms that are shown, or by all
-    of them together where these name one choice only.
+    of them together where these name one choice only. GaveUpError where the search for them takes too long.
     """
-    groups = _groups(dag, asked, frozenset(inputs))
+    groups, tries = _groups(dag, asked, frozenset(inputs)), _Tries()
     return all(
         conditions <= facts
         if not own
-        else any(_every_case(dag, one, conditions, own) for one in shown) or _met(dag, shown, conditions, sorted(own))
+        else any(_every_case(dag, one, conditions, own, tries) for one in shown)
+        or _met(dag, shown, conditions, own, tries)
         for own, conditions in groups
     )
 
@@ -39,22 +60,35 @@ def _groups(dag: Dag, asked: Terms, inputs: Terms) -> list[tuple[Terms, Terms]]:
     return groups
 
 
-def _every_case(dag: Dag, term: int, conditions: Terms, inputs: Terms) -> bool:
+def _every_case(dag: Dag, term: int, conditions: Terms, inputs: Terms, tries: _Tries) -> bool:
     cases = dag.parts(term) if dag.nodes[term][0] == "or" else (term,)
-    return all(_met(dag, dag.conjuncts([case]), conditions, sorted(inputs)) for case in cases)
+    return all(_met(dag, dag.conjuncts([case]), conditions, inputs, tries) for case in cases)
 
 
-def _met(dag: Dag, case: Terms, conditions: Terms, inputs: Sequence[int]) -> bool:
-    """Whether with some terms in the place of the inputs every condition is a part of the case."""
-    if not inputs:
+def _met(dag: Dag, case: Terms, conditions: Terms, inputs: Terms, tries: _Tries) -> bool:
+    """Whether with some terms in the place of the inputs every condition is a part of the case.
+
+    The condition that reads fewest inputs goes first: it is settled soon, and a wrong choice is seen where it was made.
+    """
+    asked: dict[int, Terms] = {one: own for one in conditions if (own := dag.variables(one) & inputs)}
+    if not asked:
         return all(_says(dag, case, one) for one in conditions)
-    now, later = inputs[0], frozenset(inputs[1:])
+    fewest = sorted(asked.values(), key=_fewest)[0]
+    now = min(fewest)
+    later, touched = inputs - {now}, frozenset(one for one, own in asked.items() if now in own)
     for value in _values(dag, case, conditions, now):
-        after = Rewriting(dag, {now: value}).all(conditions)
+        tries.one()
+        after = Rewriting(dag, {now: value}).all(touched)
         settled = frozenset(one for one in after if dag.variables(one).isdisjoint(later))
-        if all(_says(dag, case, one) for one in settled) and _met(dag, case, after - settled, inputs[1:]):
+        if all(_says(dag, case, one) for one in settled) and _met(
+            dag, case, (conditions - touched) | (after - settled), later, tries
+        ):
             return True
     return False
+
+
+def _fewest(inputs: Terms) -> tuple[int, int]:
+    return len(inputs), min(inputs)
 
 
 def _says(dag: Dag, case: Terms, condition: int) -> bool:

@@ -298,7 +298,7 @@ class Theory:
         ranges |= Rewriting(self.dag, {self.write(option.value): other}).all(ranges)
         only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
         key = f"{one.header.get('part', '')}/{option.value.name}"
-        self.absent[key] = self.absent.get(key, Terms()) | frozenset(one.goals)
+        self.absent[key] = self.absent.get(key, Terms()) | frozenset(one.goals) | self.dag.conjuncts(one.goals)
 
     def _first_values(self, speaker: Speaker, one: Certificate) -> None:
         only(one, speaker.ranges)

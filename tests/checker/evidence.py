@@ -60,7 +60,11 @@ def solved(text: str) -> Opinion:
 def made(name: str) -> Evidence:
     """The proofs of a declaration of this name."""
     target = load_target(f"tests.checker.declared:{name}")
-    findings = prove(target.system, target.properties, LIMITS) + obligations(target.system, LIMITS)
+    return kept(target, prove(target.system, target.properties, LIMITS) + obligations(target.system, LIMITS))
+
+
+def kept(target: Target, findings: list[Finding]) -> Evidence:
+    """What was proved of a target, as a report keeps it, with the solvers' opinions."""
     proofs = [one.result for one in findings if isinstance(one.result, Proved)]
     texts = {file: text for proof in proofs for file, text in proof.certificates.items()}
     rows = [result_data(finding) for finding in findings]

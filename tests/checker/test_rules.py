@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from safeloc.catalogue import load_target
 from safeloc.checker.claims import Goals
 from safeloc.checker.rules import RefusedError, Theory
 from safeloc.checker.text import read
@@ -14,12 +15,13 @@ from safeloc.expr import BoolVar, boolean, number, was
 from safeloc.machine import Machine, Transition, modes
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
+from safeloc.provers.obligations import obligations
 from safeloc.spec import Property, observe, within
 from safeloc.system import TransitionSystem, lower
 from safeloc.target import Target
 from safeloc.units import ONE
 from safeloc.verdict import Proved
-from tests.checker.evidence import Evidence, refused, removed, solved
+from tests.checker.evidence import LIMITS, Evidence, kept, refused, removed, solved
 
 
 @pytest.mark.parametrize("name", ["counting", "whole", "twins"])
@@ -35,6 +37,14 @@ def test_no_certificate_can_be_missing(proofs: dict[str, Evidence], name: str) -
     """Without any one certificate some result is not confirmed."""
     for file in proofs[name].texts:
         assert refused(proofs[name].judged({file: None})), file
+
+
+def test_readings_of_one_input_are_one_goal() -> None:
+    """What several terms read of an absent input stands in one certificate, as one goal, and each is confirmed."""
+    target = load_target("stop_point")
+    owed = [one for one in obligations(target.system, LIMITS) if one.id.endswith("/absence")]
+    found = kept(target, owed).judged()
+    assert (["confirmed"], {}, {}) == ([row.answer for row in found.rows], found.wrong, found.undecided)
 
 
 def test_a_goal_left_out(proofs: dict[str, Evidence]) -> None:
