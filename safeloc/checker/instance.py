@@ -99,12 +99,10 @@ def _says(dag: Dag, case: Terms, condition: int) -> bool:
 
 
 def _values(dag: Dag, case: Terms, conditions: Terms, variable: int) -> Iterator[int]:
-    """Terms that may stand in the place of the input: constants, or what stands there in the case."""
+    """Terms that may stand in the place of the input: constants, or what stands there in the case, everywhere."""
     if dag.nodes[variable][2] == "Bool":
         yield from dag.truth.values()
         return
-    for pattern in conditions:
-        if dag.variables(pattern) == {variable}:
-            found = {dag.place(pattern, one, variable) for one in case} - {None}
-            yield from (one for one in found if one is not None)
-            return
+    patterns = [one for one in conditions if dag.variables(one) == {variable}]
+    found = [{dag.place(pattern, one, variable) for one in case} - {None} for pattern in patterns]
+    yield from sorted(term for term in set.intersection(*found) if term is not None) if found else ()
