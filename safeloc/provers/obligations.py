@@ -72,15 +72,17 @@ def obligations(
     found: dict[int, list[Finding]] = {}
     if search is None:
         found[len(tasks)] = _occurring(system, properties, 0.0)
+    tell = on_finding or (lambda _: None)
+    for finding in (one for known in found.values() for one in known):
+        tell(finding)
     for number, packed, seconds in in_processes([*tasks, *([] if search is None else [search])], jobs):
         if number == len(tasks):
             antecedents.remember(system, properties, limits, len(recordings), packed)
             found[number] = _occurring(system, properties, seconds)
         else:
             found[number] = _findings(system, list(CHECKS)[number], packed, seconds)
-        if on_finding is not None:
-            for finding in found[number]:
-                on_finding(finding)
+        for finding in found[number]:
+            tell(finding)
     return [finding for number in sorted(found) for finding in found[number]]
 
 
