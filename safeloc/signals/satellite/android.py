@@ -15,7 +15,7 @@ from safeloc.errors import InputError, StreamError
 from safeloc.outside import reading_file
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
 from safeloc.signals.satellite.figures import L1_HZ, LIGHT_M_PER_S, WEEK_S
-from safeloc.signals.satellite.log_lines import log_lines
+from safeloc.signals.satellite.log_lines import decimal, log_lines, whole
 
 _NANOS = 1_000_000_000
 _TIME_OF_WEEK, _CODE_LOCK, _GALILEO_CODE_LOCK = 8, 1, 1024
@@ -61,29 +61,29 @@ def _epoch(rows: list[Row], path: Path) -> Epoch:
         if name in found:
             raise StreamError(f"{path.name}: {name} stands twice at {row['TimeNanos']} ns; drop the epoch.")
         if name is not None:
-            found[name] = Measured(_pseudorange_m(row), float(row["PseudorangeRateMetersPerSecond"]))
+            found[name] = Measured(_pseudorange_m(row), decimal(row["PseudorangeRateMetersPerSecond"]))
     return Epoch(_receiver_nanos(rows[0]) / _NANOS, found)
 
 
 def _tracked(row: Row) -> str | None:
     """The satellite of a row that can be used; None for others."""
     letter, before, lock = _SYSTEMS.get(row["ConstellationType"], ("", 0, 0))
-    state = int(row["State"])
+    state = whole(row["State"])
     if not (letter and state & lock and state & _TIME_OF_WEEK and _is_l1(row.get("CarrierFrequencyHz", ""))):
         return None
-    return f"{letter}{int(row['Svid']) - before:02d}"
+    return f"{letter}{whole(row['Svid']) - before:02d}"
 
 
 def _is_l1(frequency_hz: str) -> bool:
     """Receivers of one band leave the frequency out."""
-    return not frequency_hz.strip() or abs(float(frequency_hz) - L1_HZ) < _BAND_HZ
+    return not frequency_hz.strip() or abs(decimal(frequency_hz) - L1_HZ) < _BAND_HZ
 
 
 def _receiver_nanos(row: Row) -> int:
-    return int(row["TimeNanos"]) - int(row["FullBiasNanos"])
+    return whole(row["TimeNanos"]) - whole(row["FullBiasNanos"])
 
 
 def _pseudorange_m(row: Row) -> float:
     week = WEEK_S * _NANOS
-    travelled = (_receiver_nanos(row) - int(row["ReceivedSvTimeNanos"]) + week // 2) % week - week // 2
-    return (travelled + float(row["TimeOffsetNanos"]) - float(row["BiasNanos"])) / _NANOS * LIGHT_M_PER_S
+    travelled = (_receiver_nanos(row) - whole(row["ReceivedSvTimeNanos"]) + week // 2) % week - week // 2
+    return (travelled + decimal(row["TimeOffsetNanos"]) - decimal(row["BiasNanos"])) / _NANOS * LIGHT_M_PER_S

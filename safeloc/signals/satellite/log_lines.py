@@ -1,4 +1,4 @@
-"""The lines of a receiver's log, in bounds."""
+"""The lines of a receiver's log, in bounds, and the numbers in their cells."""
 
 from __future__ import annotations
 
@@ -16,3 +16,19 @@ def log_lines(path: Path, encoding: str = "ascii") -> list[str]:
     data = read_bytes(path, LARGEST_LOG)
     refuse_beyond(path, data.count(b"\n") + data.count(b"\r"), MOST_LINES, "lines")
     return data.decode(encoding, errors="replace").splitlines()
+
+
+def decimal(text: str) -> float:
+    """Read a cell as a decimal number. ValueError for other text; Python alone would take `2_1` for 21."""
+    return float(_plain(text))
+
+
+def whole(text: str) -> int:
+    """Read a cell as a whole number; ValueError as `decimal`."""
+    return int(_plain(text))
+
+
+def _plain(text: str) -> str:
+    if "_" in text:
+        raise ValueError(f"{text!r} is no number")
+    return text

@@ -15,7 +15,7 @@ from safeloc.errors import InputError, StreamError
 from safeloc.outside import reading_file
 from safeloc.signals.satellite.atmosphere import Four, Klobuchar
 from safeloc.signals.satellite.ephemeris import FIT_HOURS, Ephemeris, usable
-from safeloc.signals.satellite.log_lines import log_lines
+from safeloc.signals.satellite.log_lines import decimal, log_lines, whole
 from safeloc.signals.satellite.times import gps_seconds, of_week
 
 _LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
@@ -99,7 +99,7 @@ def _ephemeris(satellite: str, date: str, rows: list[list[float]]) -> Ephemeris:
     fit = seven[1] if len(seven) > 1 and seven[1] > 0 and not european else FIT_HOURS
     return Ephemeris(
         satellite=satellite,
-        clock_time_s=gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second)),
+        clock_time_s=gps_seconds(whole(year), whole(month), whole(day), whole(hour), whole(minute), decimal(second)),
         af0_s=clock[0],
         af1=clock[1],
         af2_per_s=clock[2],
@@ -133,7 +133,7 @@ def _european_delay_s(five: list[float], six: list[float]) -> float:
 
 def _numbers(text: str) -> list[float]:
     cells = (text[at : at + 19] for at in range(0, len(text.rstrip()), 19))
-    return [float(cell.replace("D", "E").replace("d", "e")) for cell in cells if cell.strip()]
+    return [decimal(cell.replace("D", "E").replace("d", "e")) for cell in cells if cell.strip()]
 
 
 def _ionosphere(header: list[str]) -> Klobuchar | None:
@@ -148,7 +148,7 @@ def _ionosphere(header: list[str]) -> Klobuchar | None:
 
 def _four(line: str, start: int) -> Four:
     try:
-        a, b, c, d = (float(line[at : at + 12].replace("D", "E")) for at in range(start, start + 48, 12))
+        a, b, c, d = (decimal(line[at : at + 12].replace("D", "E")) for at in range(start, start + 48, 12))
     except ValueError as error:
         raise InputError(f"ionosphere coefficients cannot be read from {line!r}; mend the header.") from error
     return a, b, c, d

@@ -11,7 +11,7 @@ from pathlib import Path
 from safeloc.errors import StreamError
 from safeloc.outside import reading_file
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
-from safeloc.signals.satellite.log_lines import log_lines
+from safeloc.signals.satellite.log_lines import decimal, log_lines, whole
 from safeloc.signals.satellite.predicted import rate_of_doppler
 from safeloc.signals.satellite.times import gps_seconds
 
@@ -81,7 +81,7 @@ def _head(lines: list[str], at: int, path: Path) -> tuple[str, int]:
 def _time(head: str, where: str) -> float:
     try:
         year, month, day, hour, minute, second = head[1:29].split()
-        return gps_seconds(int(year), int(month), int(day), int(hour), int(minute), float(second))
+        return gps_seconds(whole(year), whole(month), whole(day), whole(hour), whole(minute), decimal(second))
     except (ValueError, OverflowError) as error:
         raise StreamError(f"{where}: {head[1:29]!r} is no time ({error}); mend or drop the epoch.") from error
 
@@ -100,7 +100,7 @@ def _satellites(body: list[str], first: int, columns: Columns, path: Path) -> di
 def _measured(line: str, columns: tuple[int, int], where: str) -> Measured:
     texts = [line[3 + 16 * column : 17 + 16 * column].strip() for column in columns]
     try:
-        code, doppler = (float(text) if text else None for text in texts)
+        code, doppler = (decimal(text) if text else None for text in texts)
         return Measured(code, None if doppler is None else rate_of_doppler(doppler))
     except ValueError as error:
         raise StreamError(f"{where}: {error}; mend or drop the epoch.") from error

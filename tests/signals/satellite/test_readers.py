@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from safeloc.border import Reason
 from safeloc.errors import InputError, StreamError
+from safeloc.signals.satellite import log_lines
 from safeloc.signals.satellite.android import read_android
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, in_order, received
 from safeloc.signals.satellite.navigation import read_navigation
@@ -143,6 +145,7 @@ def test_blank_observations_are_not_measured(tmp_path: Path) -> None:
         (HEADER + EPOCH + LINES[:40], "it is cut"),
         (HEADER + LINES, "no epoch starts here"),
         (HEADER + EPOCH + LINES.replace("21000000.000", "21000000.0x0"), "mend or drop the epoch"),
+        (HEADER + EPOCH + LINES.replace("21000000.000", "21_000_000.0"), "mend or drop the epoch"),
         (HEADER + EPOCH + LINES.replace("E07", "G05"), "G05 stands twice"),
         (HEADER.replace("C1C", "C2W").replace("C1X", "C5X") + EPOCH, "record both"),
         (HEADER.replace("     3.04", "     2.11") + EPOCH, "not a RINEX 3 observation file"),
@@ -171,3 +174,27 @@ def test_what_a_receiver_delivers_is_judged_at_the_border() -> None:
     ] == told
     nothing, why = received(math.nan, rows)
     assert (None, Reason.NOT_FINITE) == (nothing, why[0].reason)
+
+
+@pytest.mark.parametrize("read", [read_observations, read_navigation], ids=["observations", "navigation"])
+def test_lines_without_end_are_counted(
+    read: Callable[[Path], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Empty lines, the cheapest that there are: refused by their number, before a list of them is made."""
+    monkeypatch.setattr(log_lines, "MOST_LINES", 1_000)
+    path = tmp_path / "long.rnx"
+    path.write_text(HEADER + "\n" * 1_000)
+    with pytest.raises(InputError, match=r"long\.rnx: more than 1000 lines"):
+        read(path)
+
+
+@pytest.mark.parametrize("read", [read_observations, read_navigation], ids=["observations", "navigation"])
+def test_a_log_that_is_too_large_is_not_read(
+    read: Callable[[Path], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line without an end."""
+    monkeypatch.setattr(log_lines, "LARGEST_LOG", 10_000)
+    path = tmp_path / "wide.rnx"
+    path.write_text(HEADER + ">" * 10_000)
+    with pytest.raises(InputError, match=r"wide\.rnx"):
+        read(path)
