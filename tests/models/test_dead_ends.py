@@ -1,0 +1,38 @@
+"""Every state that a run of a shipped machine comes to has a lawful next step; a vehicle that could not stop in time would have none."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.catalogue import load_target
+from safeloc.expr import TRUE
+from safeloc.models import satellite
+from safeloc.models.satellite_parts import law
+from safeloc.models.satellite_parts.variables import SatelliteConfig
+from safeloc.models.satellite_selection import SelectionConfig
+from safeloc.provers.dead_ends import lasts
+from safeloc.provers.limits import Limits
+from safeloc.provers.recorded import Recording
+from safeloc.shipped import ENTRIES
+from safeloc.streams.steps import read_steps
+from safeloc.verdict import Proved, Violated
+
+SLOW = {"localizer", "localizer_sections", "fibre_area", "guard", "odometry", "supervised_odometry", "reflector"}
+SYSTEMS = [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in ENTRIES]
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_no_run_comes_to_a_dead_end(name: str) -> None:
+    """Proved, not only searched."""
+    target = load_target(name)
+    recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
+    verdict = lasts(target.system, Limits(seconds=60), recordings)
+    assert isinstance(verdict, Proved), verdict
+
+
+def test_a_vehicle_that_cannot_stop_comes_to_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """First state, assumption and invariant share one term; where it asks for nothing, a run into a dead end is found."""
+    for module in (satellite, law):
+        monkeypatch.setattr(module, "can_stop", lambda *_: TRUE)
+    wrong = satellite.compose_machines(SatelliteConfig(selection=SelectionConfig(channels=3)))
+    assert isinstance(lasts(wrong.composition.system, Limits(seconds=30)), Violated)
