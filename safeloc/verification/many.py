@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import signal
 import time
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -86,7 +87,7 @@ class _Conductor:
 
 
 def verify_targets(targets: Sequence[Target], plan: Plan, *, jobs: int, on_event: OnEvent) -> dict[str, list[Finding]]:
-    """All findings by target; at most `jobs` processes compute at a time.
+    """Verify several targets and return all findings by target; at most `jobs` processes compute at a time.
 
     What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.
     """
@@ -186,7 +187,8 @@ def _verified(target: Target, plan: Plan, jobs: int, pipe: Connection) -> _Done 
         return _Done(pack_findings(findings, target.system))
     except SafelocError as error:
         return _Failed(error)
-    except Exception as error:  # not swallowed: the parent raises it
+    except Exception as error:  # not swallowed: the parent raises it, and where it came from is known here only
+        traceback.print_exception(error)
         return _Failed(EngineError(f"{target.name}: {type(error).__name__}: {error}"))
 
 

@@ -20,12 +20,16 @@ from safeloc.verification.replay import replay_stream, whole_run
 from safeloc.verification.unasked import nothing_asked
 
 OnPhase = Callable[[str, int], None]
-"""Told of what begins, and of how many findings are expected of it."""
+"""Hears what begins, in words, and how many findings are expected of it."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How hard a target is looked at: bounds of provers; runs and steps of property tests, and their seed."""
+    """The effort for one target.
+
+    limits    bounds of the provers, for each property
+    examples  runs of the property tests; steps: of one stretch of such a run, at most; seed: of these runs
+    """
 
     limits: Limits
     examples: int
@@ -35,7 +39,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """What is done with one target, in at most `jobs` processes at a time."""
+    """Verifies one target, in at most `jobs` processes at a time; `on_phase` and `on_finding` hear of it as it comes."""
 
     target: Target
     jobs: int
@@ -43,8 +47,11 @@ class Work:
     on_finding: OnFinding
 
     def verified(self, plan: Plan) -> list[Finding]:
-        """All findings, in order: lemmas and properties, obligations, tests, replays."""
-        findings = [*nothing_asked(self.target), *self.proved(self.target.properties, plan.limits)]
+        """Return all findings, in order: lemmas and properties, obligations, tests, replays.
+
+        StreamError for a recording that the target cannot take, EngineError where solvers contradict each other.
+        """
+        findings = self._told(nothing_asked(self.target)) + self.proved(self.target.properties, plan.limits)
         owed = self.obliged(plan.limits)
         findings += [*owed, *self.tested(plan, owed)]
         for stream in self.target.streams:
@@ -53,7 +60,7 @@ class Work:
         return findings
 
     def proved(self, properties: Sequence[Property], limits: Limits) -> list[Finding]:
-        """Lemmas, contracts and these properties."""
+        """Prove lemmas, contracts and these properties."""
         self.on_phase(f"proving {self.target.name}", claims(self.target, properties))
         return prove(
             self.target.system,
@@ -65,7 +72,7 @@ class Work:
         )
 
     def obliged(self, limits: Limits) -> list[Finding]:
-        """What every machine owes without anybody writing a property."""
+        """Prove the obligations, which every machine has without anybody writing a property."""
         self.on_phase(f"obligations of {self.target.name}", owed(self.target))
         return obligations(
             self.target.system,
@@ -77,7 +84,7 @@ class Work:
         )
 
     def tested(self, plan: Plan, owed: Sequence[Finding]) -> list[Finding]:
-        """Property tests that also start along witnesses and shipped streams, so that deep modes and cases are tested."""
+        """Run the property tests, also from along witnesses and shipped streams, so that deep modes and cases are tested."""
         self.on_phase(f"testing {self.target.name}", len(self.target.properties))
         system, properties = self.target.system, self.target.properties
         witnesses = [one.result.witness for one in owed if isinstance(one.result, Proved)]

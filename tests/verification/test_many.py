@@ -86,6 +86,27 @@ def test_a_process_that_dies_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         verify_targets([target("emitter")], PLAN, jobs=1, on_event=lambda _: None)
 
 
+def test_what_nobody_foresaw_is_told_with_its_place(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The parent raises it with the target's name; the traceback of the other process is printed."""
+
+    def failing(*_: object) -> list[Finding]:
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr(Work, "verified", failing)
+    with pytest.raises(EngineError, match="emitter: ZeroDivisionError: by nothing"):
+        verify_targets([target("emitter")], PLAN, jobs=1, on_event=lambda _: None)
+    assert "in failing" in capfd.readouterr().err
+
+
+def test_that_nothing_was_asked_is_an_event() -> None:
+    """Of a target without properties, as any finding."""
+    events: list[Event] = []
+    verify_targets([replace(target("emitter"), properties=())], PLAN, jobs=1, on_event=events.append)
+    assert ["not asked"] == [one.verdict for one in events if isinstance(one, Found) and "/property/" in one.id]
+
+
 def test_a_run_of_another_system_is_not_packed(alone: tuple[Target, list[Finding]]) -> None:
     """Its inputs would have no meaning on arrival."""
     with pytest.raises(ValueError, match="with other inputs cannot be packed"):
