@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from safeloc.errors import InputError
 from safeloc.expr import Bool, Var
-from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.interpret import fired_names, holds, outputs, read_inputs, start, step
 from safeloc.nodes import Value
 from safeloc.provers.limits import Deadline
 from safeloc.runs.allowed import compiled_terms
@@ -97,7 +97,7 @@ def _admissible(
             inputs = read_inputs(system, {name: cell for name, cell in record.items() if name in names})
         except InputError:
             return
-        if not evaluate([allowed], {**state, **inputs})[0]:
+        if not holds(allowed, {**state, **inputs}):
             return
         state, fired = step(system, state, inputs)
         heard = {var.name: value for var, value in inputs.items()}
