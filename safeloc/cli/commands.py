@@ -64,6 +64,7 @@ COMMANDS: Mapping[str, Known] = {
         "recheck",
         "Check every proof of a report again, from its files and the declaration alone.",
     ),
+    "cache": Known("keeping", "cache", "Say how much earlier runs left behind, and take it away."),
     "prove": Known(
         "verify",
         "prove",

@@ -12,9 +12,12 @@ import typer
 
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
+from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
 from safeloc.cli.show import Progressing, code, findings_table, result, summed_up
 from safeloc.cli.verifying import Verifying
 from safeloc.errors import InputError
+from safeloc.kept.answers import kept_in
+from safeloc.kept.targets import asked, found_before, keep
 from safeloc.provers.limits import Limits
 from safeloc.report.data import report_data
 from safeloc.report.folder import render_folder, usable, write_folder
@@ -55,19 +58,31 @@ def prove(
     seconds: SecondsOption = 30.0,
     jobs: JobsOption = 2,
     seed: SeedOption = 0,
+    cache: CacheOption = None,
+    fresh: FreshOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Prove the properties and obligations of a machine for all streams that obey its assumption."""
     loaded = load_target(target, config)
     chosen = _chosen(loaded, only)
-    limits = Limits(depth=depth, seconds=seconds, seed=seed)
-    planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
-    with Progressing(planned, quiet=as_json) as progress:
-        work = Work(loaded, jobs, progress.say, progress.add)
-        findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
-        if only is None:
-            findings += work.obliged(limits)
+    limits, store = Limits(depth=depth, seconds=seconds, seed=seed), store_in(cache)
+    question = asked(loaded, "proved", limits, only)
+    findings = None if fresh else found_before(store, question)
+    if findings is None:
+        planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
+        with kept_in(store), Progressing(planned, quiet=as_json) as progress:
+            work = Work(loaded, jobs, progress.say, progress.add)
+            findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
+            if only is None:
+                findings += work.obliged(limits)
+        keep(store, question, findings)
+    _tell_kept(findings, quiet=as_json)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
+
+
+def _tell_kept(findings: Sequence[Finding], *, quiet: bool) -> None:
+    if not quiet and told(findings):
+        err.print(told(findings), markup=False)
 
 
 def _chosen(target: Target, names: list[str] | None) -> list[Property]:
@@ -147,6 +162,11 @@ def verify(
     seed: SeedOption = 0,
     examples: ExamplesOption = 60,
     steps: StepsOption = 60,
+    cache: CacheOption = None,
+    fresh: FreshOption = False,
+    check: Annotated[
+        bool, typer.Option("--recheck", help="check every proof of the report again, as `recheck` does")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Prove, test, replay the shipped streams, and write the report: the main job."""
@@ -156,14 +176,33 @@ def verify(
     loaded = _distinct([load_target(name, config) for name in names])
     usable(folder)
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
-    with Verifying(loaded, quiet=as_json) as told:
-        findings = in_order(verify_targets(loaded, plan, jobs=jobs, on_event=told))
+    store = store_in(cache)
+    with Verifying(loaded, quiet=as_json) as events:
+        found = verify_targets(
+            loaded, plan, jobs=jobs, on_event=events, look_in=None if fresh else store, keep_in=store
+        )
+    store.trim()
+    findings = in_order(found)
     page = write_folder(folder, findings, loaded)
     if as_json:
         raise typer.Exit(result(findings, loaded, as_json=True))
     _summary(findings)
+    _tell_kept(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
+    if check:
+        _checked(folder, jobs, findings)
     raise typer.Exit(code(findings))
+
+
+def _checked(folder: Path, jobs: int, findings: Sequence[Finding]) -> None:
+    """Ends the command where the checker does not confirm what was found; what was violated stays violated."""
+    from safeloc.cli.recheck import recheck  # the checker shares nothing with what made the report
+
+    try:
+        recheck(folder, jobs=jobs)
+    except typer.Exit as end:
+        if end.exit_code != 0 and code(findings) != 1:
+            raise
 
 
 def _distinct(targets: list[Target]) -> list[Target]:
