@@ -77,7 +77,7 @@ def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Ta
             (folder / "junit.xml").write_text(to_junit(findings), encoding="utf-8")
             certificates.write_archives(folder / certificates.FOLDER, archives)
             for name, own in runs.items():
-                (folder / kept.TRACES / files[name]).write_bytes(runs_file(name, own))
+                (folder / kept.TRACES / files[name]).write_bytes(runs_file(own))
             for file, content in machines.items():
                 (folder / kept.MACHINES / file).write_bytes(content)
             return _write_page(folder, whole, single=single)

@@ -2,14 +2,14 @@
 
 The file is JSON packed with xz (`xz -dc FILE | python -m json.tool`):
 
-    {"schema": "safeloc-runs/1", "machine": NAME,
+    {"schema": "safeloc-runs/1",
      "names": {"inputs": [...], "fired": [...], "state": [...], "outputs": [...]},
-     "runs": [{"results": [ID, ...], "steps": NUMBER, "first": [VALUE, ...],
+     "runs": [{"results": [ID, ...], "machine": NAME, "steps": NUMBER, "first": [VALUE, ...],
                "inputs": [COLUMN, ...], "fired": [...], "state": [...], "outputs": [...], "truth_mm": COLUMN}, ...]}
 
 A COLUMN is [value, count, value, count, ...] over the steps, in order of the names; null where a step does not have it
 (an absent input). `first` are the values before the first step, in order of the names of `state`. `results` are the
-ids of all results that are shown by the run.
+ids of all results that are shown by the run, `machine` is the one that ran.
 """
 
 from __future__ import annotations
@@ -46,13 +46,12 @@ class Shown:
     truth_mm: Sequence[int | None] = ()
 
 
-def runs_file(machine: str, runs: Sequence[Shown]) -> bytes:
+def runs_file(runs: Sequence[Shown]) -> bytes:
     """Return the content of the file."""
     rows = [[_row(one.trace, number) for number in range(len(one.trace.steps))] for one in runs]
     names = _names(runs, rows)
     data = {
         "schema": SCHEMA,
-        "machine": machine,
         "names": names,
         "runs": [_packed_run(one, own, names) for one, own in zip(runs, rows, strict=True)],
     }
@@ -83,6 +82,7 @@ def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names:
     truth += [None] * (len(rows) - len(truth))
     return {
         "results": list(one.results),
+        "machine": one.trace.system.name,
         "steps": len(rows),
         "first": [one.trace.initial.get(name) for name in names["state"]],
         **columns,
@@ -138,11 +138,10 @@ class Runs:
     """The runs of a file, by the ids of the results that they show; a run is unfolded when it is asked for."""
 
     def __init__(self, path: Path, data: Mapping[str, Any]) -> None:
-        self.machine: str = data["machine"]
         self._path, self._names = path, data["names"]
         self._runs: Mapping[str, Plain] = {result: run for run in data["runs"] for result in run["results"]}
-        if not isinstance(self.machine, str) or not all(isinstance(self._names[kind], list) for kind in KINDS):
-            raise TypeError("a machine and the names of its columns were expected")
+        if not all(isinstance(self._names[kind], list) for kind in KINDS):
+            raise TypeError("lists of the names of columns were expected")
 
     def __contains__(self, result: str) -> bool:
         return result in self._runs
@@ -169,7 +168,7 @@ class Runs:
                 for step, value in zip(self._rows(run, "inputs"), truth, strict=True)
             )
             columns = {name: 1 for step in steps for name in step}
-            return StepStream(steps, tuple(range(1, len(steps) + 1)), self._first(run), self.machine, columns)
+            return StepStream(steps, tuple(range(1, len(steps) + 1)), self._first(run), str(run["machine"]), columns)
 
     def _found(self, result: str) -> Plain:
         if result not in self._runs:
