@@ -38,6 +38,7 @@ def taken_apart(
     runs          id -> steps of the run that is kept of a result
     """
     numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
+    places = {row["id"]: number for number, row in enumerate(data["results"])}
     files = machine_files(data)
     small = {
         **data,
@@ -50,6 +51,7 @@ def taken_apart(
             }
             for row in data["results"]
         ],
+        "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
         "certificates": {file: list(names) for file, names in certificates.items()},
     }
     bulky = {files[one["name"]]: packed(_text({key: one[key] for key in BULKY})) for one in data["machines"]}
@@ -82,7 +84,7 @@ def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
 
 
 def read_report(folder: Path) -> Data:
-    """Return what report.json holds, with the certificates of each result by name, and "certificates" by file.
+    """Return what report.json holds, with certificates and results by name, and "certificates" by file.
 
     InputError where that is no report of this version.
     """
@@ -109,9 +111,21 @@ def checked(path: Path, read: Callable[[], T]) -> T:
 
 
 def _named(data: Data) -> Data:
+    """The data with names in the place of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
-    rows = [{**row, "certificates": [names[number] for number in row["certificates"]]} for row in data["results"]]
-    return {**data, "results": rows}
+    ids = [row["id"] for row in data["results"]]
+    return {
+        **data,
+        "results": [{**row, "certificates": _at(names, row["certificates"])} for row in data["results"]],
+        "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
+    }
+
+
+def _at(names: Sequence[str], places: Sequence[int]) -> list[str]:
+    """IndexError for a place where there is none; -1 is no place."""
+    if any(place < 0 for place in places):
+        raise IndexError("a place below 0")
+    return [names[place] for place in places]
 
 
 def read_for_page(folder: Path) -> Data:
