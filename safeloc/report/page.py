@@ -44,7 +44,7 @@ def to_pages(data: Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
     """Return the page and its parts by file name; no parts where it is small, or `single`."""
     rendering = _Rendering(data)
     whole = rendering.page()
-    return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts()
+    return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
 
 
 def to_html(data: Data) -> str:
@@ -83,15 +83,15 @@ class _Rendering:
         machines = [{**one, "beside": ""} for one in self._machines]
         return self._filled("page", **self._given, machines=machines, items_beside="", made="", script="")
 
-    def in_parts(self) -> tuple[str, dict[str, str]]:
-        """The page that loads its parts, and these by file name."""
+    def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
+        """The page that loads its parts, and these by file name; all carry the digest of the whole page."""
+        made = hashlib.sha256(whole.encode()).hexdigest()[:16]
         files = file_names(["beside", "trace back", *(one["name"] for one in self._machines)])
         html = {
             files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)
             for one in self._machines
         }
         html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
-        made = hashlib.sha256("\0".join(html.values()).encode()).hexdigest()[:16]
         parts = {f"{file}.js": _part(f"{PARTS}/{file}.js", made, text) for file, text in html.items()}
         parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
         page = self._filled(
