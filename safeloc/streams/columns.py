@@ -65,7 +65,7 @@ def _row(trace: Trace, number: int) -> Sequence[Mapping[str, Cell]]:
 
 
 def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, Cell]]]]) -> dict[str, Sequence[str]]:
-    """Every name that a run has, by kind, in the order in which they come."""
+    """Every name that a run has, by kind, in the order in which they come; inputs in that of the declaration."""
     found = {kind: dict[str, None]() for kind in KINDS}
     for one, steps in zip(runs, rows, strict=True):
         found["state"].update(dict.fromkeys(one.trace.initial))
@@ -73,7 +73,9 @@ def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, 
             for kind, values in zip(KINDS, step, strict=True):
                 if not found[kind].keys() >= values.keys():
                     found[kind].update(dict.fromkeys(values))
-    return {kind: list(names) for kind, names in found.items()}
+    declared = dict.fromkeys(var.name for one in runs for var in one.trace.system.inputs)
+    names = {kind: list(of_a_kind) for kind, of_a_kind in found.items()}
+    return {**names, "inputs": [name for name in declared if name in found["inputs"]]}
 
 
 def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> Plain:
