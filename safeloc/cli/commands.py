@@ -72,7 +72,7 @@ COMMANDS: Mapping[str, Known] = {
     ),
     "test": Known("verify", "test", "Run property tests along plausible and faulty streams."),
     "replay": Known("verify", "replay", "Run a recorded stream through a machine and check every property on it."),
-    "report": Known("verify", "report", "Render the page of a report folder again from its report.json."),
+    "report": Known("verify", "report", "Render the page of a report folder again, or write out what is packed in it."),
     "verify": Known("verify", "verify", "Prove, test, replay the shipped streams, and write the report: the main job."),
 }
 
