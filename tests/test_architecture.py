@@ -91,6 +91,7 @@ ABOVE = {
     ),
     "safeloc/report/": ("safeloc.cli",),
     "safeloc/checker/": ("safeloc.provers", "safeloc.backends", "safeloc.cli"),
+    "safeloc/cache/": ("safeloc.models", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.shipped"),
     "safeloc/checker/proofs/": (
         "safeloc.backends",
         "safeloc.provers",

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from safeloc.cache.store import Store, usual_folder
 from safeloc.cli.console import out
-from safeloc.kept.store import Store, usual_folder
 from safeloc.results import Finding
 
 CacheOption = Annotated[

@@ -10,18 +10,19 @@ from typing import Annotated
 
 import typer
 
+from safeloc.cache.answers import kept_in
+from safeloc.cache.reports import keep_report, kept_report, report_key
+from safeloc.cache.targets import asked, found_before, keep
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
 from safeloc.cli.show import Progressing, code, findings_table, result, summed_up
 from safeloc.cli.verifying import Verifying
 from safeloc.errors import InputError
-from safeloc.kept.answers import kept_in
-from safeloc.kept.targets import asked, found_before, keep
 from safeloc.provers.limits import Limits
 from safeloc.report.data import report_data
 from safeloc.report.extract import extract
-from safeloc.report.folder import render_folder, usable, write_folder
+from safeloc.report.folder import PAGE, cleared, files_of, render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.verdict import word
@@ -198,35 +199,46 @@ def verify(
     names = targets or list(ENTRIES)
     if config is not None and len(names) > 1:
         raise typer.BadParameter(f"--config is of one machine, and here are {len(names)}: {', '.join(names)}.")
-    loaded = _distinct([load_target(name, config) for name in names])
-    usable(folder)
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
     store = store_in(cache)
+    key = None if as_json else report_key(names, config, plan, single)
+    usable(folder)
+    back = None if fresh else kept_report(store, key)
+    if back is not None:
+        with cleared(folder):
+            back.put_back(folder)
+        out.print(back.said, markup=False)
+        err.print(f"nothing has changed since {back.since}; report of then: {folder / PAGE}", markup=False)
+        _checked(folder, jobs, 0, wanted=check)
+        raise typer.Exit(0)
+    loaded = _distinct([load_target(name, config) for name in names])
     with Verifying(loaded, quiet=as_json) as events:
-        found = verify_targets(
-            loaded, plan, jobs=jobs, on_event=events, look_in=None if fresh else store, keep_in=store
-        )
-    store.trim()
+        look_in = None if fresh else store
+        found = verify_targets(loaded, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
     findings = in_order(found)
     page = write_folder(folder, findings, loaded, single=single)
+    if code(findings) == 0:
+        keep_report(store, key, folder, files_of(folder), summed_up(findings))
+    store.trim()
     if as_json:
         raise typer.Exit(result(findings, loaded, as_json=True))
     _summary(findings)
     _tell_kept(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
-    if check:
-        _checked(folder, jobs, findings)
+    _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
 
 
-def _checked(folder: Path, jobs: int, findings: Sequence[Finding]) -> None:
+def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:
     """Ends the command where the checker does not confirm what was found; what was violated stays violated."""
-    from safeloc.cli.recheck import recheck  # the checker shares nothing with what made the report
+    if not wanted:
+        return
+    from safeloc.cli.recheck import recheck  # it loads solvers, which a run without it does not need
 
     try:
         recheck(folder, jobs=jobs)
     except typer.Exit as end:
-        if end.exit_code != 0 and code(findings) != 1:
+        if end.exit_code != 0 and found != 1:
             raise
 
 

@@ -9,8 +9,8 @@ import z3
 
 from safeloc.backends.smt import Terms, constant
 from safeloc.backends.smtlib import Key, Query, to_smtlib
+from safeloc.cache.answers import keep_proved, keeping, proved_before
 from safeloc.expr import Bool, Var
-from safeloc.kept.answers import keep_proved, keeping, proved_before
 from safeloc.nodes import And, Value
 from safeloc.provers.limits import deadline, milliseconds
 from safeloc.terms import variables

@@ -13,8 +13,8 @@ from typing import Generic
 import cvc5
 
 from safeloc.backends.smtlib import Key, Query, to_smtlib
+from safeloc.cache.answers import keep_proved, proved_before
 from safeloc.errors import EngineError
-from safeloc.kept.answers import keep_proved, proved_before
 from safeloc.provers.limits import Deadline, deadline, milliseconds
 
 ENGINE = f"cvc5 {cvc5.__version__}"

@@ -44,6 +44,7 @@ def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[
         "made": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "verdict": worst(word(finding.result) for finding in findings),
         "versions": versions(),
+        "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
         "machines": [{**machine_data(target), "pictures": pictures_data(target, findings)} for target in targets],
         "results": [result_data(finding) for finding in findings],
         "requirements": [_requirement(link, findings) for link in traced.links],

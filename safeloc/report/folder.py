@@ -31,7 +31,7 @@ from safeloc.streams.columns import Shown, runs_file
 from safeloc.trace import Trace
 from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 
-PAGE = "index.html"
+PAGE, JUNIT = "index.html", "junit.xml"
 OWN = {
     certificates.FOLDER: f"*{certificates.SUFFIX}",
     kept.TRACES: f"*{kept.SUFFIX}",
@@ -74,7 +74,7 @@ def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Ta
             for name in (certificates.FOLDER, kept.TRACES, kept.MACHINES):
                 (folder / name).mkdir(exist_ok=True)
             (folder / kept.DATA).write_text(kept.written(small), encoding="utf-8")
-            (folder / "junit.xml").write_text(to_junit(findings), encoding="utf-8")
+            (folder / JUNIT).write_text(to_junit(findings), encoding="utf-8")
             certificates.write_archives(folder / certificates.FOLDER, archives)
             for name, own in runs.items():
                 (folder / kept.TRACES / files[name]).write_bytes(runs_file(own))
@@ -94,6 +94,20 @@ def _alone(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+def files_of(folder: Path) -> list[str]:
+    """The files of a report, by their names in its folder, the data last: without these there is no report."""
+    own = [path for name, pattern in OWN.items() for path in sorted((folder / name).glob(pattern))]
+    return [path.relative_to(folder).as_posix() for path in (*own, folder / JUNIT, folder / PAGE, folder / kept.DATA)]
+
+
+@contextmanager
+def cleared(folder: Path) -> Iterator[None]:
+    """Within, no other run writes here, and the folder holds no report."""
+    with _alone(folder):
+        _clear(folder)
+        yield
 
 
 def render_folder(folder: Path, *, single: bool = False) -> Path:

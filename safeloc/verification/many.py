@@ -17,11 +17,11 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkProcess
 from typing import Any, NoReturn
 
+from safeloc.cache.answers import kept_in
+from safeloc.cache.store import Store
+from safeloc.cache.targets import Asked, asked, found_before, keep
 from safeloc.catalogue import Target
 from safeloc.errors import EngineError, SafelocError
-from safeloc.kept.answers import kept_in
-from safeloc.kept.store import Store
-from safeloc.kept.targets import Asked, asked, found_before, keep
 from safeloc.provers.slots import Slots, sharing
 from safeloc.results import Finding
 from safeloc.verdict import word
@@ -109,7 +109,7 @@ def verify_targets(
 ) -> dict[str, list[Finding]]:
     """Verify several targets and return all findings by target; at most `jobs` processes compute at a time.
 
-    look_in  where findings of an earlier run may be; of an unchanged target these are returned (safeloc.kept)
+    look_in  where findings of an earlier run may be; of an unchanged target these are returned (safeloc.cache)
     keep_in  where findings, and the answers of solvers, are kept
 
     What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.

@@ -11,9 +11,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from safeloc.kept.contents import target_digest
-from safeloc.kept.engine import engine_digest
-from safeloc.kept.store import Store
+from safeloc.cache.contents import target_digest
+from safeloc.cache.engine import engine_digest
+from safeloc.cache.store import Store
 from safeloc.results import Finding
 from safeloc.target import Target
 from safeloc.verdict import Unknown

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Literal
 
-from safeloc.kept.engine import engine_digest
-from safeloc.kept.store import Store
+from safeloc.cache.engine import engine_digest
+from safeloc.cache.store import Store
 
 Solver = Literal["z3", "cvc5"]
 KIND, PROVED = "answers", b"proved"
