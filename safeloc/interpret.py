@@ -6,7 +6,7 @@ It reads only TransitionSystem and uses Python's unbounded integers; nothing is 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import assert_never
 
 from safeloc.errors import InputError
@@ -31,7 +31,7 @@ from safeloc.nodes import (
     Value,
 )
 from safeloc.system import TransitionSystem, canonical
-from safeloc.terms import in_order
+from safeloc.terms import children, in_order
 from safeloc.trace import Step, Trace
 from safeloc.units import Enumeration
 
@@ -44,21 +44,30 @@ def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
 
 
 class Program:
-    """Terms that are evaluated again and again: their order is worked out once."""
+    """Terms that are evaluated again and again: their order, and what each node does, is worked out once."""
 
     def __init__(self, terms: Iterable[Expr]) -> None:
         self.terms = list(terms)
-        self._order = in_order(self.terms)
+        places: dict[Expr, int] = {}
+        self._operations: list[_Operation] = []
+        for node in in_order(self.terms):
+            self._operations.append(_operation(node, places))
+            places[node] = len(places)
+        self._told = [places[term] for term in self.terms]
 
     def __call__(self, values: Mapping[Var, Value]) -> list[Value]:
         """The value of each term; KeyError for a variable that has none."""
-        found: dict[Expr, Value] = {}
-        for node in self._order:
-            found[node] = values[node] if isinstance(node, (NumVar, BoolVar)) else _value(node, found)
-        return [found[term] for term in self.terms]
+        found: list[Value] = []
+        for operation in self._operations:
+            found.append(operation(found, values))
+        return [found[place] for place in self._told]
 
+
+_Operation = Callable[[Sequence[Value], Mapping[Var, Value]], Value]
+"""What a node does: from the values of the nodes before it, and those of the variables."""
 
 _STEPS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
+_OUTPUTS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
 
 
 def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
@@ -66,38 +75,52 @@ def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
     return bool(evaluate([term], values)[0])
 
 
-def _value(node: Node, of: Mapping[Expr, Value]) -> Value:
+def _operation(node: Node, places: Mapping[Expr, int]) -> _Operation:
+    at = [places[part] for part in children(node)]
     match node:
+        case NumVar() | BoolVar():
+            return lambda _, values: values[node]
         case Lit(value, _) | Truth(value):
-            return value
-        case Add(a, b):
-            return of[a] + of[b]
-        case Sub(a, b):
-            return of[a] - of[b]
-        case Mul(a, b):
-            return of[a] * of[b]
-        case FloorDiv(a, k):
-            return of[a] // k
-        case Min(a, b):
-            return min(of[a], of[b])
-        case Max(a, b):
-            return max(of[a], of[b])
-        case Choose(c, a, b, _) | ChooseBool(c, a, b):
-            return of[a] if of[c] else of[b]
-        case Not(inner):
-            return not of[inner]
-        case And(parts):
-            return all(of[part] for part in parts)
-        case Or(parts):
-            return any(of[part] for part in parts)
-        case Compare("<", a, b):
-            return of[a] < of[b]
-        case Compare("<=", a, b):
-            return of[a] <= of[b]
-        case Compare("==", a, b):
-            return of[a] == of[b]
-        case Past() | NumVar() | BoolVar():
-            raise InputError(f"{type(node).__name__} cannot be evaluated here; a property is observed first.")
+            return lambda _, __: value
+        case And():
+            return lambda of, _: all(map(of.__getitem__, at))
+        case Or():
+            return lambda of, _: any(map(of.__getitem__, at))
+        case Not():
+            (inner,) = at
+            return lambda of, _: not of[inner]
+        case Choose() | ChooseBool():
+            condition, then, other = at
+            return lambda of, _: of[then] if of[condition] else of[other]
+        case FloorDiv(_, divisor, _):
+            (left,) = at
+            return lambda of, _: of[left] // divisor
+        case Add() | Sub() | Mul() | Min() | Max() | Compare():
+            return _of_two(node, *at)
+        case Past():
+            raise InputError("Past cannot be evaluated here; a property is observed first.")
+        case _:
+            assert_never(node)
+
+
+def _of_two(node: Add | Sub | Mul | Min | Max | Compare, a: int, b: int) -> _Operation:
+    match node:
+        case Add():
+            return lambda of, _: of[a] + of[b]
+        case Sub():
+            return lambda of, _: of[a] - of[b]
+        case Mul():
+            return lambda of, _: of[a] * of[b]
+        case Min():
+            return lambda of, _: min(of[a], of[b])
+        case Max():
+            return lambda of, _: max(of[a], of[b])
+        case Compare("<"):
+            return lambda of, _: of[a] < of[b]
+        case Compare("<="):
+            return lambda of, _: of[a] <= of[b]
+        case Compare("=="):
+            return lambda of, _: of[a] == of[b]
         case Compare():
             raise AssertionError(node)
         case _:
@@ -206,7 +229,9 @@ def run(
 
 def outputs(system: TransitionSystem, state: Mapping[Var, Value]) -> dict[str, Value]:
     """The outputs in a state."""
-    return dict(zip(system.outputs, evaluate(system.outputs.values(), state), strict=True))
+    if system not in _OUTPUTS:
+        _OUTPUTS[system] = Program(system.outputs.values())
+    return dict(zip(system.outputs, _OUTPUTS[system](state), strict=True))
 
 
 def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:
