@@ -8,6 +8,7 @@ Units of folded terms are not kept: back ends compute with plain numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 from safeloc.backends.shapes import is_magnitude
 from safeloc.nodes import (
@@ -55,6 +56,37 @@ class Known:
         self._kept: dict[tuple[object, ...], Expr] = {}
         self._among: dict[Expr, frozenset[int]] = {}
         self._distances: dict[tuple[int, int], Expr] = {}
+
+    def under(self, facts: Mapping[Expr, Expr]) -> Known:
+        """The same where more is known, for the terms that were asked of this one and that it left as they were.
+
+        Only what is made of a fact is looked at again.
+        """
+        if not self._settled:
+            return Known(facts)
+        more = Known({})
+        more._done, more._kept = dict(self._done), dict(self._kept)
+        more._among, more._distances = dict(self._among), dict(self._distances)
+        left = [*facts]
+        while left:
+            for whole in self._wholes.get(left.pop(), ()):
+                if more._done.pop(whole, None) is not None:
+                    left.append(whole)
+        more._done.update(facts)
+        return more
+
+    @cached_property
+    def _settled(self) -> bool:
+        return all(folded is node for node, folded in self._done.items())
+
+    @cached_property
+    def _wholes(self) -> Mapping[Expr, Sequence[Expr]]:
+        """Of each term, what is made of it."""
+        found: dict[Expr, list[Expr]] = {}
+        for node in self._done:
+            for part in children(node):
+                found.setdefault(part, []).append(node)
+        return found
 
     def __call__(self, term: Expr) -> Expr:
         """The term under the facts; of a decided choice only the chosen branch is looked at."""
