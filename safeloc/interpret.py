@@ -6,8 +6,9 @@ It reads only TransitionSystem and uses Python's unbounded integers; nothing is 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import assert_never
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from typing import Any, assert_never
 
 from safeloc.errors import InputError
 from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
@@ -31,7 +32,7 @@ from safeloc.nodes import (
     Value,
 )
 from safeloc.system import TransitionSystem, canonical
-from safeloc.terms import children, in_order
+from safeloc.terms import in_order
 from safeloc.trace import Step, Trace
 from safeloc.units import Enumeration
 
@@ -40,32 +41,32 @@ Values = dict[Var, Value]
 
 def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
     """The value of each term where variables have `values`; KeyError for a variable that has none."""
-    return Program(terms)(values)
+    return _program(tuple(terms))(values)
 
 
 class Program:
-    """Terms that are evaluated again and again: their order, and what each node does, is worked out once."""
+    """Terms that are evaluated again and again: their order is worked out once.
+
+    Every node has a place in a list of values, and a small function that works out its value from those before it.
+    """
 
     def __init__(self, terms: Iterable[Expr]) -> None:
         self.terms = list(terms)
-        places: dict[Expr, int] = {}
-        self._operations: list[_Operation] = []
-        for node in in_order(self.terms):
-            self._operations.append(_operation(node, places))
-            places[node] = len(places)
-        self._told = [places[term] for term in self.terms]
+        order = in_order(self.terms)
+        place: dict[Expr, int] = {node: number for number, node in enumerate(order)}
+        self._moves = [_move(node, place) for node in order]
+        self._told = [place[term] for term in self.terms]
 
     def __call__(self, values: Mapping[Var, Value]) -> list[Value]:
         """The value of each term; KeyError for a variable that has none."""
-        found: list[Value] = []
-        for operation in self._operations:
-            found.append(operation(found, values))
+        found: list[Any] = []
+        keep = found.append
+        for move in self._moves:
+            keep(move(found, values))
         return [found[place] for place in self._told]
 
 
-_Operation = Callable[[Sequence[Value], Mapping[Var, Value]], Value]
-"""What a node does: from the values of the nodes before it, and those of the variables."""
-
+_Move = Callable[[list[Any], Mapping[Var, Value]], Value]
 _STEPS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
 _OUTPUTS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
 
@@ -75,52 +76,60 @@ def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
     return bool(evaluate([term], values)[0])
 
 
-def _operation(node: Node, places: Mapping[Expr, int]) -> _Operation:
-    at = [places[part] for part in children(node)]
+@lru_cache(maxsize=64)
+def _program(terms: tuple[Expr, ...]) -> Program:
+    """The same terms are often asked for state after state."""
+    return Program(terms)
+
+
+def _move(node: Node, place: Mapping[Expr, int]) -> _Move:
+    """How the value of a node comes of the values before it: `of` holds these by place."""
     match node:
         case NumVar() | BoolVar():
             return lambda _, values: values[node]
         case Lit(value, _) | Truth(value):
             return lambda _, __: value
-        case And():
-            return lambda of, _: all(map(of.__getitem__, at))
-        case Or():
-            return lambda of, _: any(map(of.__getitem__, at))
-        case Not():
-            (inner,) = at
-            return lambda of, _: not of[inner]
-        case Choose() | ChooseBool():
-            condition, then, other = at
-            return lambda of, _: of[then] if of[condition] else of[other]
-        case FloorDiv(_, divisor, _):
-            (left,) = at
-            return lambda of, _: of[left] // divisor
+        case FloorDiv(a, divisor):
+            i = place[a]
+            return lambda of, _: of[i] // divisor
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
+            k, i, j = place[c], place[a], place[b]
+            return lambda of, _: of[i] if of[k] else of[j]
+        case Not(inner):
+            i = place[inner]
+            return lambda of, _: not of[i]
+        case And(parts):
+            places = [place[part] for part in parts]
+            return lambda of, _: all(of[n] for n in places)
+        case Or(parts):
+            places = [place[part] for part in parts]
+            return lambda of, _: any(of[n] for n in places)
         case Add() | Sub() | Mul() | Min() | Max() | Compare():
-            return _of_two(node, *at)
+            return _of_two(node, place[node.left], place[node.right])
         case Past():
-            raise InputError("Past cannot be evaluated here; a property is observed first.")
+            raise InputError(f"{type(node).__name__} cannot be evaluated here; a property is observed first.")
         case _:
             assert_never(node)
 
 
-def _of_two(node: Add | Sub | Mul | Min | Max | Compare, a: int, b: int) -> _Operation:
+def _of_two(node: Add | Sub | Mul | Min | Max | Compare, i: int, j: int) -> _Move:
     match node:
         case Add():
-            return lambda of, _: of[a] + of[b]
+            return lambda of, _: of[i] + of[j]
         case Sub():
-            return lambda of, _: of[a] - of[b]
+            return lambda of, _: of[i] - of[j]
         case Mul():
-            return lambda of, _: of[a] * of[b]
+            return lambda of, _: of[i] * of[j]
         case Min():
-            return lambda of, _: min(of[a], of[b])
+            return lambda of, _: min(of[i], of[j])
         case Max():
-            return lambda of, _: max(of[a], of[b])
+            return lambda of, _: max(of[i], of[j])
         case Compare("<"):
-            return lambda of, _: of[a] < of[b]
+            return lambda of, _: of[i] < of[j]
         case Compare("<="):
-            return lambda of, _: of[a] <= of[b]
+            return lambda of, _: of[i] <= of[j]
         case Compare("=="):
-            return lambda of, _: of[a] == of[b]
+            return lambda of, _: of[i] == of[j]
         case Compare():
             raise AssertionError(node)
         case _:

@@ -13,7 +13,7 @@ from typing import NoReturn, TypeAlias, assert_never
 from safeloc.antecedents import cases, seen
 from safeloc.errors import TruthValueError
 from safeloc.expr import Expr, Var
-from safeloc.interpret import Program, read_inputs, start
+from safeloc.interpret import Program, holds, read_inputs, start
 from safeloc.nodes import Value
 from safeloc.spec import Goal, Property, observe, watch
 from safeloc.system import TransitionSystem, environment
@@ -60,8 +60,7 @@ class Monitor:
     def __init__(self, goal: Goal, first: Mapping[str, Value] | None = None) -> None:
         self.goal, self._number = goal, 0
         self._state: dict[Var, Value] = start(goal.system, first)
-        self._advance = Program([environment(goal.system), *goal.system.next.values()])
-        self._good = Program([goal.good])
+        self._moves = Program([environment(goal.system), *goal.system.next.values()])
         self._wanted = goal.prop.kind == "reachable"
         self.status: Status = Undecided(0, "not reached yet") if self._wanted else Holds()
         self._look()
@@ -70,8 +69,9 @@ class Monitor:
         """One step's inputs by name; InputError for what the interpreter refuses."""
         self._number += 1
         values = {**self._state, **read_inputs(self.goal.system, inputs)}
-        allowed, *moved = self._advance(values)
-        self._state = dict(zip(self.goal.system.next, moved, strict=True))
+        moves = self.goal.system.next
+        allowed, *moved = self._moves(values)
+        self._state = dict(zip(moves, moved, strict=True))
         if not allowed and not self._settled():
             self.status = Undecided(self._number, "the assumption is broken from here on")
         self._look()
@@ -89,7 +89,7 @@ class Monitor:
                 assert_never(self.status)
 
     def _look(self) -> None:
-        if self._settled() or self._good(self._state)[0]:
+        if self._settled() or holds(self.goal.good, self._state):
             return
         self.status = Holds() if self._wanted else Broken(self._number)
 

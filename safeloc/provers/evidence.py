@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.errors import EngineError, InputError
 from safeloc.expr import Var
-from safeloc.interpret import Program, fired_names, outputs, read_inputs, run, start, step
+from safeloc.interpret import fired_names, holds, outputs, read_inputs, run, start, step
 from safeloc.nodes import Value
 from safeloc.spec import Goal
 from safeloc.system import TransitionSystem, environment
@@ -15,20 +15,20 @@ from safeloc.trace import Step, Trace
 
 def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[str, object]]) -> Trace | None:
     """The run up to the first step in which `good` fails; None if it never does or the assumption is broken before."""
-    system, allowed, good = goal.system, Program([environment(goal.system)]), Program([goal.good])
+    system, allowed = goal.system, environment(goal.system)
     state = start(system, first)
     initial = _shown(goal, state)
     steps: list[Step] = []
-    if not good(state)[0]:
+    if not holds(goal.good, state):
         return Trace(goal.plain, initial, ())
     for record in stream:
         inputs = read_inputs(system, record)
-        if not allowed({**state, **inputs})[0]:
+        if not holds(allowed, {**state, **inputs}):
             return None
         state, fired = step(system, state, inputs)
         named = {var.name: value for var, value in inputs.items()}
         steps.append(Step(named, fired_names(fired), _shown(goal, state), outputs(system, state)))
-        if not good(state)[0]:
+        if not holds(goal.good, state):
             return Trace(goal.plain, initial, tuple(steps))
     return None
 
@@ -41,10 +41,10 @@ def admissible_run(
         trace = run(system, stream, first=first)
     except InputError as error:
         raise EngineError(f"a run of {system.name} that a solver found is not admissible: {error}") from error
-    state, allowed = start(system, first), Program([environment(system)])
+    state, allowed = start(system, first), environment(system)
     for number, record in enumerate(stream, 1):
         inputs = read_inputs(system, record)
-        if not allowed({**state, **inputs})[0]:
+        if not holds(allowed, {**state, **inputs}):
             raise EngineError(f"a run of {system.name} that a solver found breaks the assumption in step {number}.")
         state, _ = step(system, state, inputs)
     return trace

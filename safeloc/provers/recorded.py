@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from safeloc.errors import InputError
 from safeloc.expr import Bool, Var
-from safeloc.interpret import Program, fired_names, outputs, read_inputs, start, step
+from safeloc.interpret import fired_names, holds, outputs, read_inputs, start, step
 from safeloc.nodes import Value
 from safeloc.provers.limits import Deadline
 from safeloc.runs.allowed import compiled_terms
@@ -74,7 +74,7 @@ def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[st
 def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
     """Each goal with the run up to the step in which the recording first comes to it."""
     system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
-    left, taken = [(goal, Program([goal.good])) for goal in watched.goals], list[Step]()
+    left, taken = list(watched.goals), list[Step]()
     try:
         state = start(system, _known(original, recording.first))
     except InputError:
@@ -82,8 +82,8 @@ def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, T
     initial = _named(state, hidden)
     for one, after in _admissible(system, state, recording, hidden):
         taken.append(one)
-        for goal, good in [one for one in left if not one[1](after)[0]]:
-            left.remove((goal, good))
+        for goal in [goal for goal in left if not holds(goal.good, after)]:
+            left.remove(goal)
             yield goal, Trace(original, initial, tuple(taken))
 
 
@@ -91,13 +91,13 @@ def _admissible(
     system: TransitionSystem, state: Values, recording: Recording, hidden: frozenset[Var]
 ) -> Iterator[tuple[Step, Values]]:
     """The steps as long as they are in range and keep the assumption, each with the state after it."""
-    allowed, names = Program([environment(system)]), {var.name for var in system.inputs}
+    allowed, names = environment(system), {var.name for var in system.inputs}
     for record in recording.steps:
         try:
             inputs = read_inputs(system, {name: cell for name, cell in record.items() if name in names})
         except InputError:
             return
-        if not allowed({**state, **inputs})[0]:
+        if not holds(allowed, {**state, **inputs}):
             return
         state, fired = step(system, state, inputs)
         heard = {var.name: value for var, value in inputs.items()}
