@@ -36,7 +36,7 @@ from safeloc.nodes import (
 
 def children(node: Expr) -> tuple[Expr, ...]:
     """The terms a node is made of."""
-    return _CHILDREN[type(node)](node)
+    return CHILDREN[type(node)](node)
 
 
 def _none(_: Expr) -> tuple[Expr, ...]:
@@ -44,7 +44,7 @@ def _none(_: Expr) -> tuple[Expr, ...]:
 
 
 _OPERANDS, _CHOICE, _PARTS = attrgetter("left", "right"), attrgetter("condition", "then", "other"), attrgetter("parts")
-_CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, since nothing is asked as often
+CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, since nothing is asked as often
     **dict.fromkeys((Lit, NumVar, Truth, BoolVar), _none),
     **dict.fromkeys((Choose, ChooseBool), _CHOICE),
     **dict.fromkeys((And, Or, Past), _PARTS),
@@ -67,7 +67,7 @@ def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node
     seen: set[Expr] = set()
     order: list[Any] = []
     stack: list[Any] = [*reversed(list(roots))]
-    below = _CHILDREN
+    below = CHILDREN
     while stack:
         node = stack.pop()
         kind = type(node)
