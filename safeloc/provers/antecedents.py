@@ -311,7 +311,9 @@ class _Together:
         if self._ends.passed:
             return
         prop = self._asked[number].prop
-        own = occurs_alone(self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number))
+        own = occurs_alone(
+            self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
+        )
         if own is not None:
             part, goal = own
             trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
