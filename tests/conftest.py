@@ -17,7 +17,7 @@ SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
 settings.register_profile(
     "ci", derandomize=True, deadline=None, max_examples=60, database=None, suppress_health_check=SLOW_BUT_FINE
 )
-settings.register_profile("deep", deadline=None, max_examples=2000, suppress_health_check=SLOW_BUT_FINE)
+settings.register_profile("deep", deadline=None, max_examples=1000, suppress_health_check=SLOW_BUT_FINE)
 settings.load_profile(os.environ.get("SAFELOC_HYPOTHESIS", "ci"))
 
 NUMBERS = count()

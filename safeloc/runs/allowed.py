@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from safeloc.backends.compiled import compile_system
-from safeloc.expr import TRUE, Bool, Expr, NumVar, Var
+from safeloc.backends.compiled import compile_terms
+from safeloc.expr import Bool, Expr, NumVar, Var
 from safeloc.interpret import Program, evaluate
 from safeloc.nodes import And, Compare, Not, Or, Truth, Value
-from safeloc.system import TransitionSystem
 from safeloc.terms import in_order, variables
 
 Segment = tuple[int, int]
@@ -65,11 +64,7 @@ def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[S
     if not reads:
         constants = evaluate(terms, {})
         return lambda _row: constants
-    outputs = {f"term {number}": term for number, term in enumerate(terms)}
-    empty: dict[Var, Expr] = {var: var for var in reads}
-    system = TransitionSystem("terms", reads, (), TRUE, empty, TRUE, outputs, {}, {}, frozenset(), {}, (), ())
-    compute = compile_system(system).outputs
-    return lambda row: compute(tuple(row))
+    return compile_terms(reads, terms)
 
 
 def _roots(
