@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, BoolVar, Expr, Lit, Var
+from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
 from safeloc.machine import Initial
 from safeloc.nodes import And, Compare, Not, Or
 from safeloc.render import infix
-from safeloc.spec import Goal, Property, observe, once, previous, reachable
-from safeloc.system import TransitionSystem
+from safeloc.spec import Goal, Property, always, observe, once, previous, reachable
+from safeloc.system import Part, TransitionSystem
+from safeloc.terms import Substitution, variables
 
 LONGEST = 110
 
@@ -57,6 +58,52 @@ def occurs(system: TransitionSystem, antecedent: Antecedent, name: str) -> Goal:
     goal = _comes(system, prop, term, name)
     state_only = not goal.observers
     return _comes(system, prop, once(term), name) if state_only and not of_states(system, prop) else goal
+
+
+def case_name(prop: Property, place: int) -> str:
+    """What the result about one case is called, the first one of the property being 1."""
+    return f"case {place} of {prop.name}"
+
+
+def occurs_alone(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
+    """A machine of a composition, and the goal that a case of the whole, by place from 0, occurs in it by itself.
+
+    Under what the machine's own property relies on, where it is kept by one; else where the case speaks of one machine
+    only. None where it is neither.
+    """
+    return _kept_case(system, prop, place) or _case_of_one(system, cases(prop)[place])
+
+
+def _kept_case(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
+    if prop.kept_by is None:
+        return None
+    machine, own = prop.kept_by
+    part, mine = next(part for part in system.parts if part.machine is machine), cases(own)
+    if len(mine) != len(cases(prop)):  # a part of the property is settled by what is wired
+        return None
+    return part, occurs(part.alone, mine[place], "case")
+
+
+def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal] | None:
+    for part in system.parts if case.prop.given is TRUE else ():
+        term = _over(part, case.term)
+        if term is not None:
+            own = always("case", ~term, unconditional=case.prop.unconditional)
+            return part, occurs(part.alone, Antecedent(own, term), "case")
+    return None
+
+
+def _over(part: Part, term: Bool) -> Bool | None:
+    """A term over the whole as one over a machine's own variables; None where it speaks of others, or of what is wired."""
+    own = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
+    back = {twin: var for var in own if isinstance(twin := part.into(var), Var)}
+    replaced: dict[Var, Expr] = {}
+    for var in variables([term]):
+        mine = back.get(var if var.before is None else var.before)
+        if mine is None:
+            return None
+        replaced[var] = mine if var.before is None else before(mine) if isinstance(mine, NumVar) else was(mine)
+    return Substitution(replaced).bool(term)
 
 
 def of_states(system: TransitionSystem, prop: Property) -> bool:

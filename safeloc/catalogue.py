@@ -155,16 +155,16 @@ def _own(spec: str, config: Path | None) -> Target:
     if not hasattr(module, name):
         names = [key for key, value in vars(module).items() if isinstance(value, (Machine, Composition))]
         raise InputError(f"{where} has no {name!r}; machines in it: {names or 'none'}.")
-    found = getattr(module, name)
+    found, given = getattr(module, name), None if config is None else _content(config)
     if callable(found):
         with _as_input_error(spec):
-            found = found(_content(config)) if config is not None else found()
+            found = found(given) if given is not None else found()
     elif config is not None:
         raise InputError(f"{config}: {spec} takes no configuration; name a function that gets its content.")
     if isinstance(found, Machine):
-        return _target(module, found, lower(found), found.doc)
+        return replace(_target(module, found, lower(found), found.doc), given=given)
     if isinstance(found, Composition):
-        return _target(module, found, found.system, "")
+        return replace(_target(module, found, found.system, ""), given=given)
     raise InputError(
         f"{spec} is of type {type(found).__name__}; expected a Machine, a Composition or a function returning one."
     )

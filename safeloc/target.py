@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -28,6 +29,7 @@ class Target:
     said      name that records have for an input -> the input, where they are not the same
     spec      what was asked for, as on the command line
     unasked   why there is no property, where there is none: what was looked for, in which file, and what to do
+    given     of a user's machine: the content of the configuration file that it was made from
     """
 
     name: str
@@ -44,6 +46,7 @@ class Target:
     said: Mapping[str, str] = field(default_factory=dict)
     spec: str = ""
     unasked: str = ""
+    given: Mapping[str, Any] | None = None
 
 
 Maker = Callable[[BaseModel], Target]

@@ -2,6 +2,7 @@
 
 A query states hypotheses and goals over free variables; each goal follows from the hypotheses exactly when the
 answer to its `check-sat` is `unsat`. Shared sub-terms become definitions, so the text stays as small as the terms.
+Witness functions are definitions too, `|witness 1.2 of x|`: from group 1 of the inputs the second one's term for x.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar, assert_never
 
-from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar
+from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
 from safeloc.nodes import (
     Add,
     And,
@@ -33,7 +34,7 @@ from safeloc.terms import in_order
 
 _TAKEN = re.compile(
     r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"
-    r"|divisible|int\..*|real\..*|t\d+|[^A-Za-z0-9]+"
+    r"|divisible|int\..*|real\..*|t\d+|witness \d+\.\d+ of .*|[^A-Za-z0-9]+"
 )
 
 
@@ -47,12 +48,14 @@ class Query(Generic[Key]):
 
     goals   by a key that no two of them share (an object or a number; what it is as text is for people)
     about   what the query is part of (system, rule, property, ...), for whoever reads the text without us
+    witnesses  terms that may stand in the place of variables, one mapping each; nothing is said of them here
     """
 
     name: str
     hypotheses: Sequence[Bool]
     goals: Mapping[Key, Bool]
     about: Mapping[str, str] = field(default_factory=dict)
+    witnesses: Mapping[str, Mapping[Var, Expr]] = field(default_factory=dict)
 
 
 def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
@@ -61,13 +64,17 @@ def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
     relies_on  files of the certificates whose results are hypotheses here
     """
     names: dict[Expr, str] = {}
-    nodes = in_order([*query.hypotheses, *query.goals.values()])
+    told = {(key, var): term for key, witness in query.witnesses.items() for var, term in witness.items()}
+    nodes = in_order([*query.hypotheses, *query.goals.values(), *told.values()])
     logic = "QF_NIA" if any(_is_product(node) for node in nodes) else "QF_LIA"
     lines = [f"; {_comment(line)}" for line in _header(query, relies_on)]
     lines += [f"(set-logic {logic})", "(set-info :status unsat)"]
     for number, node in enumerate(nodes):
         lines += _line(node, names, number)
     lines += [f"(assert {names[term]})" for term in query.hypotheses]
+    lines += [
+        f"(define-fun |witness {key} of {var.name}| () {_sort(var)} {names[term]})" for (key, var), term in told.items()
+    ]
     for key, goal in query.goals.items():
         lines += ["(push 1)", f"; {_comment(str(key))}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
     return "\n".join(lines) + "\n"

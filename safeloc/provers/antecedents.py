@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from safeloc.antecedents import Antecedent, antecedents, cases, occurs
+from safeloc.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
 from safeloc.backends.smtlib import Query
-from safeloc.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.expr import TRUE, Bool
 from safeloc.interpret import run
 from safeloc.provers.base import base
 from safeloc.provers.implication import unproved
@@ -24,11 +24,11 @@ from safeloc.provers.onward import onward
 from safeloc.provers.reachability import first_runs
 from safeloc.provers.recorded import Recording, come_to
 from safeloc.provers.spacer import spacer
-from safeloc.provers.transfer import PackedTrace, pack_trace
+from safeloc.provers.transfer import PackedTrace, pack_trace, unpack_trace
 from safeloc.provers.workers import Lost, Task
-from safeloc.spec import Goal, Property, always, watch
-from safeloc.system import Part, TransitionSystem, environment, first_without_the_world, in_range
-from safeloc.terms import Substitution, variables
+from safeloc.spec import Goal, Property, watch
+from safeloc.system import TransitionSystem, environment, first_without_the_world, in_range
+from safeloc.terms import Substitution
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Vacuous, Verdict
 
@@ -90,13 +90,12 @@ class Found:
         return Vacuous(f"{told}: {REMEDY}")
 
     def runs(self) -> list[Trace]:
-        """The runs that a search found, as the interpreter makes them; recorded ones are known already.
+        """The runs of the system that a search found, as the interpreter makes them; recorded ones are known already.
 
         A case of an unconditional property may have been found from a first state that the environment excludes.
         """
-        packed = {id(run_): run_ for run_ in map(_run, self.cases) if run_ is not None}
-        anyhow = replace(self.system, assume=TRUE, init=first_without_the_world(self.system))
-        return [run(anyhow, one.stream, first=one.initial) for one in packed.values()]
+        packed = {id(run_): run_ for run_ in map(_run, self.cases) if run_ is not None and not run_.part}
+        return [run(self._anyhow, one.stream, first=one.initial) for one in packed.values()]
 
     def obligation(self) -> Iterator[Obligation]:
         """That all cases occur, as one obligation of the system; none where no property speaks of cases."""
@@ -106,6 +105,23 @@ class Found:
             statement = "every case that a property speaks of occurs: triggers, and what stands before `implies`"
             method = f"{len(seen)} of {len(self.cases)} cases occur" + (f": {counts}" if counts else "")
             yield Obligation("antecedents", statement, self._verdict(), method)
+            yield from self._each()
+
+    def _each(self) -> Iterator[Obligation]:
+        """Each case that a search found, with the run; what recordings show they show again whenever they are replayed."""
+        for prop in dict.fromkeys(case.antecedent.prop for case in self.cases):
+            own = (case for case in self.cases if case.antecedent.prop is prop)
+            for place, case in enumerate(own, 1):
+                if isinstance(case.outcome, Seen) and case.outcome.run is not None:
+                    witness = unpack_trace(case.outcome.run, self._anyhow)
+                    steps = len(case.outcome.run.stream)
+                    verdict = Proved(None, "bmc", steps, ("interpreter",), witness=witness)
+                    name, text = case_name(prop, place), f"{_named(case)} occurs"
+                    yield Obligation(name, text, verdict, f"a run of {steps} steps, {case.outcome.where}")
+
+    @property
+    def _anyhow(self) -> TransitionSystem:
+        return replace(self.system, assume=TRUE, init=first_without_the_world(self.system))
 
     def _verdict(self) -> Verdict:
         open_ = [case for case in self.cases if isinstance(case.outcome, Open)]
@@ -294,46 +310,13 @@ class _Together:
         """Of what a machine keeps by itself, or of a case that speaks of one machine only: a run of that machine."""
         if self._ends.passed:
             return
-        own = self._kept_case(number) or self._case_of_one(number)
+        prop = self._asked[number].prop
+        own = occurs_alone(self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number))
         if own is not None:
             part, goal = own
-            if goal in first_runs([goal], self._within(self._ends.left / 4)).found:
-                self._found[number] = Seen(f"of {part.name} by itself, none of the whole")
-
-    def _kept_case(self, number: int) -> tuple[Part, Goal] | None:
-        """Under what the machine's own property relies on."""
-        prop = self._asked[number].prop
-        if prop.kept_by is None:
-            return None
-        machine, own = prop.kept_by
-        part = next(part for part in self._system.parts if part.machine is machine)
-        mine, whole = cases(own), [place for place, one in enumerate(self._asked) if one.prop is prop]
-        if len(mine) != len(whole):  # a part of the property is settled by what is wired
-            return None
-        return part, occurs(part.alone, mine[whole.index(number)], "case")
-
-    def _case_of_one(self, number: int) -> tuple[Part, Goal] | None:
-        """The case over the machine's own variables, where it speaks of no other's."""
-        case = self._asked[number]
-        for part in self._system.parts if case.prop.given is TRUE else ():
-            term = _over(part, case.term)
-            if term is not None:
-                own = always("case", ~term, unconditional=case.prop.unconditional)
-                return part, occurs(part.alone, Antecedent(own, term), "case")
-        return None
+            trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
+            if trace is not None:
+                self._found[number] = Seen(f"of {part.name} by itself, none of the whole", pack_trace(trace))
 
     def _within(self, seconds: float) -> Limits:
         return replace(self._limits, seconds=max(0.001, seconds))
-
-
-def _over(part: Part, term: Bool) -> Bool | None:
-    """A term over the whole as one over a machine's own variables; None where it speaks of others, or of what is wired."""
-    own = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
-    back = {twin: var for var in own if isinstance(twin := part.into(var), Var)}
-    replaced: dict[Var, Expr] = {}
-    for var in variables([term]):
-        mine = back.get(var if var.before is None else var.before)
-        if mine is None:
-            return None
-        replaced[var] = mine if var.before is None else before(mine) if isinstance(mine, NumVar) else was(mine)
-    return Substitution(replaced).bool(term)

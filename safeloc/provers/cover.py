@@ -41,10 +41,12 @@ class Group:
         self._rest = at_rest(inputs)
         self._general = Generalisation(condition, self.inputs)
         self.met: list[Bool] = []
+        self.witnesses: list[Witness] = []
         self._add(constants(self._rest))
 
     def _add(self, witness: Witness) -> None:
         self.met.append(Substitution(dict(witness)).bool(self.condition))
+        self.witnesses.append(witness)
 
     @property
     def covered(self) -> Bool:
@@ -63,6 +65,7 @@ class Group:
             if holds(self.met[-1], state):
                 return Learned.COVERED
             self.met.pop()
+            self.witnesses.pop()
         self._add(constants(inputs))
         return Learned.COVERED
 

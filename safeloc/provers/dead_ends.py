@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 import z3
 
 from safeloc.backends.smt import Unrolling
-from safeloc.backends.smtlib import Query
+from safeloc.backends.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
 from safeloc.expr import TRUE, Bool, all_of
 from safeloc.interpret import start, step
@@ -29,7 +29,7 @@ from safeloc.provers.falsify import falsify
 from safeloc.provers.given import EMPTY
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
-from safeloc.provers.recheck import ENGINE, certify
+from safeloc.provers.recheck import ENGINE, certify, file_name
 from safeloc.provers.recorded import Recording, lawful_part
 from safeloc.provers.spacer import spacer
 from safeloc.spec import Goal, Property, always, observe
@@ -140,8 +140,22 @@ class _Search:
         self.said += ["cvc5 could not confirm in time that every state is covered"] if unsure else []
         if self.open:
             return None
-        texts = {**self.known.certificates, **self.texts}
+        texts = {**self.known.certificates, **self.texts, **self._witnesses()}
         return Proved(None, "witness functions", 1, (ENGINE,), texts)
+
+    def _witnesses(self) -> dict[str, str]:
+        """The witness functions as a text of their own: what is covered names none, and whoever checks it asks for them."""
+        told = {
+            f"{place}.{number}": witness
+            for place, group in enumerate(self.cover.groups, 1)
+            for number, witness in enumerate(group.witnesses, 1)
+        }
+        head = about(self.system, "witnesses", **self._of())
+        text = to_smtlib(Query[str](f"{self.system.name} {self.name}, by what", [], {}, head, told))
+        return {file_name(f"{self.system.name} {self.name}, by what", text): text}
+
+    def _of(self) -> dict[str, str]:
+        return {"property": self.of.name} if self.of else {}
 
     def _confirm(self, groups: Sequence[Group]) -> list[Group]:
         """Keeps the certificate of those groups that cvc5 confirms; the others."""
@@ -149,7 +163,7 @@ class _Search:
             return []
         named = {f"a lawful step, inputs {number}": group for number, group in enumerate(groups, 1)}
         goals = {name: group.covered for name, group in named.items()}
-        head = about(self.system, "lasts", **({"property": self.of.name} if self.of else {}))
+        head = about(self.system, "lasts", **self._of())
         query = Query(f"{self.system.name} {self.name}", self.known.everything, goals, head)
         made = certify(query, seconds=self.limits.seconds, relies_on=list(self.known.certificates))
         unsure = [named[name] for name in made.undecided]
@@ -195,7 +209,7 @@ class _Search:
     def _proved(self, verdict: Verdict) -> Verdict | None:
         """The proof with what was settled before; None if it is none."""
         if isinstance(verdict, Proved):
-            return replace(verdict, certificates={**self.texts, **verdict.certificates})
+            return replace(verdict, certificates={**self.texts, **verdict.certificates, **self._witnesses()})
         self.said.append(getattr(verdict, "reason", ""))
         return None
 

@@ -138,16 +138,16 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
 
 @dataclass(frozen=True)
 class _Alone:
-    """A run of a machine by itself: what it shows, and its number of steps."""
+    """A run of a machine by itself, and what it shows."""
 
     words: str
-    steps: int
+    run: Trace
 
 
 def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
     """Of the whole no run was found: what is claimed is of the machine by itself, and what is known of the whole is told."""
     whole = "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_whole(depth)
-    verdict = Proved(None, "bmc", alone.steps, ("interpreter",))
+    verdict = Proved(None, "bmc", len(alone.run.steps), ("interpreter",), witness=alone.run)
     method = f"of the machine by itself, {alone.words}; {whole}"
     return Obligation(target.name, f"{target.statement}, by itself", verdict, method)
 
@@ -168,11 +168,11 @@ def _by_itself(
         unlawful = first_runs([mine.free for mine, _ in pairs if mine.goal not in lawful], limits).found
         for mine, theirs in pairs:
             if mine.goal in lawful:
-                steps = len(lawful[mine.goal].steps)
-                found[theirs] = _Alone(f"witness of {steps} steps under its assumption", steps)
+                run = lawful[mine.goal]
+                found[theirs] = _Alone(f"witness of {len(run.steps)} steps under its assumption", run)
             elif mine.free in unlawful:
-                steps = len(unlawful[mine.free].steps)
-                found[theirs] = _Alone(f"a defence: witness of {steps} steps with its assumption broken", steps)
+                run = unlawful[mine.free]
+                found[theirs] = _Alone(f"a defence: witness of {len(run.steps)} steps with its assumption broken", run)
     return found
 
 

@@ -7,16 +7,16 @@ as first state and inputs, and are run again by the interpreter on arrival.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, assert_never
 
-from safeloc.expr import Bool, Expr, Var
+from safeloc.expr import TRUE, Bool, Expr, Var
 from safeloc.interpret import run
 from safeloc.nodes import Value
 from safeloc.provers.base import Base
 from safeloc.provers.facts import Fact
 from safeloc.provers.implication import Failure
-from safeloc.system import TransitionSystem
+from safeloc.system import TransitionSystem, first_without_the_world
 from safeloc.terms import in_order
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
@@ -71,22 +71,31 @@ def _unpacked_field(value: Any, nodes: list[Expr]) -> Any:
 
 @dataclass(frozen=True)
 class PackedTrace:
-    """First state, and inputs of every step."""
+    """First state, and inputs of every step; of a composition `part` names the machine whose run it is by itself."""
 
     initial: Mapping[str, Value]
     stream: tuple[Mapping[str, Value], ...]
+    part: str = ""
 
 
 def pack_trace(trace: Trace | None) -> PackedTrace | None:
     """What is needed to run it again."""
     if trace is None:
         return None
-    return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps))
+    part = trace.system.machines[0].name if trace.system.whole else ""
+    return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), part)
 
 
 def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
-    """The run, made again by the interpreter."""
-    return None if packed is None else run(system, packed.stream, first=packed.initial)
+    """The run, made again by the interpreter; of a machine by itself whatever it was looked for under."""
+    if packed is None:
+        return None
+    return run(_by_itself(packed.part, system) if packed.part else system, packed.stream, first=packed.initial)
+
+
+def _by_itself(name: str, system: TransitionSystem) -> TransitionSystem:
+    alone = next(part.alone for part in system.parts if part.name == name)
+    return replace(alone, assume=TRUE, init=first_without_the_world(alone))
 
 
 Packed = tuple[Any, ...]

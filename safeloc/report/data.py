@@ -107,8 +107,13 @@ def _confirmation(finding: Finding) -> dict[str, Any]:
 
 
 def _left(finding: Finding) -> dict[str, str]:
-    """A note in the place of a long witness: its stream is in a file of its own, and most readers never look at it."""
+    """A note in the place of a long witness, or of one of a machine by itself, whose variables the page does not know: its
+    stream is in a file of its own, and most readers never look at it.
+    """
     trace = finding.result.witness if isinstance(finding.result, Proved) else None
+    if trace is not None and trace.system.whole:
+        alone = f"{trace.system.machines[0].name} by itself"
+        return {"witness": f"a run of {len(trace.steps)} steps of {alone}, in the folder of traces only"}
     if trace is None or len(trace.steps) * len(trace.initial) <= MOST_CELLS:
         return {}
     return {"witness": f"a run of {len(trace.steps)} steps, in the folder of traces only"}

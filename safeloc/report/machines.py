@@ -5,6 +5,7 @@ Nothing is shortened: terms are written out in full (safeloc.report.exact), so t
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -37,12 +38,19 @@ def machine_data(target: Target) -> dict[str, Any]:
         "state_variables": len(system.state),
         "inputs": len(system.inputs),
         "transitions": sum(len(machine.transitions) for machine in target.machines),
-        "configuration": None if target.config is None else target.config.model_dump(mode="json"),
+        "configuration": _configuration(target),
         "figures": [] if target.config is None else list(figures(target.config)),
         "reported": None if target.reported is None else asdict(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
         "parts": [_part(machine) for machine in target.machines],
     }
+
+
+def _configuration(target: Target) -> Any:
+    """What the machine was made from, so that it can be made again; of a user's file, dates become text."""
+    if target.config is not None:
+        return target.config.model_dump(mode="json")
+    return None if target.given is None else json.loads(json.dumps(target.given, default=str))
 
 
 def _signal(term: Expr) -> dict[str, Any]:

@@ -34,6 +34,7 @@ def pack_findings(findings: Sequence[Finding], system: TransitionSystem) -> Plai
 def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
     """The findings again; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
     systems = {"whole": system, "board": without_ghosts(system)}
+    systems |= {f"part {part.name}": part.alone for part in system.parts}
     traces = [_unpacked_trace(one, systems[one["system"]]) for one in packed["traces"]]
     replays = [Replayed(one["name"], traces[one["trace"]], tuple(one["truth_mm"])) for one in packed["replays"]]
     return [_unpacked(row, traces, replays) for row in packed["findings"]]
@@ -83,6 +84,8 @@ class _Packing:
 
     def _trace(self, trace: Trace) -> Plain:
         kind = self._names.get(frozenset(var.name for var in trace.system.inputs))
+        if trace.system.whole:
+            kind = f"part {trace.system.machines[0].name}"
         if kind is None:
             raise ValueError(f"a run of {trace.system.name} with other inputs cannot be packed")
         names = [list(getattr(trace.steps[0], each)) for each in _MAPPINGS] if trace.steps else []
