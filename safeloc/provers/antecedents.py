@@ -116,7 +116,8 @@ class Found:
                     witness = unpack_trace(case.outcome.run, self._anyhow)
                     steps = len(case.outcome.run.stream)
                     verdict = Proved(None, "bmc", steps, ("interpreter",), witness=witness)
-                    name, text = case_name(prop, place), f"{_named(case)} occurs"
+                    alone = f" in {case.outcome.run.part}, by itself" if case.outcome.run.part else ""
+                    name, text = case_name(prop, place), f"{_named(case)} occurs{alone}"
                     yield Obligation(name, text, verdict, f"a run of {steps} steps, {case.outcome.where}")
 
     @property
@@ -311,7 +312,9 @@ class _Together:
         if self._ends.passed:
             return
         prop = self._asked[number].prop
-        own = occurs_alone(self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number))
+        own = occurs_alone(
+            self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
+        )
         if own is not None:
             part, goal = own
             trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)

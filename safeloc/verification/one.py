@@ -88,7 +88,9 @@ class Work:
         self.on_phase(f"testing {self.target.name}", len(self.target.properties))
         system, properties = self.target.system, self.target.properties
         kept = [one.result.witness for one in owed if isinstance(one.result, Proved)]
-        witnesses = [run for run in kept if run is not None and not run.system.whole]  # of the whole, of no machine in it
+        witnesses = [
+            run for run in kept if run is not None and not run.system.whole
+        ]  # of the whole, of no machine in it
         streams = [whole_run(self.target, path) for path in self.target.streams]
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
