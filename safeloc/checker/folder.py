@@ -19,7 +19,7 @@ from safeloc.checker.dag import Dag
 from safeloc.checker.rules import Theory
 from safeloc.checker.runs import Runs
 from safeloc.checker.solve import NONE, Opinion, Opinions
-from safeloc.checker.text import Certificate, read, without_comments
+from safeloc.checker.text import Certificate, read
 from safeloc.digest import full_digest
 from safeloc.errors import InputError, SafelocError
 from safeloc.report.page import file_names
@@ -113,7 +113,8 @@ def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[t
     """Of each text what the solvers say of it, in so many processes; what says the same is asked once."""
     same: dict[str, list[str]] = {}
     for name, text in texts.items():
-        same.setdefault(without_comments(text), []).append(name)
+        commands = "\n".join(line for line in text.split("\n") if not line.startswith(";"))
+        same.setdefault(commands, []).append(name)
     batches = _batches({names[0]: texts[names[0]] for names in same.values()})
     also = {names[0]: names for names in same.values()}
     with multiprocessing.get_context("fork").Pool(jobs) as pool:

@@ -305,9 +305,6 @@ class Theory:
         only(one, speaker.ranges)
         self.first_values |= self.dag.conjuncts(one.goals)
 
-    def _proposed(self, _: Speaker, one: Certificate) -> None:
-        self.witnesses += one.witnesses
-
 
 _RULES: Mapping[str, Callable[..., None]] = {
     "layer": Theory._layer,
@@ -316,7 +313,7 @@ _RULES: Mapping[str, Callable[..., None]] = {
     "absence": Theory._absence,
     "overflow of first values": Theory._first_values,
     "lasts": Theory._on_the_way,
-    "witnesses": Theory._proposed,
+    "witnesses": lambda theory, _, one: theory.witnesses.extend(one.witnesses),
 }
 
 

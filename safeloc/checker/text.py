@@ -60,16 +60,10 @@ def read(file: str, text: str, dag: Dag) -> Certificate:
     return Certificate(file, header, relies_on, hypotheses, tuple(reader.goals), witnesses)
 
 
-def without_comments(text: str) -> str:
-    """The commands alone, which is all that solvers look at."""
-    return "\n".join(line for line in text.split("\n") if not line.startswith(";"))
-
-
 def _header(file: str, text: str) -> tuple[dict[str, str], tuple[str, ...]]:
     """The comments before the first command."""
-    first, *lines = [line[1:].strip() for line in takewhile(lambda line: line.startswith(";"), text.split("\n"))] or [
-        ""
-    ]
+    comments = [line[1:].strip() for line in takewhile(lambda line: line.startswith(";"), text.split("\n"))]
+    first, *lines = comments or [""]
     said = [(key.strip(), value.strip()) for key, sign, value in (line.partition(": ") for line in lines) if sign]
     relies_on = tuple(value for key, value in said if key == "relies on")
     others = [(key, value) for key, value in said if key != "relies on"]
@@ -122,12 +116,12 @@ class _Reader:
             case ["declare-const", str(name), str(sort)] if name[0] == "|" and sort in (INT, BOOL):
                 self._new(name, self._dag.variable(_plain(name), sort))
             case ["define-fun", str(name), [], str(sort), body] if re.fullmatch(r"t\d+", name) and sort in (INT, BOOL):
-                self._new(name, self._term(body))
+                self._new(name, self._of(sort, body))
             case ["assert", body]:
-                self.hypotheses.append(self._term(body))
+                self.hypotheses.append(self._of(BOOL, body))
             case ["define-fun", str(name), [], str(sort), body] if found := _WITNESS.fullmatch(name):
                 variable = self._dag.variable(found[2], sort)
-                self._new(name, self.witnesses.setdefault(found[1], {}).setdefault(variable, self._term(body)))
+                self._new(name, self.witnesses.setdefault(found[1], {}).setdefault(variable, self._of(sort, body)))
             case _:
                 raise ValueError(f"unexpected command {command[:2]}")
 
@@ -139,7 +133,7 @@ class _Reader:
     def _goal(self, group: Sequence[Command]) -> None:
         match group:
             case [["push", "1"], ["assert", ["not", body]], ["check-sat"], ["pop", "1"]]:
-                self.goals.append(self._term(body))
+                self.goals.append(self._of(BOOL, body))
             case _:
                 raise ValueError(f"{[one[:1] for one in group]} where a goal was expected")
 
@@ -151,7 +145,18 @@ class _Reader:
             return self._dag.number(-int(str(parts[0])))
         if operator not in ("and", "or") and ARITY[str(operator)] != len(parts):
             raise ValueError(f"{operator} of {len(parts)} parts")
-        return self._dag.make(str(operator), [self._term(part) for part in parts])
+        terms = [self._term(part) for part in parts]
+        sorts = [self._dag.sort(term) for term in terms]
+        plain = [BOOL if operator in ("and", "or", "not") else INT] * len(parts)
+        if sorts != ([BOOL, sorts[-1], sorts[-1]] if operator == "ite" else plain):
+            raise ValueError(f"{operator} of {sorts}")
+        return self._dag.make(str(operator), terms)
+
+    def _of(self, sort: str, body: str | Command) -> int:
+        term = self._term(body)
+        if self._dag.sort(term) != sort:
+            raise ValueError(f"no {sort}")
+        return term
 
 
 def _plain(symbol: str) -> str:

@@ -95,8 +95,39 @@ twins = Machine(
 """What one look at a step does not show: invariants, and proofs of obligations of their own."""
 
 
+PLACE, READ, MOVED = number("place", COUNT, 0, 50), optional("read", COUNT, 0, 60), number("moved", COUNT, -3, 3)
+KNOWN = number("known", COUNT, 0, 60)
+tracking = Machine(
+    name="tracking",
+    modes=(ONLY,),
+    inputs=[TICK, READ],
+    state={KNOWN: 25},
+    outputs={},
+    transitions=[Transition("read", ONLY, ONLY, READ.present, {KNOWN: READ.value})],
+    ghosts={PLACE: 25},
+    ghost_inputs=[MOVED],
+    ghost_moves={PLACE: PLACE + MOVED},
+    assumption=READ.present
+    & between(PLACE, READ.value, PLACE + 2)
+    & between(1, PLACE + MOVED, 49)
+    & ((MOVED >= 1) | (MOVED <= -1)),
+)
+"""What it hears is never at rest: lawful inputs are terms over state, and more than one is needed."""
+
+
+def made_of(figures: dict[str, int]) -> Machine:
+    """A machine whose range is the user's."""
+    level = number("level", COUNT, 0, figures["highest"])
+    turn = Transition("turn", ONLY, ONLY, TICK, {level: ite(level < figures["highest"], level + 1, 0)})
+    return Machine("made", (ONLY,), [TICK], {level: 0}, {}, [turn])
+
+
 def properties(found: Machine | Composition) -> list[Property]:
     """What is to be proved of each."""
+    if isinstance(found, Machine) and found.name == "made":
+        return []
+    if found is tracking:
+        return [always("known is near", before(PLACE) <= KNOWN)]
     if found is twins:
         return [always("full together", RIGHT.eq(10).implies(LEFT.eq(10)))]
     if isinstance(found, Machine):

@@ -21,7 +21,7 @@ from safeloc.results import Finding
 from safeloc.target import Target
 from safeloc.verdict import Proved
 
-NAMES = ("counting", "whole", "twins")
+NAMES = ("counting", "whole", "twins", "tracking")
 LIMITS = Limits(seconds=20)
 
 
