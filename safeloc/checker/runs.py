@@ -181,7 +181,8 @@ def _reached(machine: Machine) -> Iterable[tuple[str, Bool]]:
 
 def _both(system: TransitionSystem, name: str, term: Bool) -> tuple[Goal, Goal]:
     """Under the assumption, and for all inputs in range."""
-    return observe(system, reachable(name, term)), observe(system, reachable(name, term, unconditional=True))
+    free = reachable(f"{name}, for all inputs", term, unconditional=True)
+    return observe(system, reachable(name, term)), observe(system, free)
 
 
 def _named(goal: Goal, name: str) -> Goal:
