@@ -87,7 +87,7 @@ class Read:
     """A text as z3 reads it, definitions written out: what is presumed in its parts, and what each group asserts."""
 
     def __init__(self, text: str) -> None:
-        start, *groups = text.split("\n(push 1)\n")
+        start, *groups = text.split("(push 1)\n")  # commands need no lines of their own
         presumed = list(z3.parse_smt2_string(start))
         self.presumed = {part.get_id(): part for part in parts(presumed)}
         self.denied = {
