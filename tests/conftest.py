@@ -24,12 +24,12 @@ NUMBERS = count()
 
 
 @pytest.fixture(scope="session")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def cache_folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the folders of all tests stand in which findings are kept."""
-    return tmp_path_factory.mktemp("kept")
+    return tmp_path_factory.mktemp("cache")
 
 
 @pytest.fixture(autouse=True)
-def nothing_kept(monkeypatch: pytest.MonkeyPatch, kept: Path) -> None:
+def nothing_kept(monkeypatch: pytest.MonkeyPatch, cache_folders: Path) -> None:
     """No test finds what an earlier run of anybody found, and none leaves anything with the user."""
-    monkeypatch.setenv("SAFELOC_CACHE", str(kept / str(next(NUMBERS))))
+    monkeypatch.setenv("SAFELOC_CACHE", str(cache_folders / str(next(NUMBERS))))

@@ -7,33 +7,26 @@ settle, what is read of an absent input, which inputs are lawful. Runs are repla
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
-from typing import Any
 
-from safeloc.checker.dag import Rewriting
-from safeloc.checker.instance import GaveUpError, covered
-from safeloc.checker.rules import Terms, Theory
-from safeloc.checker.walk import Walk
+from safeloc.checker.answer import NO_PROOF, OPEN, WRONG, Answer, Check, Row, proven
+from safeloc.checker.dag import INT, Dag, Rewriting
+from safeloc.checker.instance import covered
+from safeloc.checker.rules import Speaker, Terms, Theory
+from safeloc.checker.runs import Runs
 from safeloc.composition import Composition
 from safeloc.errors import InputError, StreamError
-from safeloc.expr import Bool, Expr, Lit, Num, NumVar, Optional, Var, as_num, before, between, ite, was
-from safeloc.interpret import holds
+from safeloc.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before, between, ite, was
 from safeloc.machine import Machine, Transition
-from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv, Value
+from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv
 from safeloc.ranges import beyond_int64
 from safeloc.spec import Goal, Property, observe, reachable
-from safeloc.streams.steps import StepStream
-from safeloc.system import Part, TransitionSystem, in_range
+from safeloc.system import Part, TransitionSystem, environment, in_range
 from safeloc.target import Target
 from safeloc.terms import Substitution, in_order, variables
-
-CONFIRMED, WRONG, OPEN, NO_PROOF = "confirmed", "not confirmed", "cannot be checked", "no proof"
-Row = Mapping[str, Any]
-Answer = tuple[str, str]
-Check = Callable[[Row], Answer]
 
 
 class Goals:
@@ -90,24 +83,19 @@ def _keeper(system: TransitionSystem, prop: Property) -> Part:
     return next(part for part in system.parts if part.alone.machines[0] is prop.kept_by[0])
 
 
-def _shown(shown: bool) -> Answer:
-    return (CONFIRMED, "") if shown else (WRONG, "its certificates do not prove it")
-
-
 @dataclass(frozen=True, eq=False)
 class Claims:
     """The claims about one target, of which `theory` has taken all certificates.
 
-    run     finds the file of a result's run
+    runs    what runs show
     claimed  ids of all results of the target: what has one of its own need not be shown by another
     """
 
     target: Target
     goals: Goals
     theory: Theory
-    run: Callable[[str], StepStream | None]
+    runs: Runs
     claimed: frozenset[str]
-    _walks: dict[tuple[int, ...], Walk] = field(default_factory=dict)
 
     def answer(self, row: Row) -> Answer:
         """Whether the result is confirmed, and if not, why."""
@@ -115,8 +103,6 @@ class Claims:
         if row["verdict"] not in claimed or row["kind"] in ("test", "replay"):
             return NO_PROOF, f"{row['kind']}, {row['verdict']}: no proof is claimed"
         name = str(row["id"]).removeprefix(f"{self.target.name}/{row['kind']}/")
-        if (row["kind"], name) == ("obligation", "antecedents"):
-            return NO_PROOF, "shown by runs that are counted in the report and not kept in it"
         checks = self._checks[row["kind"]].get(name, [])
         if row["kind"] == "obligation" and not checks:
             checks = list(self._settled_by_itself(name))
@@ -124,8 +110,6 @@ class Claims:
             return OPEN, f"there are {len(checks)} things of this name in the declaration that the checker knows"
         try:
             return checks[0](row)
-        except GaveUpError as error:
-            return OPEN, str(error)
         except (InputError, StreamError) as error:
             return WRONG, str(error)
 
@@ -147,11 +131,12 @@ class Claims:
     def _property(self, row: Row, prop: Property) -> Answer:
         [goal] = self.goals("", prop.name)
         if (prop.kind == "reachable") == (row["verdict"] == "proved"):
-            return self._happens(row, goal)
+            return self.runs.happens(row, goal)
         if row["verdict"] == "violated":
             return NO_PROOF, "a violation without a run"
         if prop.kept_by is None or self._proved(row, goal):
-            return _shown(self._proved(row, goal))
+            lasts = prop.given is TRUE or self._goes_on(self.theory.whole, goal.plain, lawful=not prop.unconditional)
+            return proven(self._proved(row, goal) and lasts)
         return self._inherited(row, prop, goal)
 
     def _proved(self, row: Row, goal: Goal) -> bool:
@@ -172,7 +157,9 @@ class Claims:
         at_first = self.theory.at_first.get(goal)
         if alone.observers and not goal.observers and not (at_first and at_first <= {*row["certificates"]}):
             return WRONG, "it is not shown of the first state"
-        return _shown(self._proved(row, alone))
+        speaker = self.theory.parts[part.name][1]
+        lasts = own.given is TRUE or self._goes_on(speaker, alone.plain, lawful=not own.unconditional)
+        return proven(self._proved(row, alone) and lasts)
 
     def _nodes(self, goal: Goal) -> list[object]:
         terms = [goal.good, goal.helper, goal.system.init, goal.system.assume, *goal.system.next.values()]
@@ -182,11 +169,11 @@ class Claims:
         for name, term in self.target.system.lemmas.items():
             yield name, lambda row, term=term: self._lemma(row, term)  # type: ignore[misc]
         for part in self.theory.parts:
-            yield f"what {part} is owed is kept", lambda _, part=part: _shown(part in self.theory.owed)  # type: ignore[misc]
+            yield f"what {part} is owed is kept", lambda _, part=part: proven(part in self.theory.owed)  # type: ignore[misc]
 
     def _lemma(self, row: Row, term: Bool) -> Answer:
         free = "for all inputs in range" in row["method"]
-        return _shown(self.theory.write.conjuncts([term]) <= self.theory.whole.known(lawful=not free))
+        return proven(self.theory.write.conjuncts([term]) <= self.theory.whole.known(lawful=not free))
 
     # -------------------------------------------------------------- obligations
 
@@ -195,20 +182,19 @@ class Claims:
         board, hidden = _computed(system), _hidden(system)
         divisors = [node.divisor for node in in_order([*board, *hidden]) if isinstance(node, FloorDiv)]
         yield "ranges", self._ranges
-        yield "division", lambda _: _shown(all(divisor > 0 for divisor in divisors))
+        yield "division", lambda _: proven(all(divisor > 0 for divisor in divisors))
         yield "overflow", lambda _: self._fits("overflow", board, lawful=False)
         yield "overflow of ghosts", lambda _: self._fits("overflow of ghosts", hidden, lawful=True)
-        yield "overflow of first values", lambda _: _shown(self._within("", [system.init]) <= self.theory.first_values)
-        yield "absence", lambda _: _shown(all(map(self._unread, [*self.theory.parts, ""])))
-        yield "assumption", self._kept_for_a_while
+        yield "overflow of first values", lambda _: proven(self._within("", [system.init]) <= self.theory.first_values)
+        yield "absence", lambda _: proven(all(map(self._unread, [*self.theory.parts, ""])))
+        yield "assumption", self.runs.kept_for_a_while
         yield "assumption lasts", self._lasts
-        yield "dead ends", lambda _: _shown(self._goes_on())
+        yield "dead ends", lambda _: proven(self._goes_on(self.theory.whole, system, lawful=True))
         for var in system.state:
-            yield f"range of {var.name}", lambda _, var=var: _shown(self._in_range(var))  # type: ignore[misc]
-        for number, machine in enumerate(system.machines):
+            yield f"range of {var.name}", lambda _, var=var: proven(self._in_range(var))  # type: ignore[misc]
+        for machine in system.machines:
             yield f"overlap {machine.name}", lambda _, machine=machine: self._apart(machine)  # type: ignore[misc]
-            for name, goal in self._targets(machine, number):
-                yield name, lambda row, goal=goal: self._occurs(row, goal)  # type: ignore[misc]
+        yield from self.runs.checks()
 
     def _settled_by_itself(self, name: str) -> Iterator[Check]:
         """What one look at a step did not show, and a proof of its own did."""
@@ -218,7 +204,7 @@ class Claims:
                 part = machine.name if self.theory.parts else ""
                 asked.append((part, f"overlap of {name.removeprefix(f'overlap {machine.name}: ')}"))
         for goal in (goal for part, each in asked for goal in self.goals.of_a_step(part, each)):
-            yield lambda row, goal=goal: _shown(self._proved(row, goal))  # type: ignore[misc]
+            yield lambda row, goal=goal: proven(self._proved(row, goal))  # type: ignore[misc]
 
     def _in_range(self, var: Var) -> bool:
         """Of the machine's own for all inputs, of ghosts under the assumption."""
@@ -229,7 +215,7 @@ class Claims:
         said = re.match(r"(\d+) of (\d+) ", row["statement"])
         numeric = [var for var in self.target.system.state if isinstance(var, NumVar)]
         known = sum(map(self._in_range, numeric))
-        return _shown(said is not None and int(said[1]) <= known and int(said[2]) == len(numeric))
+        return proven(said is not None and int(said[1]) <= known and int(said[2]) == len(numeric))
 
     def _has_its_own(self, obligation: str) -> bool:
         return f"{self.target.name}/obligation/{obligation}" in self.claimed
@@ -244,7 +230,7 @@ class Claims:
         read = [var for var in self.target.system.state if lawful or var not in self.target.system.ghosts]
         if not all(map(self._in_range, read)):
             return WRONG, "it rests on ranges that are not proved"
-        return _shown(self._within(name, terms) <= self.theory.whole.step(lawful=lawful))
+        return proven(self._within(name, terms) <= self.theory.whole.step(lawful=lawful))
 
     def _apart(self, machine: Machine) -> Answer:
         speaker = self.theory.speaker(machine.name if self.theory.parts else "")
@@ -255,7 +241,7 @@ class Claims:
             if one.rank == other.rank and {*one.sources} & {*other.sources}
             if not self._has_its_own(f"overlap {machine.name}: rows {row} and {number}")
         ]
-        return _shown(self.theory.write.conjuncts(pairs) <= speaker.step(lawful=False))
+        return proven(self.theory.write.conjuncts(pairs) <= speaker.step(lawful=False))
 
     def _unread(self, part: str) -> bool:
         """Whether no term of the machine (of the whole: no wire) depends on the value of an optional input that is absent."""
@@ -273,64 +259,20 @@ class Claims:
         return all(
             value not in dag.variables(write(term))
             or value not in dag.variables(absent(write(term)))
-            or dag.alike(write(term), other(write(term)), number=isinstance(term, Num)) in shown
+            or _alike(dag, write(term), other(write(term))) in shown
             for term in terms
         )
 
-    def _goes_on(self) -> bool:
-        """Whether every state that a run comes to has a lawful next step."""
-        system, theory = self.target.system, self.theory
-        inputs = list(map(theory.write, system.inputs))
-        return covered(theory.dag, theory.whole.inputs[True], inputs, theory.further, theory.whole.facts)
-
-    # -------------------------------------------------------------- runs
-
-    def _targets(self, machine: Machine, number: int) -> Iterator[tuple[str, Goal]]:
-        system = self.target.system
-        mode, fired = (
-            system.parts[number].into.num(var) if system.parts else var for var in (machine.mode, machine.fired_name)
-        )
-        for label in machine.modes:
-            yield f"mode {machine.name} {label.label}", observe(system, reachable("it", mode.eq(label)))
-        for row, transition in enumerate(machine.transitions, 1):
-            goal = observe(system, reachable("it", fired.eq(Lit(row, fired.unit))))
-            yield f"transition {machine.name}: {transition.name}", goal
-
-    def _occurs(self, row: Row, goal: Goal) -> Answer:
-        if "by itself" in str(row["method"]) and self.run(row["id"]) is None:
-            return OPEN, "shown of the machine by itself, and no run of that is kept"
-        if not str(row["method"]).startswith("a defence"):
-            return self._happens(row, goal)
-        return self._happens(row, observe(goal.original, replace(goal.prop, unconditional=True)))
-
-    def _happens(self, row: Row, goal: Goal) -> Answer:
-        """Whether the run breaks `good`, keeping the assumption up to there."""
-        shown = any(not holds(goal.good, state) for state in self._states(row, goal.system))
-        return (CONFIRMED, "") if shown else (WRONG, "its run does not show it")
-
-    def _kept_for_a_while(self, row: Row) -> Answer:
-        said = re.search(r"for (\d+) (more )?steps", row["statement"])
-        return _shown(said is not None and len(list(self._states(row, self.target.system))) > int(said[1]))
-
     def _lasts(self, row: Row) -> Answer:
         """By what is proved of every state, or by a run that comes to a state once more."""
-        if "more steps" in row["statement"]:
-            return self._kept_for_a_while(row)
-        if self._goes_on():
-            return _shown(True)
-        states = [tuple(state.items()) for state in self._states(row, self.target.system)]
-        return _shown(len({*states}) < len(states))
+        shown = self._goes_on(self.theory.whole, self.target.system, lawful=True)
+        return proven(True) if shown else self.runs.comes_round(row)
 
-    def _states(self, row: Row, system: TransitionSystem) -> Iterator[Mapping[Var, Value]]:
-        """The states of a result's run, as long as it keeps the system's assumption. InputError where there is no run."""
-        stream, names = self.run(row["id"]), {var.name for var in system.inputs}
-        if stream is None:
-            raise InputError("no run is kept that shows it")
-        same = (id(system.init), id(system.assume), *map(id, system.next.values()))
-        if same not in self._walks:
-            self._walks[same] = Walk(system)
-        rows = ({name: cell for name, cell in record.items() if name in names} for record in stream.steps)
-        return self._walks[same].states(stream.first, rows)
+    def _goes_on(self, speaker: Speaker, system: TransitionSystem, *, lawful: bool) -> bool:
+        """Whether every state that a run comes to has a next step that keeps what the system assumes."""
+        write, known = self.theory.write, speaker.known(lawful=lawful)
+        asked = write.conjuncts([environment(system)])
+        return covered(self.theory.dag, asked, map(write, system.inputs), known, self.theory.witnesses)
 
 
 def _computed(system: TransitionSystem) -> list[Expr]:
@@ -354,6 +296,14 @@ def _through_wires(system: TransitionSystem) -> Iterator[Expr]:
             told = part.into(var)
             if not isinstance(told, Var):
                 yield _while(present[var], told) if var in present else told
+
+
+def _alike(dag: Dag, one: int, other: int) -> int:
+    """That two terms have the same value."""
+    if dag.sort(one) == INT:
+        return dag.make("=", [one, other])
+    neither = [dag.make("not", [one]), dag.make("not", [other])]
+    return dag.make("or", [dag.make("and", [one, other]), dag.make("and", neither)])
 
 
 def _while(present: Bool, told: Expr) -> Expr:

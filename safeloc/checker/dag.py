@@ -97,23 +97,12 @@ class Dag:
             self._variables[node] = own.union(*(self._variables[part] for part in self.parts(node)))
         return self._variables[term]
 
-    def alike(self, one: int, other: int, *, number: bool) -> int:
-        """That two terms have the same value."""
-        if number:
-            return self.make("=", [one, other])
-        neither = [self.make("not", [one]), self.make("not", [other])]
-        return self.make("or", [self.make("and", [one, other]), self.make("and", neither)])
-
-    def place(self, pattern: int, term: int, variable: int) -> int | None:
-        """What stands in a term where a pattern has the variable; None where the term is not of this form."""
-        if pattern == variable:
-            return term
-        parts, others = self.parts(pattern), self.parts(term)
-        if self.nodes[pattern][0] != self.nodes[term][0] or len(parts) != len(others):
-            return None
-        pairs = [pair for pair in zip(parts, others, strict=True) if variable in self.variables(pair[0])]
-        found = {self.place(one, other, variable) for one, other in pairs}
-        return found.pop() if len(found) == 1 else None
+    def sort(self, term: int) -> str:
+        """Int or Bool."""
+        operator, *rest = self.nodes[term]
+        if operator in ("var", "ite"):
+            return str(rest[1]) if operator == "var" else self.sort(int(rest[1]))
+        return INT if operator in ("lit", "+", "-", "*", "div") else BOOL
 
     def below(self, term: int, done: Mapping[int, object]) -> list[int]:
         """The nodes below a term and itself, parts before wholes, without what is done and all below that."""

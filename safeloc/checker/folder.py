@@ -13,17 +13,22 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.catalogue import load_target
-from safeloc.checker.claims import NO_PROOF, OPEN, WRONG, Claims, Goals
+from safeloc.checker.answer import NO_PROOF, OPEN, WRONG
+from safeloc.checker.claims import Claims, Goals
+from safeloc.checker.dag import Dag
 from safeloc.checker.rules import Theory
-from safeloc.checker.solve import Opinion, opinion
-from safeloc.checker.text import Certificate, read, without_comments
+from safeloc.checker.runs import Runs
+from safeloc.checker.solve import NONE, Opinion, Opinions
+from safeloc.checker.text import Certificate, read
 from safeloc.digest import full_digest
 from safeloc.errors import InputError, SafelocError
 from safeloc.report import certificates, kept
-from safeloc.streams.columns import Runs, read_runs
+from safeloc.streams.columns import Runs as KeptRuns
+from safeloc.streams.columns import read_runs
 from safeloc.streams.steps import StepStream
 from safeloc.target import Target
 
+BATCH = 1_000_000  # letters of certificates that one process reads before it takes others
 Told = Callable[[int, int], None]
 
 
@@ -73,9 +78,9 @@ def check_folder(folder: Path, *, jobs: int = 2, seconds: float = 60.0, told: To
     InputError where the folder is no report of this version.
     """
     data = kept.read_report(folder)
-    read = certificates.read_archives(folder / certificates.FOLDER, data["certificates"])
-    texts = read.texts
-    found = Checking(wrong=dict(read.damaged))
+    archives = certificates.read_archives(folder / certificates.FOLDER, data["certificates"])
+    texts = archives.texts
+    found = Checking(wrong=dict(archives.damaged))
     found.wrong |= {name: why for name, text in texts.items() if (why := _misnamed(name, text))}
     for name, answered in _opinions(texts, jobs, seconds):
         found.opinions[name] = answered
@@ -94,17 +99,44 @@ def _misnamed(name: str, text: str) -> str:
 
 
 def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[tuple[str, Opinion]]:
-    """Of each text what the solvers say of it, in so many processes, the longest first; what says the same is asked once."""
+    """Of each text what the solvers say of it, in so many processes; what says the same is asked once."""
     same: dict[str, list[str]] = {}
     for name, text in texts.items():
-        same.setdefault(without_comments(text), []).append(name)
+        commands = "\n".join(line for line in text.split("\n") if not line.startswith(";"))
+        same.setdefault(commands, []).append(name)
+    batches = _batches({names[0]: texts[names[0]] for names in same.values()})
+    also = {names[0]: names for names in same.values()}
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
-        for body, said in pool.imap_unordered(partial(_asked, seconds), sorted(same, key=lambda body: -len(body))):
-            yield from ((name, said) for name in same[body])
+        for found in pool.imap_unordered(partial(asked, seconds), batches):
+            yield from ((name, said) for one, said in found for name in also[one])
 
 
-def _asked(seconds: float, body: str) -> tuple[str, Opinion]:
-    return body, opinion(body, seconds)
+def _batches(texts: Mapping[str, str]) -> list[list[tuple[str, str]]]:
+    """Texts of one machine together, since these share most of their terms; the longest batches first."""
+    found: list[list[tuple[str, str]]] = []
+    filled: dict[str, tuple[list[tuple[str, str]], int]] = {}
+    for name, text in sorted(texts.items()):
+        machine = next((line for line in text.split("\n", 8) if line.startswith("; system: ")), "")
+        batch, letters = filled.get(machine, ([], BATCH))
+        if letters >= BATCH:
+            batch, letters = [], 0
+            found.append(batch)
+        batch.append((name, text))
+        filled[machine] = batch, letters + len(text)
+    return sorted(found, key=lambda batch: -sum(len(text) for _, text in batch))
+
+
+def asked(seconds: float, batch: Sequence[tuple[str, str]]) -> list[tuple[str, Opinion]]:
+    """What the solvers say of some texts; nothing of one that cannot be read."""
+    dag = Dag()
+    opinions = Opinions(dag, seconds)
+    found = list[tuple[str, Opinion]]()
+    for name, text in batch:
+        try:
+            found.append((name, opinions(read(name, text, dag), text)))
+        except InputError:
+            found.append((name, NONE))
+    return found
 
 
 # ------------------------------------------------------------------ one machine
@@ -134,7 +166,7 @@ class _Kept:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._runs: Runs | None = None
+        self._runs: KeptRuns | None = None
 
     def __call__(self, result: str) -> StepStream | None:
         """Return the run's stream; None where no run is kept. StreamError for a file that is damaged."""
@@ -170,7 +202,8 @@ def judge(
     taken = [one for name in own if (one := _usable(name, texts, theory, found)) is not None]
     found.judged.update(own)
     found.wrong |= theory.take(taken)
-    claims = Claims(target, goals, theory, run, frozenset(str(row["id"]) for row in rows))
+    claimed = frozenset(str(row["id"]) for row in rows)
+    claims = Claims(target, goals, theory, Runs(target, theory.write, run, claimed), claimed)
     found.rows += [_checked(row, claims, texts, found) for row in rows]
 
 

@@ -1,51 +1,29 @@
-"""Whether a term says that lawful inputs exist: by showing them, as terms over state, in what a step is allowed.
+"""Whether lawful inputs exist in every state: shown by witness functions, terms over state that give each input.
 
-A term is a choice of cases; each case is to be what is asked of a step with some terms in the place of the inputs. The
-terms are found by matching, so nothing has to be believed of where they came from.
+A witness function is put in the place of the inputs in what is asked of a step. What comes of that has to be established
+of every state, or to be one of the cases of a choice of which one is established to hold. Where witness functions come
+from does not matter: a wrong one shows nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.checker.dag import Dag, Rewriting
 
 Terms = frozenset[int]
 
 
-MOST_TRIES = 2000  # terms put in the place of an input; a search that takes more is given up, and says so
+def covered(
+    dag: Dag, asked: Terms, inputs: Iterable[int], known: Terms, witnesses: Sequence[Mapping[int, int]]
+) -> bool:
+    """Whether of all that is asked of a step some inputs meet it in every state; `known` are terms over state.
 
-
-class GaveUpError(Exception):
-    """Too many terms may stand in the place of inputs: whether some of them meet the conditions is not known."""
-
-
-class _Tries:
-    """How many terms may still be tried."""
-
-    def __init__(self) -> None:
-        self._left = MOST_TRIES
-
-    def one(self) -> None:
-        """One more; GaveUpError where none is left."""
-        self._left -= 1
-        if self._left < 0:
-            raise GaveUpError(f"the search for inputs was given up after {MOST_TRIES} tries")
-
-
-def covered(dag: Dag, asked: Terms, inputs: Sequence[int], shown: Terms, facts: Terms) -> bool:
-    """Whether of all that is asked of a step some inputs meet it in every state.
-
-    Conditions that share no inputs are met independently: each such group by one of the terms that are shown, or by all
-    of them together where these name one choice only. GaveUpError where the search for them takes too long.
+    Conditions that share no inputs are met independently.
     """
-    groups, tries = _groups(dag, asked, frozenset(inputs)), _Tries()
     return all(
-        conditions <= facts
-        if not own
-        else any(_every_case(dag, one, conditions, own, tries) for one in shown)
-        or _met(dag, shown, conditions, own, tries)
-        for own, conditions in groups
+        conditions <= known if not own else _met(dag, known, _instances(dag, own, conditions, witnesses))
+        for own, conditions in _groups(dag, asked, frozenset(inputs))
     )
 
 
@@ -60,49 +38,30 @@ def _groups(dag: Dag, asked: Terms, inputs: Terms) -> list[tuple[Terms, Terms]]:
     return groups
 
 
-def _every_case(dag: Dag, term: int, conditions: Terms, inputs: Terms, tries: _Tries) -> bool:
-    cases = dag.parts(term) if dag.nodes[term][0] == "or" else (term,)
-    return all(_met(dag, dag.conjuncts([case]), conditions, inputs, tries) for case in cases)
+def _instances(dag: Dag, own: Terms, conditions: Terms, witnesses: Sequence[Mapping[int, int]]) -> set[Terms]:
+    """The conditions with each witness function in the place of the inputs; one that leaves an input open is none."""
+    whole = [witness for witness in witnesses if own <= witness.keys()]
+    made = {Rewriting(dag, {one: witness[one] for one in own}).all(conditions) for witness in whole}
+    return {one for one in made if all(dag.variables(term).isdisjoint(own) for term in one)}
 
 
-def _met(dag: Dag, case: Terms, conditions: Terms, inputs: Terms, tries: _Tries) -> bool:
-    """Whether with some terms in the place of the inputs every condition is a part of the case.
-
-    The condition that reads fewest inputs goes first: it is settled soon, and a wrong choice is seen where it was made.
-    """
-    asked: dict[int, Terms] = {one: own for one in conditions if (own := dag.variables(one) & inputs)}
-    if not asked:
-        return all(_says(dag, case, one) for one in conditions)
-    fewest = sorted(asked.values(), key=_fewest)[0]
-    now = min(fewest)
-    later, touched = inputs - {now}, frozenset(one for one, own in asked.items() if now in own)
-    for value in _values(dag, case, conditions, now):
-        tries.one()
-        after = Rewriting(dag, {now: value}).all(touched)
-        settled = frozenset(one for one in after if dag.variables(one).isdisjoint(later))
-        if all(_says(dag, case, one) for one in settled) and _met(
-            dag, case, (conditions - touched) | (after - settled), later, tries
-        ):
-            return True
-    return False
-
-
-def _fewest(inputs: Terms) -> tuple[int, int]:
-    return len(inputs), min(inputs)
-
-
-def _says(dag: Dag, case: Terms, condition: int) -> bool:
-    """A case says a condition that is part of it, or of which it says one alternative."""
-    if dag.nodes[condition][0] == "or" and any(dag.conjuncts([part]) <= case for part in dag.parts(condition)):
+def _met(dag: Dag, known: Terms, instances: set[Terms]) -> bool:
+    """Whether in every state some instance holds: one in all states, or in each case of a choice one."""
+    if any(_says(dag, known, one) for one in instances):
         return True
-    return condition in case
+    return any(dag.nodes[term][0] == "or" and _every_case(dag, term, instances) for term in known)
 
 
-def _values(dag: Dag, case: Terms, conditions: Terms, variable: int) -> Iterator[int]:
-    """Terms that may stand in the place of the input: constants, or what stands there in the case, everywhere."""
-    if dag.nodes[variable][2] == "Bool":
-        yield from dag.truth.values()
-        return
-    patterns = [one for one in conditions if dag.variables(one) == {variable}]
-    found = [{dag.place(pattern, one, variable) for one in case} - {None} for pattern in patterns]
-    yield from sorted(term for term in set.intersection(*found) if term is not None) if found else ()
+def _every_case(dag: Dag, choice: int, instances: set[Terms]) -> bool:
+    return all(
+        (case := dag.conjuncts([part])) in instances or any(_says(dag, case, one) for one in instances)
+        for part in dag.parts(choice)
+    )
+
+
+def _says(dag: Dag, case: Terms, instance: Terms) -> bool:
+    """A case says a condition that is part of it, or of which it says one alternative."""
+    return all(
+        one in case or (dag.nodes[one][0] == "or" and any(dag.conjuncts([part]) <= case for part in dag.parts(one)))
+        for one in instance
+    )

@@ -159,7 +159,7 @@ class Theory:
 
     goals   gives those of a machine ("" for the whole) and name
     proved  goals that hold in every run, with the files that show it; at_first: in the first state
-    further facts that were shown on the way to an obligation
+    further facts that were shown on the way to an obligation; witnesses: terms proposed for inputs, believed nowhere
     """
 
     def __init__(self, system: TransitionSystem, goals: Callable[[str, str], Sequence[Goal]]) -> None:
@@ -177,6 +177,7 @@ class Theory:
         self.at_first: dict[Goal, Files] = {}
         self.absent: dict[str, Terms] = {}
         self.first_values, self.further = Terms(), Terms()
+        self.witnesses: list[Mapping[int, int]] = []
         self._pass_on()
 
     def take(self, certificates: Sequence[Certificate]) -> dict[str, str]:
@@ -312,6 +313,7 @@ _RULES: Mapping[str, Callable[..., None]] = {
     "absence": Theory._absence,
     "overflow of first values": Theory._first_values,
     "lasts": Theory._on_the_way,
+    "witnesses": lambda theory, _, one: theory.witnesses.extend(one.witnesses),
 }
 
 

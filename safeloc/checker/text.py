@@ -3,6 +3,7 @@
 ; key: value                                     the header
 (set-logic ...) (set-info :status unsat)
 (declare-const |x| Int)  (define-fun t7 () Bool TERM)  (assert TERM)
+(define-fun |witness 1.2 of x| () Int TERM)          what may stand in the place of x: a proposal, of which nothing is said
 (push 1) (assert (not GOAL)) (check-sat) (pop 1)     once for each goal
 """
 
@@ -21,8 +22,9 @@ ARITY = {"+": 2, "-": 2, "*": 2, "div": 2, "<": 2, "<=": 2, ">=": 2, "=": 2, "no
 _TOKEN = re.compile(r"[ \n]+|(;[^\n]*|[()]|\|[^|\\\n]*\||:?[A-Za-z0-9_+*<>=-]+)|(.)", re.DOTALL)
 _TAKEN = re.compile(
     r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"
-    r"|divisible|int\..*|real\..*|t\d+|[^A-Za-z0-9]+"
+    r"|divisible|int\..*|real\..*|t\d+|witness \d+\.\d+ of .*|[^A-Za-z0-9]+"
 )
+_WITNESS = re.compile(r"\|witness (\d+\.\d+) of (.*)\|")
 _COMMANDS_OF_A_GOAL = 4
 _LOGICS = (["set-logic", "QF_LIA"], ["set-logic", "QF_NIA"])
 _STATUS = ["set-info", ":status", "unsat"]
@@ -31,18 +33,22 @@ Command = list["str | Command"]
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a text says: from the hypotheses each goal follows. Terms are numbers of a Dag, conjunctions in parts."""
+    """What a text says: from the hypotheses each goal follows. Terms are numbers of a Dag, conjunctions in parts.
+
+    witnesses  terms for variables, some at a time; whoever uses them has to show that they are of use
+    """
 
     file: str
     header: dict[str, str] = field(repr=False)
     relies_on: tuple[str, ...]
     hypotheses: frozenset[int]
     goals: tuple[int, ...]
+    witnesses: tuple[dict[int, int], ...] = ()
 
 
 def read(file: str, text: str, dag: Dag) -> Certificate:
     """The certificate; InputError with the reason for any other text."""
-    if not all(letter.isprintable() or letter == "\n" for letter in text):
+    if not all(line.isprintable() for line in text.split("\n")):
         raise InputError(f"{file}: a letter that cannot be printed.")
     reader = _Reader(dag)
     try:
@@ -50,19 +56,14 @@ def read(file: str, text: str, dag: Dag) -> Certificate:
     except (IndexError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise InputError(f"{file}: not the text of a certificate ({type(error).__name__}: {error}).") from error
     header, relies_on = _header(file, text)
-    return Certificate(file, header, relies_on, dag.conjuncts(reader.hypotheses), tuple(reader.goals))
-
-
-def without_comments(text: str) -> str:
-    """The commands alone, which is all that solvers look at."""
-    return "\n".join(line for line in text.split("\n") if not line.startswith(";"))
+    hypotheses, witnesses = dag.conjuncts(reader.hypotheses), tuple(reader.witnesses.values())
+    return Certificate(file, header, relies_on, hypotheses, tuple(reader.goals), witnesses)
 
 
 def _header(file: str, text: str) -> tuple[dict[str, str], tuple[str, ...]]:
     """The comments before the first command."""
-    first, *lines = [line[1:].strip() for line in takewhile(lambda line: line.startswith(";"), text.split("\n"))] or [
-        ""
-    ]
+    comments = [line[1:].strip() for line in takewhile(lambda line: line.startswith(";"), text.split("\n"))]
+    first, *lines = comments or [""]
     said = [(key.strip(), value.strip()) for key, sign, value in (line.partition(": ") for line in lines) if sign]
     relies_on = tuple(value for key, value in said if key == "relies on")
     others = [(key, value) for key, value in said if key != "relies on"]
@@ -98,6 +99,7 @@ class _Reader:
         self._named: dict[str, int] = {"true": dag.truth[True], "false": dag.truth[False]}
         self.hypotheses: list[int] = []
         self.goals: list[int] = []
+        self.witnesses: dict[str, dict[int, int]] = {}
 
     def take(self, commands: Sequence[Command]) -> None:
         """All commands, in the one order that is allowed."""
@@ -114,9 +116,12 @@ class _Reader:
             case ["declare-const", str(name), str(sort)] if name[0] == "|" and sort in (INT, BOOL):
                 self._new(name, self._dag.variable(_plain(name), sort))
             case ["define-fun", str(name), [], str(sort), body] if re.fullmatch(r"t\d+", name) and sort in (INT, BOOL):
-                self._new(name, self._term(body))
+                self._new(name, self._of(sort, body))
             case ["assert", body]:
-                self.hypotheses.append(self._term(body))
+                self.hypotheses.append(self._of(BOOL, body))
+            case ["define-fun", str(name), [], str(sort), body] if found := _WITNESS.fullmatch(name):
+                variable = self._dag.variable(found[2], sort)
+                self._new(name, self.witnesses.setdefault(found[1], {}).setdefault(variable, self._of(sort, body)))
             case _:
                 raise ValueError(f"unexpected command {command[:2]}")
 
@@ -128,7 +133,7 @@ class _Reader:
     def _goal(self, group: Sequence[Command]) -> None:
         match group:
             case [["push", "1"], ["assert", ["not", body]], ["check-sat"], ["pop", "1"]]:
-                self.goals.append(self._term(body))
+                self.goals.append(self._of(BOOL, body))
             case _:
                 raise ValueError(f"{[one[:1] for one in group]} where a goal was expected")
 
@@ -140,7 +145,18 @@ class _Reader:
             return self._dag.number(-int(str(parts[0])))
         if operator not in ("and", "or") and ARITY[str(operator)] != len(parts):
             raise ValueError(f"{operator} of {len(parts)} parts")
-        return self._dag.make(str(operator), [self._term(part) for part in parts])
+        terms = [self._term(part) for part in parts]
+        sorts = [self._dag.sort(term) for term in terms]
+        plain = [BOOL if operator in ("and", "or", "not") else INT] * len(parts)
+        if sorts != ([BOOL, sorts[-1], sorts[-1]] if operator == "ite" else plain):
+            raise ValueError(f"{operator} of {sorts}")
+        return self._dag.make(str(operator), terms)
+
+    def _of(self, sort: str, body: str | Command) -> int:
+        term = self._term(body)
+        if self._dag.sort(term) != sort:
+            raise ValueError(f"no {sort}")
+        return term
 
 
 def _plain(symbol: str) -> str:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from safeloc.checker.claims import CONFIRMED, NO_PROOF
+from safeloc.checker.answer import CONFIRMED, NO_PROOF
 from safeloc.checker.folder import Checking, check_folder
 from safeloc.checker.solve import NEEDED, SOLVERS
 from safeloc.checker.unsat import Survey, survey

@@ -116,7 +116,8 @@ class Found:
                     witness = unpack_trace(case.outcome.run, self._anyhow)
                     steps = len(case.outcome.run.stream)
                     verdict = Proved(None, "bmc", steps, ("interpreter",), witness=witness)
-                    name, text = case_name(prop, place), f"{_named(case)} occurs"
+                    alone = f" in {case.outcome.run.part}, by itself" if case.outcome.run.part else ""
+                    name, text = case_name(prop, place), f"{_named(case)} occurs{alone}"
                     yield Obligation(name, text, verdict, f"a run of {steps} steps, {case.outcome.where}")
 
     @property

@@ -75,6 +75,22 @@ whole = compose("whole", [source, listener], _wires, owes=[listener])
 """Two machines; what the second assumes the first keeps."""
 
 
+JUMP, LEVEL_B = boolean("jump"), number("level", COUNT, 0, 3)
+leaper = Machine(
+    "leaper",
+    (ONLY,),
+    [GO, JUMP],
+    {LEVEL_B: 1},
+    {"level": LEVEL_B},
+    [Transition("leap", ONLY, ONLY, JUMP, {LEVEL_B: 2}), Transition("stay", ONLY, ONLY, ~JUMP)],
+    assumption=~JUMP,
+    lemmas={"never nothing": LEVEL_B >= 1},
+)
+_tells: dict[Var, Expr] = {HEARD: leaper.output("level")}
+pair = compose("pair", [leaper, listener], _tells, owes=[listener])
+"""A row of the first machine fires only where the assumption is broken: it is shown of that machine by itself."""
+
+
 LEFT, RIGHT, FAR = number("left", COUNT, 0, 10), number("right", COUNT, 0, 10), number("far", COUNT, 0, INT64_MAX)
 twins = Machine(
     "twins",
@@ -95,8 +111,39 @@ twins = Machine(
 """What one look at a step does not show: invariants, and proofs of obligations of their own."""
 
 
+PLACE, READ, MOVED = number("place", COUNT, 0, 50), optional("read", COUNT, 0, 60), number("moved", COUNT, -3, 3)
+KNOWN = number("known", COUNT, 0, 60)
+tracking = Machine(
+    name="tracking",
+    modes=(ONLY,),
+    inputs=[TICK, READ],
+    state={KNOWN: 25},
+    outputs={},
+    transitions=[Transition("read", ONLY, ONLY, READ.present, {KNOWN: READ.value})],
+    ghosts={PLACE: 25},
+    ghost_inputs=[MOVED],
+    ghost_moves={PLACE: PLACE + MOVED},
+    assumption=READ.present
+    & between(PLACE, READ.value, PLACE + 2)
+    & between(1, PLACE + MOVED, 49)
+    & ((MOVED >= 1) | (MOVED <= -1)),
+)
+"""What it hears is never at rest: lawful inputs are terms over state, and more than one is needed."""
+
+
+def made_of(figures: dict[str, int]) -> Machine:
+    """A machine whose range is the user's."""
+    level = number("level", COUNT, 0, figures["highest"])
+    turn = Transition("turn", ONLY, ONLY, TICK, {level: ite(level < figures["highest"], level + 1, 0)})
+    return Machine("made", (ONLY,), [TICK], {level: 0}, {}, [turn])
+
+
 def properties(found: Machine | Composition) -> list[Property]:
     """What is to be proved of each."""
+    if isinstance(found, Machine) and found.name == "made":
+        return []
+    if found is tracking:
+        return [always("known is near", before(PLACE) <= KNOWN)]
     if found is twins:
         return [always("full together", RIGHT.eq(10).implies(LEFT.eq(10)))]
     if isinstance(found, Machine):
@@ -113,6 +160,8 @@ def properties(found: Machine | Composition) -> list[Property]:
             ),
             reachable("it comes to eight", LEVEL.eq(8)),
         ]
+    if found is pair:
+        return []
     return [
         always("kept is small", found.of(listener).num(KEPT) <= 3),
         found.inherited(listener, always("keeps what it hears", KEPT >= 1)),

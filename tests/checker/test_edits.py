@@ -10,10 +10,14 @@ import random
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import product
 
 import pytest
 import z3
 
+from safeloc.backends.smt import Terms, constant
+from safeloc.provers.base import base
+from safeloc.system import environment
 from tests.checker.evidence import Evidence, refused
 
 SAMPLE, ALL = 40, 1000
@@ -53,6 +57,8 @@ def in_lines(draw: random.Random, text: str) -> str:
 def in_claims(draw: random.Random, text: str) -> str:
     """A hypothesis or a goal left out, made into the other, or of another definition."""
     asserted = list(re.finditer(r"\(assert (\(not )?(\S+?)\)?\)\n", text))
+    if not asserted:
+        return in_witnesses(draw, text)
     chosen = draw.choice(asserted)
     match draw.randrange(3):
         case 0:
@@ -65,6 +71,15 @@ def in_claims(draw: random.Random, text: str) -> str:
     return text[: chosen.start()] + new + text[chosen.end() :]
 
 
+def in_witnesses(draw: random.Random, text: str) -> str:
+    """What stands in the place of an input, or which input it is for, changed for that of another."""
+    told = list(re.finditer(r"\(define-fun \|witness (\S+ of .*)\| \(\) \S+ (\S+)\)\n", text))
+    if not told:
+        return in_tokens(draw, text)
+    one, other, part = draw.choice(told), draw.choice(told), draw.choice((1, 2))
+    return text[: one.start(part)] + other[part] + text[one.end(part) :]
+
+
 EDITS: tuple[Edit, ...] = (in_letters, in_tokens, in_lines, in_claims)
 
 
@@ -72,7 +87,7 @@ class Read:
     """A text as z3 reads it, definitions written out: what is presumed in its parts, and what each group asserts."""
 
     def __init__(self, text: str) -> None:
-        start, *groups = text.split("\n(push 1)\n")
+        start, *groups = text.split("(push 1)\n")  # commands need no lines of their own
         presumed = list(z3.parse_smt2_string(start))
         self.presumed = {part.get_id(): part for part in parts(presumed)}
         self.denied = {
@@ -111,6 +126,28 @@ def harmless(old: str, new: str) -> bool:
     )
 
 
+def still_lawful(evidence: Evidence, text: str) -> bool:
+    """Whether in every state with the proved facts some choice of the witness functions is lawful, as z3 reads them."""
+    system = evidence.target.system
+    facts, terms = base(system).everything, Terms({var: constant(var) for var in (*system.state, *system.inputs)})
+    place = {var.name: terms(var) for var in system.inputs}
+    told = [re.fullmatch(r"\(define-fun (\|witness (\S+) of (.*)\|) .*", line) for line in text.split("\n")]
+    names = [(one[1], one[2], one[3]) for one in told if one]
+    fresh = [f"|{place}: {of}|" for place, (_, _, of) in enumerate(names)]
+    more = [f"(declare-const {one} {place[of].sort()})" for one, (_, _, of) in zip(fresh, names, strict=True)]
+    more += [f"(assert (= {one} {name}))" for one, (name, _, _) in zip(fresh, names, strict=True)]
+    read = z3.parse_smt2_string("\n".join([text, *more]))
+    groups: dict[str, dict[str, list[tuple[z3.ExprRef, z3.ExprRef]]]] = {}
+    for (_, number, of), said in zip(names, read, strict=True):
+        groups.setdefault(number.split(".")[0], {}).setdefault(number, []).append((place[of], said.arg(1)))
+    asked = terms.bool(environment(system))
+    choices = product(*(group.values() for group in groups.values()))
+    solver = z3.Solver()
+    solver.add(*(terms.bool(fact) for fact in facts))
+    solver.add(*(z3.Not(z3.substitute(asked, *(pair for own in one for pair in own))) for one in choices))
+    return bool(solver.check() == z3.unsat)
+
+
 def is_false(denied: list[z3.BoolRef]) -> bool:
     """Whether a goal was `true` all the same, so that nothing had to be shown."""
     return all(z3.is_false(z3.simplify(one)) for one in denied)
@@ -128,7 +165,21 @@ def edited(proofs: dict[str, Evidence], seed: int) -> str:
     found = evidence.judged({file: new})
     if refused(found) or file in found.wrong or file in found.undecided:
         return "detected"
-    return "harmless" if harmless(old, new) else f"missed: seed {seed}, {file}"
+    left = still_lawful(evidence, new) if "rule: witnesses" in old else harmless(old, new)
+    return "harmless" if left else f"missed: seed {seed}, {file}"
+
+
+def test_edits_of_witness_functions(proofs: dict[str, Evidence]) -> None:
+    """Each is detected, or what is left is lawful all the same."""
+    evidence = proofs["tracking"]
+    file, found = evidence.file("by-what"), Counter[str]()
+    for seed in range(SAMPLE):
+        draw = random.Random(seed)
+        new = draw.choice((in_tokens, in_lines, in_witnesses))(draw, evidence.texts[file])
+        judged = evidence.judged({file: new})
+        seen = "detected" if refused(judged) or file in judged.wrong else still_lawful(evidence, new)
+        found["harmless" if seen is True else str(seen)] += 1
+    assert {"detected", "harmless"} == set(found), found
 
 
 def tally(proofs: dict[str, Evidence], seeds: range) -> Counter[str]:

@@ -21,10 +21,10 @@ from safeloc.system import TransitionSystem, lower
 from safeloc.target import Target
 from safeloc.units import ONE
 from safeloc.verdict import Proved
-from tests.checker.evidence import LIMITS, Evidence, kept, refused, removed, solved
+from tests.checker.evidence import LIMITS, NAMES, Evidence, kept, refused, removed, solved
 
 
-@pytest.mark.parametrize("name", ["counting", "whole", "twins"])
+@pytest.mark.parametrize("name", NAMES)
 def test_what_was_proved_is_confirmed(proofs: dict[str, Evidence], name: str) -> None:
     """All certificates of a report are of use, and every result that has some is confirmed."""
     found = proofs[name].judged()
@@ -32,7 +32,12 @@ def test_what_was_proved_is_confirmed(proofs: dict[str, Evidence], name: str) ->
     assert 10 < len(found.rows) + len(proofs[name].texts)
 
 
-@pytest.mark.parametrize("name", ["counting", "whole", "twins"])
+def with_goals(evidence: Evidence) -> dict[str, str]:
+    """The certificates that show something; witness functions are proposals."""
+    return {file: text for file, text in evidence.texts.items() if "(push 1)" in text}
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_no_certificate_can_be_missing(proofs: dict[str, Evidence], name: str) -> None:
     """Without any one certificate some result is not confirmed."""
     for file in proofs[name].texts:
@@ -50,7 +55,7 @@ def test_readings_of_one_input_are_one_goal() -> None:
 def test_a_goal_left_out(proofs: dict[str, Evidence]) -> None:
     """A step that does not show what it presumes shows nothing: the last goal is dropped from each certificate in turn."""
     for name, evidence in proofs.items():
-        for file, text in evidence.texts.items():
+        for file, text in with_goals(evidence).items():
             *others, goal = re.split(r"(?m)^(?=\(push 1\)$)", text)
             harmless = "(assert (not true))" in goal or "implies" in file  # the invariant may hold the property itself
             assert harmless or refused(evidence.judged({file: "".join(others)})), (name, file, goal)
@@ -59,7 +64,7 @@ def test_a_goal_left_out(proofs: dict[str, Evidence]) -> None:
 def test_a_hypothesis_added(proofs: dict[str, Evidence]) -> None:
     """What no rule allows is no hypothesis, even where the solvers agree that the goals follow."""
     evidence = proofs["counting"]
-    for file, text in evidence.texts.items():
+    for file, text in with_goals(evidence).items():
         added = text.replace("(push 1)", "(declare-const |more| Bool)\n(assert |more|)\n(push 1)", 1)
         assert refused(evidence.judged({file: added})), file
 

@@ -203,10 +203,10 @@ def _reached(case: Case, one: Obligation) -> str:
     wanted, first = _wanted(case.game, one)
     free = _depth(case.board(), wanted, first, anyhow)
     match one.verdict:
+        case Proved(witness=Trace() as witness) if one.statement.endswith(", by itself"):
+            return _by_itself(case, one, witness, wanted, first)
         case Proved(witness=Trace() as witness):
             return _witness(case, one, witness, wanted, first)
-        case Proved() if one.statement.endswith(", by itself"):
-            return _by_itself(case, one, wanted, first)
         case Proved():
             return "Proved, yet no run is shown"
         case Violated() | Vacuous():
@@ -226,14 +226,18 @@ BY_ITSELF = re.compile(
 )
 
 
-def _by_itself(case: Case, one: Obligation, wanted: Callable[[State], bool], first: bool) -> str:
+def _by_itself(case: Case, one: Obligation, trace: Trace, wanted: Callable[[State], bool], first: bool) -> str:
     """Of the whole no run is told: whether the machine by itself comes there as told, and the whole is told of rightly."""
     said = BY_ITSELF.fullmatch(one.method)
     if said is None or not isinstance(case.game, Whole):
         return "it is not told what the machine does by itself, nor what is known of the whole"
     world = _world(case.game, one)
     space, allowed = (search(world), lawful) if said["under"] else (search(world.board()), anyhow)
-    alone = _depth(space, *_wanted(world, one), allowed)
+    own, at_first = _wanted(world, one)
+    alone = _depth(space, own, at_first, allowed)
+    wrong = _ends(space, trace, allowed, lambda env: (at_first or bool(trace.steps)) and own(env))
+    if wrong:
+        return wrong
     if space.full is None and alone != int(said["steps"]):
         return f"the machine by itself comes there after {alone} steps"
     whole = _depth(case.space, wanted, first, lawful)

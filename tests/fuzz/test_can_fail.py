@@ -227,10 +227,15 @@ BY_ITSELF = "of the machine by itself, witness of {} steps under its assumption;
 def test_what_a_machine_does_by_itself_is_judged_as_it_is_told(method: str, count: int) -> None:
     """The machine's own run has to be as long as is told, and the whole not to come there as early as was searched."""
     asked = Case(WIRED, build(WIRED), search(WIRED), SOUND, Tally())
-    one = Obligation("transition b: raise", "b: 'raise' fires, by itself", Proved(None, "bmc", 1), method)
+    own = run(asked.built.system.parts[1].alone, [{"q": 3}])
+    one = Obligation("transition b: raise", "b: 'raise' fires, by itself", Proved(None, "bmc", 1, witness=own), method)
     _judged(asked, one, [one])
     assert count == len(asked.tally.wrong)
-    of_the_whole = replace(one, statement="b: 'raise' fires")
+    asked.tally.wrong.clear()
+    quiet = run(asked.built.system.parts[1].alone, [{"q": 1}])
+    _judged(asked, replace(one, verdict=Proved(None, "bmc", 1, witness=quiet)), [one])
+    assert 1 == len(asked.tally.wrong)
+    of_the_whole = replace(one, statement="b: 'raise' fires", verdict=Proved(None, "bmc", 1))
     asked.tally.wrong.clear()
     _judged(asked, of_the_whole, [of_the_whole])
     assert ["obligation reachable: Proved, yet no run is shown"] == [one.split(";")[0] for one in asked.tally.wrong]

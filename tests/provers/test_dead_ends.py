@@ -52,7 +52,8 @@ def test_a_mended_machine_is_proved_to_last(name: str) -> None:
     verdict = lasts(system, LIMITS)
     assert isinstance(verdict, Proved)
     for file, text in verdict.certificates.items():
-        assert {"unsat"} == set(decide(file, text, seconds=60))
+        expected = set[str]() if "; rule: witnesses\n" in text else {"unsat"}
+        assert expected == set(decide(file, text, seconds=60))
 
 
 @pytest.mark.parametrize("seed", range(RANDOM))

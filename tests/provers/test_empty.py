@@ -105,4 +105,6 @@ def test_no_name_of_a_property_is_taken_by_the_base() -> None:
     """Certificates are named by their content, so that a property may be called like a part of the base."""
     [finding] = prove(lower(GATE), [never("always", NEVER_B, given=X <= 5)], Limits())
     assert isinstance(finding.result, Proved)
-    assert len(finding.result.certificates) == 5  # base and property, start and step; and that what is given lasts
+    assert (
+        len(finding.result.certificates) == 6
+    )  # base and property, start and step; that what is given lasts, and by what inputs

@@ -142,14 +142,26 @@ def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
     found = _found(machine)
     defence, dead = found["transition guarded: defence"], found["transition guarded: dead"]
     assert isinstance(defence.result, Proved)
-    assert defence.method == "a defence: witness with the assumption broken, proved impossible while it is kept"
+    assert defence.method == "a defence: a drawn run with the assumption broken, proved impossible while it is kept"
     assert isinstance(dead.result, Violated)
     assert dead.result.reason == "never occurs, whatever the inputs: dead; remove it or mend its guard"
 
 
 def test_what_is_too_deep_is_unknown() -> None:
     """A mode that the depth limit does not reach is undecided, not dead."""
-    verdict = _found(counter(), Limits(depth=3, seconds=10.0))["mode counter HIGH"].result
+    ticks = number("ticks", COUNT, 0, 900)
+    deep = Machine(
+        name="deep",
+        modes=(ONE, TWO),
+        inputs=[LEVEL],
+        state={ticks: 0},
+        outputs={},
+        transitions=[
+            Transition("full", ONE, TWO, ticks > 800),
+            Transition("count", ONE, ONE, ticks <= 800, {ticks: ticks + 1}),
+        ],
+    )
+    verdict = _found(deep, Limits(depth=3, seconds=10.0))["mode deep TWO"].result
     assert isinstance(verdict, Unknown)
     assert verdict.depth == 3
 
