@@ -138,7 +138,7 @@ class Runs:
                 goal, alone = occurs(system, case, f"case {len(found)}"), occurs_alone(system, prop, place)
                 by_itself = None if alone is None else _named(alone[1], f"case {len(found)}")
                 name = case_name(prop, place + 1)
-                found.append(_Sought(name, (goal, goal), None if by_itself is None else (by_itself,) * 2, prop))
+                found.append(_Sought(name, (goal, goal), None if by_itself is None else (by_itself, by_itself), prop))
         return found
 
     @cached_property
