@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import compile_system
+from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.code import Symbol, make_code
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig
@@ -78,13 +79,19 @@ def simulate(
     return [run.step(number, speed) for number, speed in enumerate(run.drive.speeds_mm_s)]
 
 
+@lru_cache(maxsize=8)
+def on_board(config: str) -> Compiled:
+    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    return compile_system(without_ghosts(lower(machine(FibreConfig.model_validate_json(config)))))
+
+
 class _Run:
     """The world, and the machine on board."""
 
     def __init__(self, config: FibreConfig, drive: Drive, sections: list[Section], seed: int) -> None:
         self.config, self.drive, self.sections = config, drive, sections
         self.rng = np.random.default_rng(seed)
-        self.code = compile_system(without_ghosts(lower(machine(config))))
+        self.code = on_board(config.model_dump_json())
         self.state = self.code.first()
         self.places = (
             make_code(len(sections), config.window, config.reach).places if len(sections) >= config.window else {}

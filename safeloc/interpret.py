@@ -6,8 +6,9 @@ It reads only TransitionSystem and uses Python's unbounded integers; nothing is 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterable, Mapping
-from typing import assert_never
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from typing import Any, assert_never
 
 from safeloc.errors import InputError
 from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
@@ -40,25 +41,34 @@ Values = dict[Var, Value]
 
 def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
     """The value of each term where variables have `values`; KeyError for a variable that has none."""
-    return Program(terms)(values)
+    return _program(tuple(terms))(values)
 
 
 class Program:
-    """Terms that are evaluated again and again: their order is worked out once."""
+    """Terms that are evaluated again and again: their order is worked out once.
+
+    Every node has a place in a list of values, and a small function that works out its value from those before it.
+    """
 
     def __init__(self, terms: Iterable[Expr]) -> None:
         self.terms = list(terms)
-        self._order = in_order(self.terms)
+        order = in_order(self.terms)
+        place: dict[Expr, int] = {node: number for number, node in enumerate(order)}
+        self._moves = [_move(node, place) for node in order]
+        self._told = [place[term] for term in self.terms]
 
     def __call__(self, values: Mapping[Var, Value]) -> list[Value]:
         """The value of each term; KeyError for a variable that has none."""
-        found: dict[Expr, Value] = {}
-        for node in self._order:
-            found[node] = values[node] if isinstance(node, (NumVar, BoolVar)) else _value(node, found)
-        return [found[term] for term in self.terms]
+        found: list[Any] = []
+        keep = found.append
+        for move in self._moves:
+            keep(move(found, values))
+        return [found[place] for place in self._told]
 
 
+_Move = Callable[[list[Any], Mapping[Var, Value]], Value]
 _STEPS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
+_OUTPUTS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
 
 
 def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
@@ -66,38 +76,60 @@ def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
     return bool(evaluate([term], values)[0])
 
 
-def _value(node: Node, of: Mapping[Expr, Value]) -> Value:
+@lru_cache(maxsize=64)
+def _program(terms: tuple[Expr, ...]) -> Program:
+    """The same terms are often asked for state after state."""
+    return Program(terms)
+
+
+def _move(node: Node, place: Mapping[Expr, int]) -> _Move:
+    """How the value of a node comes of the values before it: `of` holds these by place."""
     match node:
+        case NumVar() | BoolVar():
+            return lambda _, values: values[node]
         case Lit(value, _) | Truth(value):
-            return value
-        case Add(a, b):
-            return of[a] + of[b]
-        case Sub(a, b):
-            return of[a] - of[b]
-        case Mul(a, b):
-            return of[a] * of[b]
-        case FloorDiv(a, k):
-            return of[a] // k
-        case Min(a, b):
-            return min(of[a], of[b])
-        case Max(a, b):
-            return max(of[a], of[b])
+            return lambda _, __: value
+        case FloorDiv(a, divisor):
+            i = place[a]
+            return lambda of, _: of[i] // divisor
         case Choose(c, a, b, _) | ChooseBool(c, a, b):
-            return of[a] if of[c] else of[b]
+            k, i, j = place[c], place[a], place[b]
+            return lambda of, _: of[i] if of[k] else of[j]
         case Not(inner):
-            return not of[inner]
+            i = place[inner]
+            return lambda of, _: not of[i]
         case And(parts):
-            return all(of[part] for part in parts)
+            places = [place[part] for part in parts]
+            return lambda of, _: all(of[n] for n in places)
         case Or(parts):
-            return any(of[part] for part in parts)
-        case Compare("<", a, b):
-            return of[a] < of[b]
-        case Compare("<=", a, b):
-            return of[a] <= of[b]
-        case Compare("==", a, b):
-            return of[a] == of[b]
-        case Past() | NumVar() | BoolVar():
+            places = [place[part] for part in parts]
+            return lambda of, _: any(of[n] for n in places)
+        case Add() | Sub() | Mul() | Min() | Max() | Compare():
+            return _of_two(node, place[node.left], place[node.right])
+        case Past():
             raise InputError(f"{type(node).__name__} cannot be evaluated here; a property is observed first.")
+        case _:
+            assert_never(node)
+
+
+def _of_two(node: Add | Sub | Mul | Min | Max | Compare, i: int, j: int) -> _Move:
+    match node:
+        case Add():
+            return lambda of, _: of[i] + of[j]
+        case Sub():
+            return lambda of, _: of[i] - of[j]
+        case Mul():
+            return lambda of, _: of[i] * of[j]
+        case Min():
+            return lambda of, _: min(of[i], of[j])
+        case Max():
+            return lambda of, _: max(of[i], of[j])
+        case Compare("<"):
+            return lambda of, _: of[i] < of[j]
+        case Compare("<="):
+            return lambda of, _: of[i] <= of[j]
+        case Compare("=="):
+            return lambda of, _: of[i] == of[j]
         case Compare():
             raise AssertionError(node)
         case _:
@@ -206,7 +238,9 @@ def run(
 
 def outputs(system: TransitionSystem, state: Mapping[Var, Value]) -> dict[str, Value]:
     """The outputs in a state."""
-    return dict(zip(system.outputs, evaluate(system.outputs.values(), state), strict=True))
+    if system not in _OUTPUTS:
+        _OUTPUTS[system] = Program(system.outputs.values())
+    return dict(zip(system.outputs, _OUTPUTS[system](state), strict=True))
 
 
 def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:

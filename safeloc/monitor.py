@@ -13,7 +13,7 @@ from typing import NoReturn, TypeAlias, assert_never
 from safeloc.antecedents import cases, seen
 from safeloc.errors import TruthValueError
 from safeloc.expr import Expr, Var
-from safeloc.interpret import Program, evaluate, holds, read_inputs, start
+from safeloc.interpret import Program, holds, read_inputs, start
 from safeloc.nodes import Value
 from safeloc.spec import Goal, Property, observe, watch
 from safeloc.system import TransitionSystem, environment
@@ -60,7 +60,7 @@ class Monitor:
     def __init__(self, goal: Goal, first: Mapping[str, Value] | None = None) -> None:
         self.goal, self._number = goal, 0
         self._state: dict[Var, Value] = start(goal.system, first)
-        self._allowed = environment(goal.system)
+        self._moves = Program([environment(goal.system), *goal.system.next.values()])
         self._wanted = goal.prop.kind == "reachable"
         self.status: Status = Undecided(0, "not reached yet") if self._wanted else Holds()
         self._look()
@@ -70,7 +70,7 @@ class Monitor:
         self._number += 1
         values = {**self._state, **read_inputs(self.goal.system, inputs)}
         moves = self.goal.system.next
-        allowed, *moved = evaluate([self._allowed, *moves.values()], values)
+        allowed, *moved = self._moves(values)
         self._state = dict(zip(moves, moved, strict=True))
         if not allowed and not self._settled():
             self.status = Undecided(self._number, "the assumption is broken from here on")

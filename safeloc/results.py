@@ -37,6 +37,7 @@ class Finding:
     truth_mm      of a recording that holds it: the truth after each step of the violated run, None where it is not known
     replayed      the recorded run that it was found on
     notes         what a reader of it has to know besides, such as what was not checked
+    kept_since    of what was found by an earlier run of the same: when that was (UTC); "" for what was found now
     """
 
     id: str
@@ -51,3 +52,4 @@ class Finding:
     truth_mm: tuple[int | None, ...] = ()
     replayed: Replayed | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
+    kept_since: str = ""

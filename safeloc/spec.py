@@ -220,7 +220,7 @@ class Goal:
 def observe(system: TransitionSystem, prop: Property) -> Goal:
     """The property as extra state on `system`. PropertyError if it reads what the system does not have."""
     check_system(system)
-    observer, waiting = _Observer(system, prop.name), _waiting(prop)
+    observer, waiting = _Observer(system, prop.name), waiting_for(prop)
     helper = prop.helper(waiting) if waiting is not None and prop.helper is not None else None
     check_reading(Reading(system, prop, waiting, helper))
     good, plain = observer.goal(prop, waiting), _relied_on(system, prop)
@@ -231,7 +231,7 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     return Goal(extended, good, prop, tuple(observer.moves), system, plain, TRUE if helper is None else helper)
 
 
-def _waiting(prop: Property) -> NumVar | None:
+def waiting_for(prop: Property) -> NumVar | None:
     """How many steps have passed since a trigger that is not answered yet; `steps` + 1 once it is too late."""
     if prop.kind != "within":
         return None

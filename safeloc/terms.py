@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, assert_never
 
 from safeloc.nodes import (
@@ -34,24 +35,23 @@ from safeloc.nodes import (
 
 
 def children(node: Expr) -> tuple[Expr, ...]:
-    """The terms a node is made of; the kinds that are most of a machine come first, since this is asked the most."""
-    if TYPE_CHECKING:
-        assert isinstance(node, Node)
-    match node:
-        case Choose() | ChooseBool():
-            return (node.condition, node.then, node.other)
-        case Lit() | NumVar() | Truth() | BoolVar():
-            return ()
-        case And() | Or() | Past():
-            return node.parts
-        case Compare() | Add() | Sub() | Max() | Min() | Mul():
-            return (node.left, node.right)
-        case Not():
-            return (node.inner,)
-        case FloorDiv():
-            return (node.left,)
-        case _:
-            assert_never(node)
+    """The terms a node is made of."""
+    return CHILDREN[type(node)](node)
+
+
+def _none(_: Expr) -> tuple[Expr, ...]:
+    return ()
+
+
+_OPERANDS, _CHOICE, _PARTS = attrgetter("left", "right"), attrgetter("condition", "then", "other"), attrgetter("parts")
+CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, since nothing is asked as often
+    **dict.fromkeys((Lit, NumVar, Truth, BoolVar), _none),
+    **dict.fromkeys((Choose, ChooseBool), _CHOICE),
+    **dict.fromkeys((And, Or, Past), _PARTS),
+    **dict.fromkeys((Compare, Add, Sub, Max, Min, Mul), _OPERANDS),
+    Not: lambda node: (node.inner,),
+    FloorDiv: lambda node: (node.left,),
+}
 
 
 def in_order(roots: Iterable[Expr], done: Container[Expr] = frozenset()) -> list[Node]:
@@ -67,13 +67,15 @@ def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node
     seen: set[Expr] = set()
     order: list[Any] = []
     stack: list[Any] = [*reversed(list(roots))]
+    below = CHILDREN
     while stack:
         node = stack.pop()
-        if type(node) is tuple:  # a whole, left behind when its parts were put on the stack
+        kind = type(node)
+        if kind is tuple:  # a whole, left behind when its parts were put on the stack
             order.append(node)
         elif node not in seen and node not in done:
             seen.add(node)
-            parts = children(node)
+            parts = below[kind](node)
             if parts:
                 stack.append((node, parts))
                 stack += parts[::-1]

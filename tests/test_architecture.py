@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -91,6 +92,7 @@ ABOVE = {
     ),
     "safeloc/report/": ("safeloc.cli",),
     "safeloc/checker/": ("safeloc.provers", "safeloc.backends", "safeloc.cli"),
+    "safeloc/cache/": ("safeloc.models", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.shipped"),
     "safeloc/checker/proofs/": (
         "safeloc.backends",
         "safeloc.provers",
@@ -127,9 +129,10 @@ def name_of(path: Path) -> str:
     return path.relative_to(ROOT.parent).as_posix()
 
 
-def imports(path: Path) -> Iterator[str]:
+@cache
+def imports(path: Path) -> tuple[str, ...]:
     """Everything a file imports, wherever in it."""
-    return imported(path.read_text(encoding="utf-8"))
+    return tuple(imported(path.read_text(encoding="utf-8")))
 
 
 def imported(code: str) -> Iterator[str]:

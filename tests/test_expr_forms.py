@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import product as pairs
+from typing import get_args
 
 import pytest
 
@@ -25,9 +26,10 @@ from safeloc.expr import (
 )
 from safeloc.interpret import evaluate, holds
 from safeloc.machine import Machine, Transition, modes
+from safeloc.nodes import BoolNode, NumNode
 from safeloc.spec import always, earlier_bool, earlier_num, observe
 from safeloc.system import lower
-from safeloc.terms import Substitution, variables
+from safeloc.terms import CHILDREN, Substitution, variables
 from safeloc.units import MM
 
 X, Y, P, Q = number("x", MM, -9, 9), number("y", MM, -9, 9), boolean("p"), boolean("q")
@@ -111,3 +113,8 @@ def test_a_term_holds_or_not() -> None:
     term: Bool = X > 0
     assert holds(term, values) is True
     assert holds(~term, values) is False
+
+
+def test_every_kind_of_node_says_what_it_is_made_of() -> None:
+    """The table that terms are taken apart by has the closed set of kinds, and no other."""
+    assert {*get_args(NumNode), *get_args(BoolNode)} == set(CHILDREN)

@@ -48,7 +48,7 @@ def test_the_class_passes_or_fails_as_unittest_runs_it() -> None:
     assert EXAMPLES[0].fails.statement in text
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3, 4))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2, 3, 4))])
 def test_a_forgotten_remainder_is_found_with_every_seed(seed: int) -> None:
     """Draws lean to the ends of the error law: uniform ones find this bug in no run."""
     (bug,) = [bug for bug in DEEP_BUGS if bug.name == "a remainder is forgotten"]

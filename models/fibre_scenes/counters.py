@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
-from safeloc.backends.compiled import compile_system
+from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.models.axle_counter import AxleCounterConfig, machine
 from safeloc.models.axle_counter_streams import Passage, passed
@@ -48,7 +49,7 @@ def record_of(train: Train, *, miscounted: int = 0) -> Record:
     speed = round(MM_PER_M * train.course.speeds[0][1])
     cycles = (behind[-1] - behind[0] + BEYOND_MM) * MM_PER_M // (speed * AXLES.period_ms)
     steps = passed(AXLES, [Passage(tuple(place - behind[0] for place in behind), (speed,) * cycles)])
-    code = compile_system(without_ghosts(lower(machine(AXLES))))
+    code = _on_board()
     state, since_first = code.first(), 0
     for step in steps:
         state, _ = code.step(state, code.read({name: cell for name, cell in step.items() if "true" not in name}))
@@ -88,3 +89,9 @@ def _event(ends: Ends, before: Stretch, now: Stretch, inside: bool) -> str:
     if before[1] <= low < now[1]:
         return "ENTERS_LOW"
     return "ENTERS_HIGH" if now[0] < high <= before[0] else "NONE"
+
+
+@cache
+def _on_board() -> Compiled:
+    """The counter without its environment, compiled once."""
+    return compile_system(without_ghosts(lower(machine(AXLES))))

@@ -11,18 +11,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.backends.compiled import compile_system
-from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig
 from safeloc.models.fibre_scenes.map_host import MapHost
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
+from safeloc.models.fibre_streams import on_board
 from safeloc.nodes import Value
 from safeloc.signals.fibre.features import End, TrainSeen
 from safeloc.signals.fibre.run_meter import RunMeter
 from safeloc.signals.fibre.step_inputs import step_inputs
 from safeloc.simulation.fibre.scene import TrainTruth
 from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 Steps = list[dict[str, Cell]]
 Side = Literal["low", "high"]
@@ -153,7 +151,7 @@ def steps_of(
 ) -> Steps:
     """Steps of the fibre machine; `ghosts=False` where the detector's bounds are not kept, as with a drifting index."""
     host = EndHost(scene, followed, config)
-    code = compile_system(without_ghosts(lower(machine(config))))
+    code = on_board((config or FibreConfig()).model_dump_json())
     state, steps = code.first(), Steps()
     for moment in moments:
         was = code.named_outputs(state)

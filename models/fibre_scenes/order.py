@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
-from safeloc.backends.compiled import compile_system
+from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.models.fibre_scenes.counters import Ends, events
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
 from safeloc.models.train_order import TrainOrderConfig, machine
@@ -36,7 +37,7 @@ def places_of(moments: Sequence[Moment], train: int) -> Places:
 
 def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) -> Ordered:
     """The trains that the counters tell of, by where they are, numbered from 1 on in the order given."""
-    code = compile_system(without_ghosts(lower(machine(ORDER))))
+    code = _on_board()
     told = [events(ends, places) for places in trains]
     state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
     inside = [False] * len(trains)
@@ -103,3 +104,9 @@ def _held(middles: Sequence[int], told: Mapping[str, Cell], pattern: int) -> int
 
 def _at(places: Sequence[int], number: int) -> int:
     return places[number - 1] if number <= len(places) else 0
+
+
+@cache
+def _on_board() -> Compiled:
+    """The machine that orders trains without its environment, compiled once."""
+    return compile_system(without_ghosts(lower(machine(ORDER))))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
-from safeloc.backends.compiled import compile_system
+from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.models.fibre_area import FibreAreaConfig, compose_machines
 from safeloc.models.fibre_parts.variables import NM_PER_MM
 from safeloc.models.fibre_scenes.counters import Ends, Record, events, record_of
@@ -104,13 +105,21 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
     return Stayed(made, host.states)
 
 
+@lru_cache(maxsize=8)
+def _on_board(config: str) -> Compiled:
+    """The area without its environment, kept for further stays with the same configuration (JSON)."""
+    return compile_system(
+        without_ghosts(compose_machines(FibreAreaConfig.model_validate_json(config)).composition.system)
+    )
+
+
 class _Host:
     """What stands between detector, counters and the machines."""
 
     def __init__(self, stay: Stay, start: Moment) -> None:
         self._stay, config = stay, stay.config
-        system = without_ghosts(compose_machines(config).composition.system)
-        self._code, known = compile_system(system), {var.name for var in system.state}
+        self._code = _on_board(config.model_dump_json())
+        known = set(self._code.state_names)
         first = {name: value for name, value in first_state(stay, start, stay.cuts).items() if name in known}
         self._state = self._code.first(first)
         self._ends = {

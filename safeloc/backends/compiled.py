@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from safeloc.backends.python_code import to_python
+from safeloc.backends.python_code import terms_to_python, to_python
 from safeloc.interpret import fired_names, read_inputs, start
-from safeloc.nodes import Value
+from safeloc.nodes import Expr, Value, Var
 from safeloc.system import TransitionSystem
 
-__all__ = ["Compiled", "Row", "Tick", "compile_system", "to_python"]
+__all__ = ["Compiled", "Row", "Tick", "compile_system", "compile_terms", "to_python"]
 
 Row = tuple[Value, ...]
 Tick = Callable[[Row], tuple[int, ...]]
@@ -77,3 +77,11 @@ def compile_system(system: TransitionSystem) -> Compiled:
         space["history"],
         space["outputs"],
     )
+
+
+def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Row]:
+    """The terms as a function of a row of values of `reads`."""
+    space: dict[str, Any] = {}
+    exec(compile(terms_to_python(reads, terms), "<safeloc terms>", "exec"), space)
+    function: Callable[[Sequence[Value]], Row] = space["terms"]
+    return function

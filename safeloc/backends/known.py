@@ -8,6 +8,7 @@ Units of folded terms are not kept: back ends compute with plain numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 from safeloc.backends.shapes import is_magnitude
 from safeloc.nodes import (
@@ -34,7 +35,7 @@ from safeloc.nodes import (
     all_of,
     any_of,
 )
-from safeloc.terms import children, in_order, rebuilt
+from safeloc.terms import children, rebuilt
 from safeloc.units import Enumeration
 
 MOST_VALUES = 16
@@ -56,20 +57,55 @@ class Known:
         self._among: dict[Expr, frozenset[int]] = {}
         self._distances: dict[tuple[int, int], Expr] = {}
 
+    def under(self, facts: Mapping[Expr, Expr]) -> Known:
+        """The same where more is known, for the terms that were asked of this one and that it left as they were.
+
+        Only what is made of a fact is looked at again.
+        """
+        if not self._settled:
+            return Known(facts)
+        more = Known({})
+        more._done, more._kept = dict(self._done), dict(self._kept)
+        more._among, more._distances = dict(self._among), dict(self._distances)
+        left = [*facts]
+        while left:
+            for whole in self._wholes.get(left.pop(), ()):
+                if more._done.pop(whole, None) is not None:
+                    left.append(whole)
+        more._done.update(facts)
+        return more
+
+    @cached_property
+    def _settled(self) -> bool:
+        return all(folded is node for node, folded in self._done.items())
+
+    @cached_property
+    def _wholes(self) -> Mapping[Expr, Sequence[Expr]]:
+        """Of each term, what is made of it."""
+        found: dict[Expr, list[Expr]] = {}
+        for node in self._done:
+            for part in children(node):
+                found.setdefault(part, []).append(node)
+        return found
+
     def __call__(self, term: Expr) -> Expr:
         """The term under the facts; of a decided choice only the chosen branch is looked at."""
         done = self._done
+        if term in done:
+            return done[term]
         stack = [term]
         while stack:
             node = stack[-1]
-            waits = () if node in done else [part for part in self._read(node) if part not in done]
+            if node in done:
+                stack.pop()
+                continue
+            waits = [part for part in self._read(node) if part not in done]
             if waits:
                 stack += waits
                 continue
             stack.pop()
-            if node not in done:
-                folded = self._folded(node)
-                done[node] = self._kept.setdefault(_shape(folded), folded)
+            folded = self._folded(node)
+            done[node] = self._kept.setdefault(_shape(folded), folded)
         return done[term]
 
     def _read(self, node: Expr) -> Sequence[Expr]:
@@ -140,20 +176,20 @@ class Known:
 
 def _shape(term: Expr) -> tuple[object, ...]:
     """What tells two nodes apart, given that their parts are one node where equal."""
-    parts = tuple(id(part) for part in children(term))
-    match term:
-        case Lit(value, unit):
-            return (Lit, value, unit if isinstance(unit, Enumeration) else None)  # a member keeps its label
-        case Truth(value):
-            return (Truth, value)
-        case Add() | Mul() | Min() | Max():
-            return (type(term), *sorted(parts))  # in either order the same
-        case FloorDiv(_, divisor, _):
-            return (FloorDiv, divisor, *parts)
-        case Compare(op, _, _) | Past(op, _):
-            return (type(term), op, *parts)
-        case _:
-            return (type(term), *parts) if parts else (id(term),)
+    parts = children(term)
+    if isinstance(term, Lit):
+        return (Lit, term.value, term.unit if isinstance(term.unit, Enumeration) else None)  # a member keeps its label
+    if isinstance(term, Truth):
+        return (Truth, term.value)
+    if not parts:
+        return (id(term),)
+    if isinstance(term, (Compare, Past)):
+        return (type(term), term.op, *map(id, parts))
+    if isinstance(term, FloorDiv):
+        return (FloorDiv, term.divisor, id(parts[0]))
+    if isinstance(term, (Add, Mul, Min, Max)):
+        return (type(term), *sorted(map(id, parts)))  # in either order the same
+    return (type(term), *map(id, parts))
 
 
 def _truth(op: str, left: int, right: int) -> Bool:
@@ -198,7 +234,17 @@ def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
 
 def work(terms: Sequence[Expr]) -> int:
     """How much there is to compute: every operation once, and every condition once however much it chooses."""
-    nodes = in_order(terms)
-    choices = [node for node in nodes if isinstance(node, (Choose, ChooseBool))]
-    operations = [node for node in nodes if not isinstance(node, (Choose, ChooseBool)) and children(node)]
-    return len(operations) + len({node.condition for node in choices})
+    seen, conditions, operations = set[Expr](), set[Expr](), 0
+    left = [*terms]
+    while left:
+        node = left.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        parts = children(node)
+        left += parts
+        if isinstance(node, (Choose, ChooseBool)):
+            conditions.add(parts[0])
+        elif parts:
+            operations += 1
+    return operations + len(conditions)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.backends.known import Known, implied, work
 from safeloc.backends.python_blocks import Block, Blocks, Statement, Targets, Test
@@ -53,14 +54,22 @@ class _Case:
 
     def under(self, facts: Mapping[Expr, Expr]) -> _Case:
         """The case in which more is known."""
-        return self._folded(Known(facts))
+        return self._folded(self._known.under(facts))
 
     def decided(self, condition: Bool) -> _Decided:
         """The case either way, and what testing first saves, both ways being equally likely."""
-        ways = [Known(implied(condition, holds)) for holds in (True, False)]
+        ways = [self._known.under(implied(condition, holds)) for holds in (True, False)]
         holds, fails = (self._folded(known) for known in ways)
         before, after = sum(_passing(self, known) for known in ways), _passing(holds) + _passing(fails)
         return _Decided(condition, holds, fails, (before - after) / 2 - work([condition]))
+
+    @cached_property
+    def _known(self) -> Known:
+        """What the terms are now, for finding out what is left of them."""
+        known = Known({})
+        for _, term in self.targets:
+            known(term)
+        return known
 
     def _folded(self, known: Known) -> _Case:
         targets = [(name, known(term)) for name, term in self.targets]

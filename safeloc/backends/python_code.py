@@ -11,7 +11,7 @@ from safeloc.backends.python_cases import moves
 from safeloc.backends.python_terms import PythonTerms
 from safeloc.backends.stages import Stage, stages
 from safeloc.errors import InputError
-from safeloc.nodes import Past, Var
+from safeloc.nodes import Expr, Past, Var
 from safeloc.system import TransitionSystem
 from safeloc.terms import in_order
 
@@ -20,12 +20,9 @@ def to_python(system: TransitionSystem) -> str:
     """The source text: functions step, begin (with moving, which keeps the state), run, history and outputs."""
     if any(isinstance(node, Past) for node in in_order(system.next.values())):
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
-    names = _names(system)
+    names = _names([*system.state, *system.inputs])
     held, read = [names[var] for var in system.state], [names[var] for var in system.inputs]
     body = _Body(system, names)
-    shown = Blocks(PythonTerms(names)).ending(
-        [(f"out_{number}", term) for number, term in enumerate(system.outputs.values())]
-    )
     state = _tuple(held)
     return (
         f'"""Generated from machine {system.name}; do not edit."""\n\n\n'
@@ -39,8 +36,19 @@ def to_python(system: TransitionSystem) -> str:
         f"{body.text(_Moved(held), '        ')}    return {state}\n\n\n"
         "def history(rows, state):\n    tick, now = begin(state)\n    states = []\n    for row in rows:\n"
         "        tick(row)\n        states.append(now())\n    return states\n\n\n"
-        f"def outputs(state):\n    {state} = state\n{_lines(shown, _shown, '    ')}"
+        f"{_told('outputs', names, list(system.state), list(system.outputs.values()))}"
     )
+
+
+def terms_to_python(reads: Sequence[Var], terms: Sequence[Expr]) -> str:
+    """The source text of a function of a row of values of `reads`; without cases, so quickly made."""
+    return _told("terms", _names(reads), reads, terms)
+
+
+def _told(name: str, names: Mapping[Var, str], reads: Sequence[Var], terms: Sequence[Expr]) -> str:
+    shown = Blocks(PythonTerms(names)).ending([(f"out_{number}", term) for number, term in enumerate(terms)])
+    given = f"    {_tuple(names[var] for var in reads)} = state\n" if reads else ""
+    return f"def {name}(state):\n{given}{_lines(shown, _shown, '    ')}"
 
 
 Leaf = Callable[[Sequence[str]], list[str]]
@@ -163,11 +171,11 @@ def _assigned(held: Sequence[str], values: Sequence[str]) -> list[str]:
     return [f"{', '.join(name for name, _ in changed)} = {', '.join(value for _, value in changed)}"] if changed else []
 
 
-def _names(system: TransitionSystem) -> dict[Var, str]:
+def _names(variables: Iterable[Var]) -> dict[Var, str]:
     """A Python name for every variable: its own letters, and a number where another one has that name already."""
     names: dict[Var, str] = {}
     taken: set[str] = set()
-    for var in (*system.state, *system.inputs):
+    for var in variables:
         plain = "v_" + "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in var.name)
         name, number = plain, 1
         while name in taken:

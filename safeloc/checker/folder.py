@@ -17,15 +17,16 @@ from safeloc.checker.answer import NO_PROOF, OPEN, WRONG
 from safeloc.checker.claims import Claims, Goals
 from safeloc.checker.dag import Dag
 from safeloc.checker.rules import Theory
-from safeloc.checker.runs import Runs
+from safeloc.checker.runs import Occurrences
 from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
 from safeloc.digest import full_digest
 from safeloc.errors import InputError, SafelocError
-from safeloc.report.page import file_names
+from safeloc.report import certificates, kept
+from safeloc.streams.columns import Runs, read_runs
+from safeloc.streams.steps import StepStream
 from safeloc.target import Target
 
-SCHEMA = "safeloc-report/2"
 BATCH = 1_000_000  # letters of certificates that one process reads before it takes others
 Told = Callable[[int, int], None]
 
@@ -75,12 +76,10 @@ def check_folder(folder: Path, *, jobs: int = 2, seconds: float = 60.0, told: To
 
     InputError where the folder is no report of this version.
     """
-    data = _report(folder)
-    texts = {
-        path.name: path.read_text(encoding="utf-8", errors="replace")
-        for path in (folder / "certificates").glob("*.smt2")
-    }
-    found = Checking()
+    data = kept.read_report(folder)
+    read = certificates.read_archives(folder / certificates.FOLDER, data["certificates"])
+    texts = read.texts
+    found = Checking(wrong=dict(read.damaged))
     found.wrong |= {name: why for name, text in texts.items() if (why := _misnamed(name, text))}
     for name, answered in _opinions(texts, jobs, seconds):
         found.opinions[name] = answered
@@ -90,17 +89,6 @@ def check_folder(folder: Path, *, jobs: int = 2, seconds: float = 60.0, told: To
             found.include(part)
     found.wrong |= dict.fromkeys({*texts} - found.judged - {*found.wrong}, "it is of no machine of the report")
     return found
-
-
-def _report(folder: Path) -> dict[str, Any]:
-    path = folder / "report.json"
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: cannot be read as a report: {error}") from error
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise InputError(f"{path}: not a report of schema {SCHEMA}; write it with `safeloc verify --out {folder}`.")
-    return data
 
 
 def _misnamed(name: str, text: str) -> str:
@@ -163,13 +151,27 @@ def _check_machine(number: int) -> Checking:
     machine, found = data["machines"][number], Checking(wrong=dict(before.wrong), opinions=before.opinions)
     rows = [row for row in data["results"] if row["machine"] == machine["name"]]
     try:
-        files = file_names([row["id"] for row in data["results"]])
-        judge(_declared(machine), rows, texts, lambda name: folder / "traces" / f"{files[name]}.jsonl", found)
+        file = folder / kept.TRACES / kept.machine_files(data)[machine["name"]]
+        judge(_declared(machine), rows, texts, _Kept(file), found)
     except SafelocError as error:
         why = f"its declaration cannot be loaded: {error}"
         found.judged.update(_of(machine["name"], texts))
         found.rows += [Checked(row["id"], row["verdict"], OPEN, why) for row in rows]
     return replace(found, opinions={})
+
+
+class _Kept:
+    """The runs that a report keeps of one machine, by result; its file, if there is one, is read when the first is asked for."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._runs: Runs | None = None
+
+    def __call__(self, result: str) -> StepStream | None:
+        """Return the run's stream; None where no run is kept. StreamError for a file that is damaged."""
+        if self._runs is None and self._path.exists():
+            self._runs = read_runs(self._path)
+        return None if self._runs is None or result not in self._runs else self._runs.stream(result)
 
 
 def _declared(machine: Mapping[str, Any]) -> Target:
@@ -189,7 +191,7 @@ def judge(
     target: Target,
     rows: Sequence[Mapping[str, Any]],
     texts: Mapping[str, str],
-    run: Callable[[str], Path],
+    run: Callable[[str], StepStream | None],
     found: Checking,
 ) -> None:
     """Judges the results of one target from texts on which solvers have given their opinions."""
@@ -200,7 +202,7 @@ def judge(
     found.judged.update(own)
     found.wrong |= theory.take(taken)
     claimed = frozenset(str(row["id"]) for row in rows)
-    claims = Claims(target, goals, theory, Runs(target, theory.write, run, claimed), claimed)
+    claims = Claims(target, goals, theory, Occurrences(target, theory.write, run, claimed), claimed)
     found.rows += [_checked(row, claims, texts, found) for row in rows]
 
 

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 
 from safeloc.antecedents import case_name, cases, occurs, occurs_alone
 from safeloc.checker.answer import CONFIRMED, WRONG, Answer, Check, Row, seen
@@ -42,17 +41,17 @@ class _Sought:
     prop: Property | None = None
 
 
-class Runs:
+class Occurrences:
     """What runs of a target show.
 
-    file     finds the file of a result's run
+    kept     finds the run that a report keeps of a result
     claimed  ids of all results of the target
     """
 
     def __init__(
-        self, target: Target, write: Translation, file: Callable[[str], Path], claimed: frozenset[str]
+        self, target: Target, write: Translation, kept: Callable[[str], StepStream | None], claimed: frozenset[str]
     ) -> None:
-        self._target, self._write, self._file, self._claimed = target, write, file, claimed
+        self._target, self._write, self._kept, self._claimed = target, write, kept, claimed
         self._walks: dict[Key, Walk] = {}
         self._single: dict[Goal, Walk] = {}
 
@@ -84,10 +83,10 @@ class Runs:
         return list(Walk([nothing], self._write).states(run.first, run.steps))
 
     def _run(self, row: Row) -> StepStream:
-        path = self._file(str(row["id"]))
-        if not path.is_file():
+        stream = self._kept(str(row["id"]))
+        if stream is None:
             raise InputError("no run is kept that shows it")
-        return read_steps(path)
+        return stream
 
     # -------------------------------------------------------------- what occurs
 

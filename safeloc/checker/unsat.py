@@ -12,6 +12,8 @@ from pathlib import Path
 from safeloc.checker.proofs.goals import check_unsat_proofs
 from safeloc.checker.proofs.steps import Checked
 from safeloc.errors import InputError
+from safeloc.report.certificates import FOLDER, read_archives
+from safeloc.report.kept import read_report
 
 
 @dataclass
@@ -38,30 +40,32 @@ def survey(folder: Path, *, jobs: int, seconds: float, told: Callable[[int, int]
 
     InputError where the folder holds no certificates.
     """
-    files = sorted((folder / "certificates").glob("*.smt2"))
-    if not files:
+    read = read_archives(folder / FOLDER, read_report(folder)["certificates"])
+    if not read.texts and not read.damaged:
         raise InputError(f"{folder}: no certificates; write a report with `safeloc verify --out {folder}`.")
-    found = Survey()
+    found = Survey(unproved=dict(read.damaged))
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
-        for done, (name, trusted, where) in enumerate(pool.imap_unordered(partial(_looked_at, seconds), files), 1):
+        looked_at = pool.imap_unordered(partial(_looked_at, seconds), sorted(read.texts.items()))
+        for done, (name, trusted, where) in enumerate(looked_at, 1):
             if where:
                 found.unproved[name] = where
             elif trusted:
                 found.trusted[name] = trusted
             else:
                 found.sure.append(name)
-            told(done, len(files))
+            told(done, len(read.texts))
     return found
 
 
-def _looked_at(seconds: float, file: Path) -> tuple[str, dict[str, int], str]:
+def _looked_at(seconds: float, certificate: tuple[str, str]) -> tuple[str, dict[str, int], str]:
     """The certificate's name, its steps that were not checked by rule, and what went wrong ("" for nothing)."""
+    name, text = certificate
     trusted: Counter[str] = Counter()
     try:
-        for one in check_unsat_proofs(file.read_text(encoding="utf-8"), seconds=seconds):
+        for one in check_unsat_proofs(text, seconds=seconds):
             if not isinstance(one.result, Checked):
-                return file.name, {}, f"{one.goal}: {one.result.where}"
+                return name, {}, f"{one.goal}: {one.result.where}"
             trusted.update(one.result.trusted)
-    except (InputError, OSError, UnicodeDecodeError) as error:
-        return file.name, {}, str(error)
-    return file.name, dict(trusted), ""
+    except InputError as error:
+        return name, {}, str(error)
+    return name, dict(trusted), ""

@@ -64,6 +64,7 @@ COMMANDS: Mapping[str, Known] = {
         "recheck",
         "Check every proof of a report again, from its files and the declaration alone.",
     ),
+    "cache": Known("keeping", "cache", "Say how much earlier runs left behind, and take it away."),
     "prove": Known(
         "verify",
         "prove",
@@ -71,7 +72,7 @@ COMMANDS: Mapping[str, Known] = {
     ),
     "test": Known("verify", "test", "Run property tests along plausible and faulty streams."),
     "replay": Known("verify", "replay", "Run a recorded stream through a machine and check every property on it."),
-    "report": Known("verify", "report", "Render the page of a report folder again from its report.json."),
+    "report": Known("verify", "report", "Render the page of a report folder again, or write out what is packed in it."),
     "verify": Known("verify", "verify", "Prove, test, replay the shipped streams, and write the report: the main job."),
 }
 

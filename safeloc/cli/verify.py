@@ -10,14 +10,19 @@ from typing import Annotated
 
 import typer
 
+from safeloc.cache.answers import kept_in
+from safeloc.cache.reports import keep_report, kept_report, report_key
+from safeloc.cache.targets import asked, found_before, keep
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
+from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
 from safeloc.cli.show import Progressing, code, findings_table, result, summed_up
 from safeloc.cli.verifying import Verifying
 from safeloc.errors import InputError
 from safeloc.provers.limits import Limits
 from safeloc.report.data import report_data
-from safeloc.report.folder import render_folder, usable, write_folder
+from safeloc.report.extract import extract
+from safeloc.report.folder import PAGE, cleared, files_of, render_folder, usable, write_folder
 from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.verdict import word
@@ -30,7 +35,7 @@ TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
 ]
 ConfigOption = Annotated[Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")]
-JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/2)")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/3)")]
 DepthOption = Annotated[int, typer.Option(help="steps of bounded search", min=1)]
 
 
@@ -44,6 +49,9 @@ SecondsOption = Annotated[float, typer.Option(help="time limit for each property
 JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
 SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
+SingleOption = Annotated[
+    bool, typer.Option("--single-file", help="one page that holds everything it shows, and loads nothing")
+]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]
 
 
@@ -55,19 +63,31 @@ def prove(
     seconds: SecondsOption = 30.0,
     jobs: JobsOption = 2,
     seed: SeedOption = 0,
+    cache: CacheOption = None,
+    fresh: FreshOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Prove the properties and obligations of a machine for all streams that obey its assumption."""
     loaded = load_target(target, config)
     chosen = _chosen(loaded, only)
-    limits = Limits(depth=depth, seconds=seconds, seed=seed)
-    planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
-    with Progressing(planned, quiet=as_json) as progress:
-        work = Work(loaded, jobs, progress.say, progress.add)
-        findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
-        if only is None:
-            findings += work.obliged(limits)
+    limits, store = Limits(depth=depth, seconds=seconds, seed=seed), store_in(cache)
+    question = asked(loaded, "proved", limits, only)
+    findings = None if fresh else found_before(store, question)
+    if findings is None:
+        planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
+        with kept_in(store), Progressing(planned, quiet=as_json) as progress:
+            work = Work(loaded, jobs, progress.say, progress.add)
+            findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
+            if only is None:
+                findings += work.obliged(limits)
+        keep(store, question, findings)
+    _tell_kept(findings, quiet=as_json)
     raise typer.Exit(result(findings, [loaded], as_json=as_json))
+
+
+def _tell_kept(findings: Sequence[Finding], *, quiet: bool) -> None:
+    if not quiet and told(findings):
+        err.print(told(findings), markup=False)
 
 
 def _chosen(target: Target, names: list[str] | None) -> list[Property]:
@@ -107,6 +127,9 @@ def replay(
         int | None,
         typer.Option("--period-ms", help="the stream holds single records; make steps of this period", min=1),
     ] = None,
+    run: Annotated[
+        str | None, typer.Option("--run", help="the file is one of a report's traces; replay the run of this result")
+    ] = None,
     form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
     folder: Annotated[Path | None, typer.Option("--out", help="folder for a report of it, with its pictures")] = None,
     as_json: JsonOption = False,
@@ -114,10 +137,12 @@ def replay(
     """Run a recorded stream through a machine and check every property on it."""
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
+    if run is not None and period is not None:
+        raise typer.BadParameter("--period-ms is for single records; what --run names has steps already.")
     loaded = load_target(target, config)
     if folder is not None:
         usable(folder)
-    rows, findings = replay_stream(loaded, stream, period_ms=period)
+    rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
     if folder is not None:
         err.print(f"report: {write_folder(folder, findings, [loaded])}", markup=False)
     if as_json:
@@ -132,9 +157,24 @@ def replay(
     raise typer.Exit(code(findings))
 
 
-def report(folder: Annotated[Path, typer.Argument(help="folder that `safeloc verify` wrote")]) -> None:
-    """Render the page of a report folder again from its report.json."""
-    err.print(f"report: {render_folder(folder)}", markup=False)
+def report(
+    folder: Annotated[Path, typer.Argument(help="folder that `safeloc verify` wrote")],
+    single: SingleOption = False,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--extract", help="instead of the page: certificates as .smt2 and runs as .jsonl, below this folder"
+        ),
+    ] = None,
+) -> None:
+    """Render the page of a report folder again, or write out what is packed in it."""
+    if to is None:
+        err.print(f"report: {render_folder(folder, single=single)}", markup=False)
+    elif single:
+        raise typer.BadParameter("--single-file is of the page, and --extract writes none.")
+    else:
+        texts, runs = extract(folder, to)
+        err.print(f"{to}: {texts} certificates, {runs} traces", markup=False)
 
 
 def verify(
@@ -147,23 +187,59 @@ def verify(
     seed: SeedOption = 0,
     examples: ExamplesOption = 60,
     steps: StepsOption = 60,
+    cache: CacheOption = None,
+    fresh: FreshOption = False,
+    check: Annotated[
+        bool, typer.Option("--recheck", help="check every proof of the report again, as `recheck` does")
+    ] = False,
+    single: SingleOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Prove, test, replay the shipped streams, and write the report: the main job."""
     names = targets or list(ENTRIES)
     if config is not None and len(names) > 1:
         raise typer.BadParameter(f"--config is of one machine, and here are {len(names)}: {', '.join(names)}.")
-    loaded = _distinct([load_target(name, config) for name in names])
-    usable(folder)
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
-    with Verifying(loaded, quiet=as_json) as told:
-        findings = in_order(verify_targets(loaded, plan, jobs=jobs, on_event=told))
-    page = write_folder(folder, findings, loaded)
+    store = store_in(cache)
+    key = None if as_json else report_key(names, config, plan, single)
+    usable(folder)
+    back = None if fresh else kept_report(store, key)
+    if back is not None:
+        with cleared(folder):
+            back.put_back(folder)
+        out.print(back.said, markup=False)
+        err.print(f"nothing has changed since {back.since}; report of then: {folder / PAGE}", markup=False)
+        _checked(folder, jobs, 0, wanted=check)
+        raise typer.Exit(0)
+    loaded = _distinct([load_target(name, config) for name in names])
+    with Verifying(loaded, quiet=as_json) as events:
+        look_in = None if fresh else store
+        found = verify_targets(loaded, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
+    findings = in_order(found)
+    page = write_folder(folder, findings, loaded, single=single)
+    if code(findings) == 0:
+        keep_report(store, key, folder, files_of(folder), summed_up(findings))
+    store.trim()
     if as_json:
         raise typer.Exit(result(findings, loaded, as_json=True))
     _summary(findings)
+    _tell_kept(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
+    _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
+
+
+def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:
+    """Ends the command where the checker does not confirm what was found; what was violated stays violated."""
+    if not wanted:
+        return
+    from safeloc.cli.recheck import recheck  # it loads solvers, which a run without it does not need
+
+    try:
+        recheck(folder, jobs=jobs)
+    except typer.Exit as end:
+        if end.exit_code != 0 and found != 1:
+            raise
 
 
 def _distinct(targets: list[Target]) -> list[Target]:

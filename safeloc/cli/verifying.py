@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
 from safeloc.verdict import WORST_FIRST
-from safeloc.verification.many import Began, Event, Found, Over, Phase
+from safeloc.verification.many import Began, Event, Found, Kept, Over, Phase
 from safeloc.verification.one import expected
 
 
@@ -55,6 +55,10 @@ class Verifying:
                 self._bars.advance(self._running[target])
                 self._bars.advance(self._all, int(sum(self._counts[target].values()) <= self._expected[target]))
                 self._line(f"{verdict:9} {id_}  ({seconds:.1f} s)")
+            case Kept(target, findings, since):
+                self._bars.advance(self._all, self._expected[target])
+                if not self._quiet:
+                    err.print(f"{target}: unchanged, {findings} results kept since {since}", markup=False)
             case Over(target, seconds):
                 self._over(target, seconds)
 

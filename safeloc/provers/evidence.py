@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.errors import EngineError, InputError
 from safeloc.expr import Var
-from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, run, start, step
+from safeloc.interpret import fired_names, holds, outputs, read_inputs, run, start, step
 from safeloc.nodes import Value
 from safeloc.spec import Goal
 from safeloc.system import TransitionSystem, environment
@@ -23,7 +23,7 @@ def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[st
         return Trace(goal.plain, initial, ())
     for record in stream:
         inputs = read_inputs(system, record)
-        if not evaluate([allowed], {**state, **inputs})[0]:
+        if not holds(allowed, {**state, **inputs}):
             return None
         state, fired = step(system, state, inputs)
         named = {var.name: value for var, value in inputs.items()}

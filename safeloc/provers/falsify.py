@@ -23,7 +23,7 @@ from safeloc.machine import Any_
 from safeloc.nodes import Value
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.shorten import shortened
-from safeloc.runs.allowed import slack
+from safeloc.runs.allowed import Slack
 from safeloc.runs.lawful import Repair, first_state
 from safeloc.runs.profiles import Profile
 from safeloc.spec import Goal
@@ -87,6 +87,7 @@ class _Search:
         self.first: Mapping[str, Value] = {}
         self._stream: list[Record] = []
         self._near: list[_Near] = []
+        self._slack = Slack(goal.good)
         self._archive: dict[Row, _Reached] = {}
         self._known: Record = {}
         self._labels = [n for n, var in enumerate(goal.system.state) if not _is_quantity(var)]
@@ -157,7 +158,7 @@ class _Search:
 
     def _remember(self, state: Row) -> None:
         values = dict(zip(self.goal.system.state, state, strict=True))
-        distance = slack(self.goal.good, values)
+        distance = self._slack(values)
         self._near.append(_Near(distance, state, len(self._stream)))
         labels = tuple(state[number] for number in self._labels)
         if labels not in self._archive or self._draw.random() < REPLACED:

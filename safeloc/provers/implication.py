@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import z3
 
 from safeloc.backends.smt import Terms, constant
-from safeloc.backends.smtlib import Key, Query
+from safeloc.backends.smtlib import Key, Query, to_smtlib
+from safeloc.cache.answers import keep_proved, keeping, proved_before
 from safeloc.expr import Bool, Var
 from safeloc.nodes import And, Value
 from safeloc.provers.limits import deadline, milliseconds
@@ -46,6 +47,16 @@ Failure = Refuted | Undecided
 
 def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
     """The goals, by their keys, that do not follow, or are not decided within `seconds` for all of them together."""
+    text = to_smtlib(query) if keeping() else ""
+    if text and proved_before("z3", text):
+        return {}
+    failed = _failures(query, seconds, seed)
+    if text and not failed:
+        keep_proved("z3", text)
+    return failed
+
+
+def _failures(query: Query[Key], seconds: float, seed: int) -> dict[Key, Failure]:
     named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
     terms, solver, ends = Terms(named), z3.Solver(), deadline(seconds)
     solver.set("random_seed", seed)

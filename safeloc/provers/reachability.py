@@ -5,7 +5,7 @@ One incremental search serves all targets; a target found is a stream, replayed 
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import z3
@@ -14,8 +14,9 @@ from safeloc.backends.smt import Unrolling
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, Lit, NumVar, before, was
 from safeloc.machine import Machine
-from safeloc.provers.base import base
+from safeloc.provers.base import Base, base
 from safeloc.provers.bmc import run_of
+from safeloc.provers.drawn import drawn
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import kinduction
@@ -109,31 +110,92 @@ class _Target:
 
 
 def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()) -> Iterator[Obligation]:
-    """Modes and transitions: first under the assumption, found or recorded; what is neither, without it."""
+    """Modes and transitions: first under the assumption, drawn, recorded or searched; what is none of these, without it."""
     targets = _targets(system)
-    excluded = _impossible(system, targets, limits)
-    possible = [target.goal for target in targets if target not in excluded]
-    seen = shown(possible, recordings)
-    searched = first_runs(possible, limits, seen)
-    kept = replace(searched, found={**seen, **searched.found})
-    open_ = [target for target in targets if target.goal not in kept.found]
+    known = base(system, seconds=limits.seconds)
+    kept = _looked_for([one.goal for one in targets], known.everything, limits, recordings)
+    open_ = [one for one in targets if one.goal not in kept.runs]
     alone = _by_itself(system, targets, open_, limits)
-    dead = _dead_in_the_whole(system, list(alone), limits)
-    free = first_runs([target.free for target in open_ if target not in alone], limits)
-    for target in targets:
-        witness = kept.found.get(target.goal) or free.found.get(target.free)
-        if witness is not None:
-            verdict: Verdict = Proved(None, "bmc", len(witness.steps), ("interpreter",), witness=witness)
-            recorded = target.goal in seen and target.goal not in searched.found
-            method = "a recorded run under the assumption" if recorded else _how(target, kept, excluded)
-            yield Obligation(target.name, target.statement, verdict, method)
-        elif target in dead:
-            why = f"the machine by itself comes there ({alone[target].words}), the whole never, whatever its inputs: dead in it"
-            yield Obligation(target.name, target.statement, Violated(None, "1-induction", why), "1-induction")
-        elif target in alone:
-            yield _only_alone(target, alone[target], kept.depth, target in excluded)
+    dead = _dead_in_the_whole(list(alone), known, limits)
+    free = _looked_for([one.free for one in open_ if one not in alone], list(known.always.values()), limits)
+    for one in targets:
+        excluded = one.goal in kept.excluded
+        if one.goal in kept.runs:
+            yield Obligation(one.name, one.statement, *_shown(kept.runs[one.goal], ""))
+        elif one.free in free.runs:
+            yield Obligation(one.name, one.statement, *_shown(free.runs[one.free], _defence(kept.depth, excluded)))
+        elif one in dead:
+            why = f"the machine by itself comes there ({alone[one].words}), the whole never, whatever its inputs: dead in it"
+            yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
+        elif one in alone:
+            yield _only_alone(one, alone[one], kept.depth, excluded)
         else:
-            yield Obligation(target.name, target.statement, _dead(target.free, free.depth, limits), "bounded search")
+            yield Obligation(one.name, one.statement, _dead(one.free, free.depth, limits), "bounded search")
+
+
+def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:
+    """The verdict on what a run comes to, and how it was found."""
+    told = run.words if not defence else f"a defence: {run.words.replace('under the', 'with the')} broken, {defence}"
+    return Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace), told
+
+
+def _defence(depth: int, excluded: bool) -> str:
+    searched = f"not found in {depth} steps" if depth >= 0 else "not searched in time"
+    return f"{'proved impossible' if excluded else searched} while it is kept"
+
+
+# ------------------------------------------------------------------ looking for runs
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """A run to a target, what found it, and in words."""
+
+    trace: Trace
+    engine: str
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """Runs to targets; targets that no run comes to; how many steps were searched completely for the rest."""
+
+    runs: Mapping[Goal, _Run]
+    excluded: Container[Goal]
+    depth: int
+
+
+def _looked_for(
+    goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, recordings: Sequence[Recording] = ()
+) -> _Looked:
+    """What drawn runs come to, or recorded ones; the rest is excluded in one step from `facts`, or searched."""
+    runs = {
+        goal: _Run(run, "drawn", "a drawn run under the assumption") for goal, run in drawn(goals, limits.seed).items()
+    }
+    recorded = shown([goal for goal in goals if goal not in runs], recordings)
+    runs |= {goal: _Run(run, "recorded", "a recorded run under the assumption") for goal, run in recorded.items()}
+    left = [goal for goal in goals if goal not in runs]
+    excluded = _never(left, facts, limits)
+    searched = first_runs([goal for goal in left if goal not in excluded], limits)
+    runs |= {goal: _Run(run, "bmc", "witness under the assumption") for goal, run in searched.found.items()}
+    return _Looked(runs, excluded, searched.depth)
+
+
+def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:
+    """Goals that the first state is not, and that no step comes to from a state with these facts."""
+    if not goals:
+        return set()
+    watched = watch(goals[0].plain, goals)
+    given = [environment(watched.system), *facts]
+    after = Substitution(dict(watched.system.next))
+    now = {number: goal.good for number, goal in enumerate(goals)}
+    later = {number: good.implies(after.bool(good)) for number, good in now.items()}
+    start = Query("first", [watched.system.init, in_range(watched.system.state)], now)
+    possible = {**unproved(start, limits.seconds), **unproved(Query("step", given, later), limits.seconds)}
+    return {goal for number, goal in enumerate(goals) if number not in possible}
+
+
+# ------------------------------------------------------------------ a machine of a composition by itself
 
 
 @dataclass(frozen=True)
@@ -164,16 +226,26 @@ def _by_itself(
     for number, part in enumerate(system.parts):
         own = [target for target in targets if target.part == number]
         pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
-        lawful = first_runs([mine.goal for mine, _ in pairs], limits).found
-        unlawful = first_runs([mine.free for mine, _ in pairs if mine.goal not in lawful], limits).found
-        for mine, theirs in pairs:
-            if mine.goal in lawful:
-                run = lawful[mine.goal]
-                found[theirs] = _Alone(f"witness of {len(run.steps)} steps under its assumption", run)
-            elif mine.free in unlawful:
-                run = unlawful[mine.free]
-                found[theirs] = _Alone(f"a defence: witness of {len(run.steps)} steps with its assumption broken", run)
+        if pairs:
+            found |= {theirs: _Alone(*told) for theirs, told in _runs_alone(part.alone, pairs, limits)}
     return found
+
+
+def _runs_alone(
+    alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits
+) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
+    """The targets of the whole that the machine comes to by itself, each with the words for it and the run."""
+    known = base(alone, seconds=limits.seconds)
+    lawful = _looked_for([mine.goal for mine, _ in pairs], known.everything, limits).runs
+    free = [mine.free for mine, _ in pairs if mine.goal not in lawful]
+    unlawful = _looked_for(free, list(known.always.values()), limits).runs
+    for mine, theirs in pairs:
+        if mine.goal in lawful:
+            run = lawful[mine.goal].trace
+            yield theirs, (f"witness of {len(run.steps)} steps under its assumption", run)
+        elif mine.free in unlawful:
+            run = unlawful[mine.free].trace
+            yield theirs, (f"a defence: witness of {len(run.steps)} steps with its assumption broken", run)
 
 
 def _place(src: str) -> str:
@@ -210,40 +282,10 @@ def _targets_of(
         yield _Target(name, text, goal, without_assumption(goal), part)
 
 
-def _impossible(system: TransitionSystem, targets: Sequence[_Target], limits: Limits) -> set[_Target]:
-    """Targets that the first state is not and that no step under the assumption, with the proved facts, comes to."""
-    facts = base(system, seconds=limits.seconds).everything
-    watched = watch(system, [target.goal for target in targets])
-    goods = {target: target.goal.good for target in targets}
-    return set(targets) - set(_comes_to(watched, [environment(system), *facts], goods, limits))
-
-
-def _dead_in_the_whole(system: TransitionSystem, targets: Sequence[_Target], limits: Limits) -> set[_Target]:
-    """The same for all inputs in range, from what is known without the assumption."""
-    if not targets:
-        return set()
-    facts = list(base(system, seconds=limits.seconds).always.values())
-    watched = watch(targets[0].free.plain, [target.free for target in targets])
-    goods = {target: target.free.good for target in targets}
-    return set(targets) - set(_comes_to(watched, [environment(system, assume=False), *facts], goods, limits))
-
-
-def _comes_to(
-    watched: Watch, given: Sequence[Bool], goods: Mapping[_Target, Bool], limits: Limits
-) -> Iterable[_Target]:
-    """The targets that the first state may be, or that a step may come to from a state that is none."""
-    after = Substitution(dict(watched.system.next))
-    later = {target: good.implies(after.bool(good)) for target, good in goods.items()}
-    start = Query("first", [watched.system.init, in_range(watched.system.state)], dict(goods))
-    return {**unproved(start, limits.seconds), **unproved(Query("step", given, later), limits.seconds)}
-
-
-def _how(target: _Target, kept: Runs, excluded: Container[_Target]) -> str:
-    if target.goal in kept.found:
-        return "witness under the assumption"
-    searched = f"not found in {kept.depth} steps" if kept.depth >= 0 else "not searched in time"
-    proved = "proved impossible" if target in excluded else searched
-    return f"a defence: witness with the assumption broken, {proved} while it is kept"
+def _dead_in_the_whole(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
+    """Targets that no run of the whole comes to, for all inputs in range, from what is known without the assumption."""
+    dead = _never([target.free for target in targets], list(known.always.values()), limits)
+    return {target for target in targets if target.free in dead}
 
 
 def _dead(free: Goal, depth: int, limits: Limits) -> Verdict:

@@ -13,6 +13,7 @@ from typing import Generic
 import cvc5
 
 from safeloc.backends.smtlib import Key, Query, to_smtlib
+from safeloc.cache.answers import keep_proved, proved_before
 from safeloc.errors import EngineError
 from safeloc.provers.limits import Deadline, deadline, milliseconds
 
@@ -41,10 +42,15 @@ def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ())
     """
     text = to_smtlib(query, relies_on)
     file = file_name(query.name, text)
+    if proved_before("cvc5", text):
+        return Certificate(file, text, ())
     ends = deadline(seconds)
     answers = recheck(file, text, len(query.goals), seconds=seconds, each=min(seconds, FIRST_SECONDS))
     left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
-    return Certificate(file, text, tuple(goal for goal in left if not _confirmed_alone(query, goal, ends)))
+    open_ = tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
+    if not open_:
+        keep_proved("cvc5", text)
+    return Certificate(file, text, open_)
 
 
 def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import chain
 
-from safeloc.errors import InputError
+from safeloc.errors import EngineError, InputError
 from safeloc.expr import Bool, Var
-from safeloc.interpret import evaluate, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.interpret import Program, fired_names, holds, outputs, read_inputs, start, step
 from safeloc.nodes import Value
 from safeloc.provers.limits import Deadline
 from safeloc.runs.allowed import compiled_terms
@@ -33,15 +34,38 @@ class Recording:
 
 
 def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, Trace]:
-    """The shortest recorded run to each goal that some recording comes to; all goals are of one system."""
+    """The shortest recorded run to each goal that some recording comes to; all goals are of one system.
+
+    Generated code tells where to look, the interpreter makes the runs. EngineError where the two differ.
+    """
     found: dict[Goal, Trace] = {}
-    if not goals:
+    if not goals or not recordings:
         return found
-    watched = watch(goals[0].plain, goals)
-    for recording in recordings:
-        for goal, trace in _first_times(watched, recording):
-            if goal not in found or len(trace.steps) < len(found[goal].steps):
-                found[goal] = trace
+    shortest = _shortest(goals, recordings)
+    for number, recording in enumerate(recordings):
+        wanted = {goal: steps for goal, (steps, where) in shortest.items() if where == number}
+        if wanted:
+            found |= _interpreted(wanted, recording)
+    return found
+
+
+def _shortest(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, tuple[int, int]]:
+    """For each goal that some recording comes to the fewest steps, and the number of that recording."""
+    replay, met = Replay(goals[0].plain, dict(enumerate(goals))), dict[int, tuple[int, int]]()
+    for number, recording in enumerate(recordings):
+        for goal, steps in replay.first_times(recording).items():
+            met[goal] = min(met.get(goal, (steps, number)), (steps, number))
+    return {goals[goal]: place for goal, place in met.items()}
+
+
+def _interpreted(wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal, Trace]:
+    """The beginnings of a recording that come to goals after so many steps."""
+    watched = watch(next(iter(wanted)).plain, list(wanted))
+    first = replace(recording, steps=recording.steps[: max(wanted.values())])
+    found = dict(_first_times(watched, first))
+    wrong = [goal.prop.name for goal, steps in wanted.items() if goal not in found or len(found[goal].steps) != steps]
+    if wrong:
+        raise EngineError(f"the interpreter does not come to {wrong[0]!r} where generated code does.")
     return found
 
 
@@ -74,17 +98,15 @@ def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[st
 def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
     """Each goal with the run up to the step in which the recording first comes to it."""
     system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
-    left, taken = list(watched.goals), list[Step]()
-    try:
-        state = start(system, _known(original, recording.first))
-    except InputError:
-        return
-    initial = _named(state, hidden)
-    for one, after in _admissible(system, state, recording, hidden):
-        taken.append(one)
-        for goal in [goal for goal in left if not holds(goal.good, after)]:
-            left.remove(goal)
-            yield goal, Trace(original, initial, tuple(taken))
+    state = start(system, _known(original, recording.first))
+    initial, left, taken = _named(state, hidden), list(watched.goals), list[Step]()
+    goods = Program([goal.good for goal in watched.goals])
+    for one, after in chain([(None, state)], _admissible(system, state, recording, hidden)):
+        taken += [] if one is None else [one]
+        for goal, good in zip(watched.goals, goods(after), strict=True):
+            if not good and goal in left:
+                left.remove(goal)
+                yield goal, Trace(original, initial, tuple(taken))
 
 
 def _admissible(
@@ -97,7 +119,7 @@ def _admissible(
             inputs = read_inputs(system, {name: cell for name, cell in record.items() if name in names})
         except InputError:
             return
-        if not evaluate([allowed], {**state, **inputs})[0]:
+        if not holds(allowed, {**state, **inputs}):
             return
         state, fired = step(system, state, inputs)
         heard = {var.name: value for var, value in inputs.items()}
@@ -151,6 +173,16 @@ class Replay:
         self._step = compiled_terms(self._reads, [admissible, *relied, *self.watched.next.values()])
         self._goods = compiled_terms(self.watched.state, [goal.good for goal in goals.values()])
         self._relied = len(relied)
+
+    def first_times(self, recording: Recording) -> dict[int, int]:
+        """The goals that it comes to, each with the steps until then."""
+        met: dict[int, int] = {}
+        for steps, (state, kept) in enumerate(self.states(recording)):
+            if not any(kept):
+                break
+            told = zip(self._numbers, self._goods(state), self._relies, strict=True)
+            met |= {number: steps for number, good, relies in told if not good and kept[relies] and number not in met}
+        return met
 
     def found(self, recording: Recording, ends: Deadline) -> set[int]:
         """The goals that it comes to."""

@@ -1,4 +1,4 @@
-"""A report as plain data: `report.json`, schema `safeloc-report/2` (report.schema.json beside this file)."""
+"""A report as plain data: `report.json`, schema `safeloc-report/3` (report.schema.json beside this file)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from safeloc.results import Finding
 from safeloc.trace import Trace, present_inputs
 from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 
-SCHEMA = "safeloc-report/2"
+SCHEMA = "safeloc-report/3"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 PACKAGE = Path(__file__).parents[1]
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
@@ -44,6 +44,7 @@ def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[
         "made": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "verdict": worst(word(finding.result) for finding in findings),
         "versions": versions(),
+        "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
         "machines": [{**machine_data(target), "pictures": pictures_data(target, findings)} for target in targets],
         "results": [result_data(finding) for finding in findings],
         "requirements": [_requirement(link, findings) for link in traced.links],
@@ -67,7 +68,7 @@ def source_digest() -> str:
     """SHA-256 over the package's files: two reports with the same digest were made by the same safeloc."""
     total = hashlib.sha256()
     walked = [Path(folder, name) for folder, _, names in os.walk(PACKAGE, followlinks=True) for name in names]
-    for path in sorted(path for path in walked if path.suffix in (".py", ".toml", ".json", ".jinja")):
+    for path in sorted(path for path in walked if path.suffix in (".py", ".toml", ".json", ".jinja", ".js")):
         total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return total.hexdigest()
 

@@ -1,9 +1,16 @@
-"""The report folder: the page, the data, JUnit XML, certificates and traces. The only place that writes it."""
+"""The report folder: the page, the data, JUnit XML, certificates and traces. The only place that writes it.
+
+index.html     the page; page/: what it loads when it is opened there
+report.json    the data; what is bulky lies beside it (safeloc.report.kept)
+certificates/  one packed file a claim (safeloc.report.certificates)
+traces/        one packed file a machine: the runs of its results, in columns (safeloc.streams.columns)
+machines/      one packed file a machine: how the page shows it
+junit.xml      for continuous integration
+"""
 
 from __future__ import annotations
 
 import fcntl
-import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,16 +22,25 @@ from jinja2 import UndefinedError
 
 from safeloc.catalogue import Target
 from safeloc.errors import InputError
+from safeloc.report import certificates, kept
 from safeloc.report.data import SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
-from safeloc.report.page import file_names, to_html
+from safeloc.report.page import PARTS, to_pages
 from safeloc.results import Finding
-from safeloc.streams.steps import write_steps
+from safeloc.streams.columns import Shown, runs_file
 from safeloc.trace import Trace
 from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 
-DATA = "report.json"
-EVIDENCE = {"certificates": "*.smt2", "traces": "*.jsonl"}
+PAGE, JUNIT = "index.html", "junit.xml"
+OWN = {
+    certificates.FOLDER: f"*{certificates.SUFFIX}",
+    kept.TRACES: f"*{kept.SUFFIX}",
+    kept.MACHINES: f"*{kept.SUFFIX}",
+    PARTS: "*.js",
+}
+"""Folders of a report, and which files in them are its own."""
+OLD = {"certificates": "*.smt2", "traces": "*.jsonl"}
+"""What reports before safeloc-report/3 left there."""
 
 
 def usable(folder: Path) -> None:
@@ -37,23 +53,34 @@ def usable(folder: Path) -> None:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
 
-def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Target]) -> Path:
+def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Target], *, single: bool = False) -> Path:
     """Write everything and return the path of the page. Evidence of an earlier report in this folder is removed.
+
+    single  the page holds everything it shows, however large, and loads nothing
 
     Of two runs that write into one folder at once the second waits, so that the report is always of one run.
     Raises InputError where the folder cannot be written.
     """
-    data = report_data(findings, targets)
+    whole = report_data(findings, targets)
+    archives = certificates.archives(findings)
+    runs = _runs(findings)
+    steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
+    small, machines = kept.taken_apart(whole, {file: list(texts) for file, texts in archives.items()}, steps)
+    files = kept.machine_files(whole)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with _alone(folder):
             _clear(folder)
-            for name in EVIDENCE:
+            for name in (certificates.FOLDER, kept.TRACES, kept.MACHINES):
                 (folder / name).mkdir(exist_ok=True)
-            (folder / DATA).write_text(json.dumps(data, indent=1), encoding="utf-8")
-            (folder / "junit.xml").write_text(to_junit(findings), encoding="utf-8")
-            _write_evidence(folder, findings)
-            return _write_page(folder, data)
+            (folder / kept.DATA).write_text(kept.written(small), encoding="utf-8")
+            (folder / JUNIT).write_text(to_junit(findings), encoding="utf-8")
+            certificates.write_archives(folder / certificates.FOLDER, archives)
+            for name, own in runs.items():
+                (folder / kept.TRACES / files[name]).write_bytes(runs_file(own))
+            for file, content in machines.items():
+                (folder / kept.MACHINES / file).write_bytes(content)
+            return _write_page(folder, whole, single=single)
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
@@ -69,23 +96,33 @@ def _alone(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def render_folder(folder: Path) -> Path:
-    """Write the page again from the report.json in the folder; InputError where that is no report of this version."""
-    path = folder / DATA
+def files_of(folder: Path) -> list[str]:
+    """The files of a report, by their names in its folder, the data last: without these there is no report."""
+    own = [path for name, pattern in OWN.items() for path in sorted((folder / name).glob(pattern))]
+    return [path.relative_to(folder).as_posix() for path in (*own, folder / JUNIT, folder / PAGE, folder / kept.DATA)]
+
+
+@contextmanager
+def cleared(folder: Path) -> Iterator[None]:
+    """Within, no other run writes here, and the folder holds no report."""
+    with _alone(folder):
+        _clear(folder)
+        yield
+
+
+def render_folder(folder: Path, *, single: bool = False) -> Path:
+    """Write the page again from the data in the folder; InputError where that is no report of this version."""
+    path = folder / kept.DATA
+    data = kept.read_report(folder)
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except RecursionError as error:
-        raise InputError(f"{path}: nested too deeply to be a report.") from error
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as a report: {error}") from error
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise InputError(f"{path}: not a report of schema {SCHEMA}; write it with `safeloc verify --out {folder}`.")
-    try:
-        _refuse_unknown_verdicts(path, data)
+        kept.checked(path, lambda: _refuse_unknown_verdicts(path, data))
+        whole = kept.read_for_page(folder)
         with _alone(folder):
-            return _write_page(folder, data)
-    except (KeyError, TypeError, UndefinedError) as error:
+            return _write_page(folder, whole, single=single)
+    except UndefinedError as error:
         raise InputError(f"{path}: does not keep to schema {SCHEMA}: {error}") from error
+    except OSError as error:
+        raise InputError(f"{folder}: the page cannot be written here: {error}") from error
 
 
 def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
@@ -101,32 +138,38 @@ def _refuse_unknown_verdicts(path: Path, data: Mapping[str, Any]) -> None:
             )
 
 
-def _write_page(folder: Path, data: Mapping[str, Any]) -> Path:
-    page = folder / "index.html"
-    page.write_text(to_html(data), encoding="utf-8")
-    return page
+def _write_page(folder: Path, data: Mapping[str, Any], *, single: bool) -> Path:
+    page, parts = to_pages(data, single=single)
+    for path in (folder / PARTS).glob(OWN[PARTS]):
+        path.unlink()
+    for name, text in parts.items():
+        (folder / PARTS).mkdir(exist_ok=True)
+        (folder / PARTS / name).write_text(text, encoding="utf-8")
+    (folder / PAGE).write_text(page, encoding="utf-8")
+    return folder / PAGE
 
 
 def _clear(folder: Path) -> None:
     """Remove evidence that belongs to an earlier report; nothing where there is no report."""
-    if not (folder / DATA).is_file():
+    if not (folder / kept.DATA).is_file():
         return
-    for name, pattern in EVIDENCE.items():
+    for name, pattern in (*OWN.items(), *OLD.items()):
         for path in (folder / name).glob(pattern):
             path.unlink()
 
 
-def _write_evidence(folder: Path, findings: Sequence[Finding]) -> None:
-    """Certificates under the names that they refer to each other by; a name given twice is told, never overwritten."""
-    files = file_names([finding.id for finding in findings])
-    written: dict[str, str] = {}
+def _runs(findings: Sequence[Finding]) -> dict[str, list[Shown]]:
+    """Machine -> the runs that its results are shown by, each once, however many results share it."""
+    found: dict[str, dict[tuple[int, tuple[int | None, ...]], tuple[Trace, list[str]]]] = {}
     for finding in findings:
-        if isinstance(finding.result, Proved):
-            for name, text in finding.result.certificates.items():
-                if written.setdefault(name.casefold(), text) != text:
-                    raise InputError(f"{finding.id}: another certificate is called {name}; rename machine or property.")
-                (folder / "certificates" / name).write_text(text, encoding="utf-8")
-        _save_trace(folder / "traces" / f"{files[finding.id]}.jsonl", _run_of(finding), finding.truth_mm)
+        trace = _run_of(finding)
+        if trace is not None:
+            own = found.setdefault(finding.machine, {})
+            own.setdefault((id(trace), finding.truth_mm), (trace, []))[1].append(finding.id)
+    return {
+        machine: [Shown(results, trace, truth_mm) for (_, truth_mm), (trace, results) in own.items()]
+        for machine, own in found.items()
+    }
 
 
 def _run_of(finding: Finding) -> Trace | None:
@@ -137,14 +180,3 @@ def _run_of(finding: Finding) -> Trace | None:
             return None
         case _:
             assert_never(finding.result)
-
-
-def _save_trace(path: Path, trace: Trace | None, truth_mm: Sequence[int | None]) -> None:
-    """A trace as a stream that `replay` takes, with the recorded truth where there is one."""
-    if trace is None:
-        return
-    steps = [dict(step) for step in trace.stream()]
-    for step, truth in zip(steps, truth_mm, strict=False):
-        if truth is not None:
-            step["truth_mm"] = truth
-    write_steps(path, steps, machine=trace.system.name, first=trace.initial)

@@ -1,21 +1,33 @@
-"""The report as one self-contained HTML page, from the report's data alone: text in, text out."""
+"""The report as an HTML page, from the report's data alone: text in, text out.
+
+A small report is one page that stands alone. Of a large one the page holds what is looked at first; the rest are parts,
+each a script beside it (`page.js` opens them), unless one single page is asked for.
+"""
 
 from __future__ import annotations
 
+import base64
+import gzip
+import hashlib
 import json
+import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
 from pathlib import Path, PurePath
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, Said, counted, headline
 from safeloc.report.traces import trace_charts, trace_rows
 
-TEMPLATE = Path(__file__).with_name("page.html.jinja")
+HERE = Path(__file__).parent
+PARTS = "page"
+"""The folder, beside the page, of what it loads."""
+MOST_OF_ONE_PAGE = 1_000_000
+"""Characters of a page that has no parts: it opens within a second."""
 LONGEST_NAME = 150
 LONGEST_RUN, LAST_STEPS = 40, 20
 """A longer run is folded but for its last steps."""
@@ -28,24 +40,78 @@ SUMMARY: Mapping[str, tuple[str, ...]] = {
 Data = Mapping[str, Any]
 
 
+def to_pages(data: Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
+    """Return the page and its parts by file name; no parts where it is small, or `single`."""
+    rendering = _Rendering(data)
+    whole = rendering.page()
+    return (whole, {}) if single or len(whole) <= MOST_OF_ONE_PAGE else rendering.in_parts(whole)
+
+
 def to_html(data: Data) -> str:
-    """The page of what `report_data` returned, or of a report.json that was read back."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    results = data["results"]
-    machines = {machine["name"]: machine for machine in data["machines"]}
-    files = file_names([row["id"] for row in results])
-    shown = _shown_before(data["machines"])
-    return template.render(
-        data=data,
-        headline=headline(_said(results)),
-        counted=counted(_said(results), ALWAYS_COUNTED),
-        machines=[_machine(machine, results, shown) for machine in data["machines"]],
-        undecided=[row for row in results if row["verdict"] == "unknown"],
-        empty=[row for row in results if row["verdict"] in ("vacuous", "not asked")],
-        violated=[_violated(row, machines[row["machine"]], files) for row in results if row["verdict"] == "violated"],
-        requirements=_requirements(data),
-    )
+    """The whole page of what `report_data` returned, or of a report that was read back."""
+    return _Rendering(data).page()
+
+
+class _Rendering:
+    """What the templates are given, and the templates."""
+
+    def __init__(self, data: Data) -> None:
+        self._environment = Environment(
+            loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        )  # fmt: skip
+        results = data["results"]
+        machines = {machine["name"]: machine for machine in data["machines"]}
+        shown = _shown_before(data["machines"])
+        self._machines = [_machine(machine, results, shown) for machine in data["machines"]]
+        self._requirements = _requirements(data)
+        self._data = data
+        files = file_names([*machines, *(row["machine"] for row in results)])
+        self._given: dict[str, Any] = {
+            "data": data,
+            "headline": headline(_said(results)),
+            "counted": counted(_said(results), ALWAYS_COUNTED),
+            "undecided": [row for row in results if row["verdict"] == "unknown"],
+            "empty": [row for row in results if row["verdict"] in ("vacuous", "not asked")],
+            "violated": [
+                _violated(row, machines[row["machine"]], files) for row in results if row["verdict"] == "violated"
+            ],
+            "requirements": self._requirements,
+        }
+
+    def page(self) -> str:
+        """All in one page."""
+        machines = [{**one, "beside": ""} for one in self._machines]
+        return self._filled("page", **self._given, machines=machines, items_beside="", made="", script="")
+
+    def in_parts(self, whole: str) -> tuple[str, dict[str, str]]:
+        """The page that loads its parts, and these by file name; all carry the digest of the whole page."""
+        made = hashlib.sha256(whole.encode()).hexdigest()[:16]
+        files = file_names(["beside", "trace back", *(one["name"] for one in self._machines)])
+        html = {
+            files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements)
+            for one in self._machines
+        }
+        html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
+        parts = {f"{file}.js": _part(f"{PARTS}/{file}.js", made, text) for file, text in html.items()}
+        parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
+        page = self._filled(
+            "page",
+            **self._given,
+            machines=[{**one, "beside": f"{PARTS}/{files[one['name']]}.js"} for one in self._machines],
+            items_beside=f"{PARTS}/{files['trace back']}.js",
+            made=made,
+            script=Markup((HERE / "page.js").read_text(encoding="utf-8")),  # our own text
+        )
+        return page, parts
+
+    def _filled(self, template: str, **given: Any) -> str:
+        return self._environment.get_template(f"{template}.html.jinja").render(**given)
+
+
+def _part(name: str, made: str, html: str) -> str:
+    """A script that hands over a part: its name, the report that it is of, and its HTML packed with gzip, in base64."""
+    content = base64.b64encode(gzip.compress(html.encode(), mtime=0)).decode()
+    return f"safelocPart({json.dumps(name)}, {json.dumps(made)}, {json.dumps(content)});\n"
 
 
 def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
@@ -164,5 +230,5 @@ def _violated(row: Data, machine: Data, files: Mapping[str, str]) -> dict[str, A
         "charts": Markup(charts),  # our own text, every label in it is escaped
         "steps": steps,
         "groups": [steps] if len(steps) <= LONGEST_RUN else [steps[:-LAST_STEPS], steps[-LAST_STEPS:]],
-        "file": f"traces/{files[row['id']]}.jsonl",
+        "file": f"traces/{files[row['machine']]}.json.xz --run {shlex.quote(row['id'])}",
     }

@@ -1,18 +1,17 @@
 """Where a condition holds along one variable, and how far it is from failing: what searches steer by.
 
 Condition(term).segments(var, values)   the intervals of values of `var` for which it holds, the rest held fixed
-slack(term, values)                     the least numeric distance to failing
+Slack(term)(values)                     the least numeric distance to failing
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from safeloc.backends.compiled import compile_system
-from safeloc.expr import TRUE, Bool, Expr, NumVar, Var
-from safeloc.interpret import evaluate
+from safeloc.backends.compiled import compile_terms
+from safeloc.expr import Bool, Expr, NumVar, Var
+from safeloc.interpret import Program, evaluate
 from safeloc.nodes import And, Compare, Not, Or, Truth, Value
-from safeloc.system import TransitionSystem
 from safeloc.terms import in_order, variables
 
 Segment = tuple[int, int]
@@ -65,11 +64,7 @@ def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[S
     if not reads:
         constants = evaluate(terms, {})
         return lambda _row: constants
-    outputs = {f"term {number}": term for number, term in enumerate(terms)}
-    empty: dict[Var, Expr] = {var: var for var in reads}
-    system = TransitionSystem("terms", reads, (), TRUE, empty, TRUE, outputs, {}, {}, frozenset(), {}, (), ())
-    compute = compile_system(system).outputs
-    return lambda row: compute(tuple(row))
+    return compile_terms(reads, terms)
 
 
 def _roots(
@@ -119,21 +114,47 @@ def conjuncts(term: Bool) -> list[Bool]:
     return [] if isinstance(term, Truth) and term.value else [term]
 
 
-def slack(term: Bool, values: Mapping[Var, Value]) -> float:
+class Slack:
     """How far a term is from being false: the least numeric distance, negative once it is false, infinite if logical."""
+
+    def __init__(self, term: Bool) -> None:
+        self._term = term
+        self._reads = [side for leaf in _leaves(term) for side in _sides(leaf)]
+        self._program = Program(self._reads)
+
+    def __call__(self, values: Mapping[Var, Value]) -> float:
+        """The distance under these values."""
+        return _slack(self._term, dict(zip(self._reads, self._program(values), strict=True)))
+
+
+def _leaves(term: Bool) -> Iterable[Bool]:
+    """The parts of conjunctions and disjunctions that are neither."""
+    if isinstance(term, (And, Or)):
+        return [leaf for part in term.parts for leaf in _leaves(part)]
+    return [term]
+
+
+def _sides(leaf: Bool) -> Sequence[Expr]:
+    """The terms whose values say how far a leaf is from failing."""
+    match leaf:
+        case Compare(_, a, b) | Not(Compare("<" | "<=", a, b)):
+            return (a, b)
+        case _:
+            return (leaf,)
+
+
+def _slack(term: Bool, found: Mapping[Expr, Value]) -> float:
     match term:
         case Compare(op, a, b):
-            left, right = evaluate([a, b], values)
+            left, right = found[a], found[b]
             return {"==": -abs(left - right), "<": right - left - 1, "<=": right - left}[op]
         case And(parts):
-            return min(slack(part, values) for part in parts)
+            return min(_slack(part, found) for part in parts)
         case Or(parts):
-            return max(slack(part, values) for part in parts)
+            return max(_slack(part, found) for part in parts)
         case Not(Compare("<", a, b)):
-            left, right = evaluate([a, b], values)
-            return float(left - right)
+            return float(found[a] - found[b])
         case Not(Compare("<=", a, b)):
-            left, right = evaluate([a, b], values)
-            return float(left - right - 1)
+            return float(found[a] - found[b] - 1)
         case _:
-            return float("inf") if evaluate([term], values)[0] else float("-inf")
+            return float("inf") if found[term] else float("-inf")

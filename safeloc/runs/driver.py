@@ -18,7 +18,7 @@ from safeloc.backends.compiled import Row, compile_system
 from safeloc.expr import BoolVar, Expr, Var
 from safeloc.nodes import Value
 from safeloc.provers.shorten import shortened
-from safeloc.runs.allowed import slack
+from safeloc.runs.allowed import Slack
 from safeloc.runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
 from safeloc.runs.occurring import Key, Occurring
 from safeloc.runs.profiles import Profile
@@ -87,6 +87,7 @@ class Driver:
         self.properties = [prop for prop in properties if prop.kind != "reachable"]
         self.goals = [observe(system, prop) for prop in self.properties]
         watched = watch(system, self.goals).system
+        self._slack = [Slack(goal.good) for goal in self.goals]
         self._occurring = Occurring(system, watched.state, self.properties)
         flags, begin = self._occurring.moves, self._occurring.initial
         allowed = BoolVar("observer.allowed")
@@ -148,7 +149,7 @@ class Driver:
     def edges(self) -> dict[str, float]:
         """For each property with a number in it, how near the run's present state is to violating it; greater is nearer."""
         values = self.state()
-        found = {goal.prop.name: -slack(goal.good, values) for goal in self.goals}
+        found = {goal.prop.name: -slack(values) for goal, slack in zip(self.goals, self._slack, strict=True)}
         return {name: edge for name, edge in found.items() if math.isfinite(edge)}
 
     def trace(self) -> Trace:

@@ -8,6 +8,7 @@ alone is mended and the others follow, or the measurement is left out of the ste
 from __future__ import annotations
 
 import random
+import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from safeloc.errors import InputError
@@ -112,13 +113,18 @@ def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:
     return True
 
 
+_FIRST: weakref.WeakKeyDictionary[TransitionSystem, list[Condition]] = weakref.WeakKeyDictionary()
+
+
 def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: float = 0.0) -> dict[str, Value]:
     """Values for what is open at the start, such that `initially` holds; NoFirstStateError if none were found.
 
     adventurous: the share of variables that begin at an end of their range instead of near zero
     """
     free = [var for var in system.state if isinstance(system.initial[var], Any_)]
-    conditions = [Condition(part) for part in conjuncts(system.init)]
+    if system not in _FIRST:
+        _FIRST[system] = [Condition(part) for part in conjuncts(system.init)]
+    conditions = _FIRST[system]
     for attempt in range(ATTEMPTS):
         share = adventurous * (1 - attempt / (ATTEMPTS - 1))
         values = {var: _first_value(system, var, draw, share) for var in system.state}

@@ -17,6 +17,9 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkProcess
 from typing import Any, NoReturn
 
+from safeloc.cache.answers import kept_in
+from safeloc.cache.store import Store
+from safeloc.cache.targets import Asked, asked, found_before, keep
 from safeloc.catalogue import Target
 from safeloc.errors import EngineError, SafelocError
 from safeloc.provers.slots import Slots, sharing
@@ -60,7 +63,16 @@ class Over:
     seconds: float
 
 
-Event = Began | Phase | Found | Over
+@dataclass(frozen=True)
+class Kept:
+    """Nothing of a target has changed: so many findings are kept since then (UTC)."""
+
+    target: str
+    findings: int
+    since: str
+
+
+Event = Began | Phase | Found | Over | Kept
 OnEvent = Callable[[Event], None]
 
 
@@ -86,19 +98,46 @@ class _Conductor:
     began: float
 
 
-def verify_targets(targets: Sequence[Target], plan: Plan, *, jobs: int, on_event: OnEvent) -> dict[str, list[Finding]]:
+def verify_targets(
+    targets: Sequence[Target],
+    plan: Plan,
+    *,
+    jobs: int,
+    on_event: OnEvent,
+    look_in: Store | None = None,
+    keep_in: Store | None = None,
+) -> dict[str, list[Finding]]:
     """Verify several targets and return all findings by target; at most `jobs` processes compute at a time.
+
+    look_in  where findings of an earlier run may be; of an unchanged target these are returned (safeloc.cache)
+    keep_in  where findings, and the answers of solvers, are kept
 
     What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.
     """
-    found: dict[str, list[Finding]] = {}
+    questions = {} if keep_in is None else {target: asked(target, "verified", plan) for target in targets}
+    found = dict(_found_before(look_in, questions, on_event))
+    left = sorted((target for target in targets if target.name not in found), key=expected, reverse=True)
     places = Slots(max(1, jobs))
     try:
-        for target, packed in _conducted(sorted(targets, key=expected, reverse=True), plan, jobs, places, on_event):
-            found[target.name] = unpack_findings(packed, target.system)
+        with kept_in(keep_in):
+            for target, packed in _conducted(left, plan, jobs, places, on_event):
+                found[target.name] = unpack_findings(packed, target.system)
+                if target in questions:
+                    keep(keep_in, questions[target], found[target.name])
     finally:
         places.close()
     return {target.name: found[target.name] for target in targets}
+
+
+def _found_before(
+    store: Store | None, questions: Mapping[Target, Asked], on_event: OnEvent
+) -> Iterator[tuple[str, list[Finding]]]:
+    """Findings of unchanged targets, by name."""
+    for target, question in questions.items():
+        findings = found_before(store, question)
+        if findings is not None:
+            on_event(Kept(target.name, len(findings), findings[0].kept_since if findings else ""))
+            yield target.name, findings
 
 
 def _conducted(

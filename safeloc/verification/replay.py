@@ -22,6 +22,7 @@ from safeloc.outside import quoted
 from safeloc.results import Finding, Replayed
 from safeloc.runs.quick import Quick, quick_run
 from safeloc.spec import Property
+from safeloc.streams.columns import read_runs
 from safeloc.streams.steps import StepStream, read_steps
 from safeloc.system import TransitionSystem, without_ghosts
 from safeloc.terms import variables
@@ -71,17 +72,20 @@ def as_table(rows: Sequence[Row]) -> list[str]:
     return ["  ".join(line[name].ljust(width) for name, width in widths.items()).rstrip() for line in lines]
 
 
-def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -> tuple[list[Row], list[Finding]]:
+def replay_stream(
+    target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None
+) -> tuple[list[Row], list[Finding]]:
     """Rows and findings. StreamError with file and line for a step the machine cannot take, or without any step.
 
-    With `period_ms` the file holds single records, and what the border refused of them is a finding of its own.
+    With `period_ms` the file holds single records, and what the border refused of them is a finding of its own. `run`
+    is the id of a result, and the file one of a report's traces: the run that shows it is replayed.
 
     A stream with the ghosts of the machine in it is checked against every property. One without them (a real
     recording) is checked against those that do not speak of the truth; `truth_mm`, where the stream has it, is
     compared with the reported interval, if the machine reports one.
     """
     started = time.monotonic()
-    stream, faults = (read_steps(path), None) if period_ms is None else recorded_steps(target, path, period_ms)
+    stream, faults = (_steps(path, run), None) if period_ms is None else recorded_steps(target, path, period_ms)
     if not stream.steps:
         raise StreamError(f"{path}: no steps, so nothing was replayed.")
     _refuse_other(target, path, stream)
@@ -102,6 +106,11 @@ def replay_stream(target: Target, path: Path, *, period_ms: int | None = None) -
     replayed = Replayed(path.stem, trace, tuple(truth))
     findings = [replace(finding, replayed=replayed) for finding in findings]
     return rows, _noted(findings, unchecked)
+
+
+def _steps(path: Path, run: str | None) -> StepStream:
+    """A recording; of a file of runs the one that is asked for."""
+    return read_steps(path) if run is None else read_runs(path).stream(run)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,8 +11,9 @@ from hypothesis import strategies as st
 from safeloc.backends.known import Known, implied, work
 from safeloc.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
 from safeloc.interpret import evaluate, read_inputs, start
-from safeloc.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num
+from safeloc.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num, Value, Var
 from safeloc.system import lower
+from safeloc.terms import in_order
 from safeloc.units import COUNT
 from tests.random_machines import first_states, machines, records
 
@@ -20,18 +23,43 @@ A, B = boolean("a"), boolean("b")
 COLOUR = ite(A, RED, ite(B, GREEN, RED))
 
 
-@given(st.data())
-def test_terms_under_true_facts_keep_their_value(data: st.DataObject) -> None:
-    """On any machine and any inputs, folding under the values of some variables or conditions changes no value."""
+def drawn(data: st.DataObject) -> tuple[list[Expr], dict[Var, Value]]:
+    """The terms of any machine, and values of what they read."""
     system = lower(data.draw(machines()))
     terms = [*system.next.values(), *system.fired.values(), *system.outputs.values()]
-    known = {**start(system, data.draw(first_states(system))), **read_inputs(system, data.draw(records(system)))}
-    candidates: list[Expr] = [*system.state, *system.inputs, *(term for term in terms if isinstance(term, Bool))]
+    return terms, {**start(system, data.draw(first_states(system))), **read_inputs(system, data.draw(records(system)))}
+
+
+def true_facts(data: st.DataObject, terms: Sequence[Expr], known: Mapping[Var, Value]) -> dict[Expr, Expr]:
+    """What some variables and conditions are."""
+    candidates: list[Expr] = [*known, *(term for term in in_order(terms) if isinstance(term, Bool))]
     facts: dict[Expr, Expr] = {}
     for term in data.draw(st.lists(st.sampled_from(candidates), max_size=4)):
         (value,) = evaluate([term], known)
         facts[term] = Lit(value, term.unit) if isinstance(term, Num) else TRUE if value else FALSE
+    return facts
+
+
+@given(st.data())
+def test_terms_under_true_facts_keep_their_value(data: st.DataObject) -> None:
+    """On any machine and any inputs, folding under the values of some variables or conditions changes no value."""
+    terms, known = drawn(data)
+    facts = true_facts(data, terms, known)
     assert evaluate(terms, known) == evaluate(list(map(Known(facts), terms)), known)
+
+
+@given(st.data())
+def test_where_more_is_known_only_what_is_made_of_it_is_folded(data: st.DataObject) -> None:
+    """And the same is left as where everything is folded anew, again and again."""
+    terms, known = drawn(data)
+    for _ in range(3):
+        before = Known({})
+        terms = list(map(before, terms))
+        facts = true_facts(data, terms, known)
+        anew, further = list(map(Known(facts), terms)), list(map(before.under(facts), terms))
+        assert list(map(repr, anew)) == list(map(repr, further))
+        assert evaluate(terms, known) == evaluate(further, known)
+        terms = further
 
 
 def test_facts_of_a_condition_are_those_of_its_parts() -> None:
@@ -73,6 +101,9 @@ def test_facts_of_a_condition_are_those_of_its_parts() -> None:
 def test_what_a_fact_decides_is_gone(left: str, term: Expr) -> None:
     """What is left where `a` is known to be false."""
     assert left == repr(Known({A: FALSE})(term))
+    before = Known({})
+    folded = before(term)
+    assert left == repr(before.under({A: FALSE})(folded))
 
 
 def test_terms_that_no_fact_touches_stay_the_same_node() -> None:

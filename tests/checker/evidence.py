@@ -42,7 +42,7 @@ class Evidence:
         found.opinions.update(self.opinions)
         found.opinions.update({name: solved(text) for name, text in (changed or {}).items() if text is not None})
         rows = [row for row in self.rows if row["certificates"]]
-        judge(self.target, rows, texts, lambda name: Path(f"no run of {name}"), found)
+        judge(self.target, rows, texts, lambda _: None, found)
         return found
 
     def file(self, part: str) -> str:

@@ -10,7 +10,9 @@ import pytest
 
 from safeloc.catalogue import ENTRIES
 from safeloc.report.data import schema
+from safeloc.report.page import file_names
 from safeloc.requirements import requirements
+from safeloc.streams.columns import read_runs
 from tests.cli.calling import DOOR, QUICK_VERIFY, Call
 
 REVERSAL = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl"
@@ -240,3 +242,25 @@ def test_verify_and_report(call: Call, tmp_path: Path) -> None:
     (tmp_path / "index.html").unlink()
     assert call("report", str(tmp_path)).code == 0
     assert (tmp_path / "index.html").read_bytes() == page
+
+
+def test_one_page_and_plain_files(call: Call, tmp_path: Path) -> None:
+    """verify can write one page; report writes out what is packed, and a run named by its result is replayed."""
+    folder, plain = tmp_path / "report", tmp_path / "plain"
+    assert call("verify", DOOR, "--out", str(folder), "--single-file", *QUICK_VERIFY).code == 0
+    assert "<script" not in (folder / "index.html").read_text(encoding="utf-8")
+    assert call("report", str(folder), "--single-file").code == 0
+    called = call("report", str(folder), "--extract", str(plain))
+    names = json.loads((folder / "report.json").read_text(encoding="utf-8"))["certificates"].values()
+    written = {path.name for path in (plain / "certificates").iterdir()}
+    assert written == {name for own in names for name in own}
+    runs = sorted((plain / "traces").iterdir())
+    assert f"{plain}: {len(written)} certificates, {len(runs)} traces" in called.err
+    shown = next(one for one in read_runs(folder / "traces" / "door.json.xz") if "/transition " in one)
+    of_report = call("replay", DOOR, str(folder / "traces" / "door.json.xz"), "--run", shown, "--format", "jsonl")
+    plainly = call("replay", DOOR, str(plain / "traces" / f"{file_names([shown])[shown]}.jsonl"), "--format", "jsonl")
+    assert (of_report.code, of_report.out) == (plainly.code, plainly.out)
+    assert call("report", str(folder), "--extract", str(plain), "--single-file").code == 2
+    wrong = call("replay", DOOR, str(folder / "traces" / "door.json.xz"), "--run", "door/property/none")
+    assert (wrong.code, "no run of 'door/property/none'; it holds " in wrong.err) == (2, True)
+    assert call("replay", DOOR, str(runs[0]), "--run", shown, "--period-ms", "100").code == 2

@@ -13,6 +13,7 @@ from safeloc.border import Reason
 from safeloc.catalogue import load_target
 from safeloc.interpret import read_inputs
 from safeloc.models.localizer_recordings import FOLDER, RUNS
+from safeloc.packed import read_packed
 from safeloc.streams.record_files import write_records
 from safeloc.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, ValueRecord
 from safeloc.streams.steps import Cell, read_steps
@@ -81,8 +82,7 @@ def test_a_report_of_the_whole_run(call: Call, tmp_path: Path) -> None:
     for source in ("odometry", "balise", "reflector", "passed-on"):
         assert f"interval-{source}" in page
     assert "everything that was rejected, with its reason" in page
-    data = json.loads((tmp_path / "drawn" / "report.json").read_text(encoding="utf-8"))
-    (picture,) = [one for machine in data["machines"] for one in machine["pictures"]]
+    (picture,) = json.loads(read_packed(tmp_path / "drawn" / "machines" / "localizer.json.xz"))["pictures"]
     rejected = {(row[3], row[5]) for row in picture["table"]["rows"]}
     assert {("balise", "CORRUPTED"), ("odometer", "MISSING")} <= rejected
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 from safeloc.catalogue import load_target
 from safeloc.embedding import Program
@@ -15,11 +16,13 @@ STEP_MM = 1_200
 ENDS: tuple[End, End] = ("front", "rear")
 
 
+@cache
 def trusting() -> Program:
     """Odometry that believes its first marker."""
     return Program(ENTRIES["odometry"].make(OdometryConfig(trust_first_marker=True)))
 
 
+@cache
 def shipped(name: str) -> Program:
     """A shipped machine with its defaults."""
     return Program(load_target(name))

@@ -53,8 +53,8 @@ def located() -> Controller:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_steps_are_the_interpreters(name: str) -> None:
     """On a shipped stream a controller takes the transitions and gives the outputs that the interpreter computes."""
-    target = load_target(name)
-    stream, program = read_steps(target.streams[0]), Program(target)
+    program = shipped(name)
+    target, stream = program.target, read_steps(program.target.streams[0])
     kept = {var.name for var in program.system.state}
     first = {name: value for name, value in stream.first.items() if name in kept}
     controller = Controller(program, period_ms=None if periods(target.config) else PERIOD_MS, first=first)
@@ -159,7 +159,7 @@ def test_every_record_is_used_or_rejected_with_its_place() -> None:
 
 def test_a_record_with_more_than_the_machine_reads_is_refused_whole() -> None:
     """A marker whose accuracy the machine has no input for would count as better than it is."""
-    program = Program(load_target("turn_off"))
+    program = shipped("turn_off")
     said = MarkerRecord(time_ms=1, end="front", marker=3, accuracy_mm=5)
     controller = Controller(program, period_ms=1)
     with pytest.raises(InputError, match="cannot begin anew"):

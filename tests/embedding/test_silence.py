@@ -17,6 +17,7 @@ from safeloc.shipped.hosting import SILENT
 from safeloc.system import TransitionSystem, canonical, environment
 from safeloc.target import Target
 from safeloc.terms import Substitution
+from tests.embedding.driving import shipped
 
 PAIRS = [(target, machine) for target, machines in SILENT.items() for machine in machines]
 CANNOT = ("stop_point", "turn_off", "fibre", "axle_head", "axle_counter", "axle_section", "train_order")
@@ -60,7 +61,7 @@ def test_others_would_be_wronged(name: str) -> None:
 
 def test_a_silent_device_costs_its_source_only() -> None:
     """A cycle in which something of a machine is missing is that in which all of it is missing, and is told."""
-    program = Program(load_target("reflector"))
+    program = shipped("reflector")
     half, none = (Controller(program, period_ms=None if periods(program.target.config) else 100) for _ in range(2))
     report = half.step_inputs({"frame_present": True, "echo_1_error_mm": 5})
     assert report.values == none.step_inputs({}).values

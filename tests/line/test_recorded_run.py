@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.backends.compiled import compile_system
+from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.border import channels_of
 from safeloc.errors import StreamError
 from safeloc.line.recorded_run import (
@@ -48,7 +48,6 @@ CLAIMED = {"NARROW_INT3": 1_000, "PROPAGATED": 5_000, "SINGLE": 10_000}
 
 CONFIG = OdometryConfig(period_ms=PERIOD_MS, reader_latency_ms=0, vehicle_length_mm=LENGTH_MM, trust_first_marker=True)
 MACHINE = odometry.machine(CONFIG)
-CODE = compile_system(without_ghosts(lower(MACHINE)))
 REJECTED = {
     "MALFORMED",
     "FOREIGN",
@@ -71,7 +70,7 @@ class Step:
 
     def label(self, name: str) -> str:
         """An enumerated state variable as its member."""
-        unit = CODE.system.variable(name).unit
+        unit = code().system.variable(name).unit
         assert isinstance(unit, Enumeration)
         return unit.members[int(self.state[name])]
 
@@ -84,6 +83,12 @@ class Step:
         """Whether the reported interval holds the position."""
         centre = int(self.outputs["position_mm"])
         return centre - int(self.outputs["under_mm"]) <= position_mm <= centre + int(self.outputs["over_mm"])
+
+
+@cache
+def code() -> Compiled:
+    """What runs on board."""
+    return compile_system(without_ghosts(lower(MACHINE)))
 
 
 HOW = Reading(length_mm=LENGTH_MM, accuracy_mm=1_000)
@@ -111,10 +116,11 @@ def driven(log: str, satellites: bool = False, ask_the_map: bool = True) -> tupl
 
 
 def _steps(run: Sequence[Cycle]) -> list[Step]:
-    state, steps = CODE.first(), []
+    board = code()
+    state, steps = board.first(), []
     for cycle in run:
-        state, _ = CODE.step(state, CODE.read(cycle.inputs))
-        steps.append(Step(cycle, dict(zip(CODE.state_names, state, strict=True)), CODE.named_outputs(state)))
+        state, _ = board.step(state, board.read(cycle.inputs))
+        steps.append(Step(cycle, dict(zip(board.state_names, state, strict=True)), board.named_outputs(state)))
     return steps
 
 

@@ -184,6 +184,7 @@ def test_cycles_that_differ_are_refused() -> None:
 # ------------------------------------------------------------------ proofs
 
 
+@pytest.mark.slow
 def test_everything_is_proved() -> None:
     """Every lemma and property through the whole step, without a bound."""
     system, known = made().composition.system, recordings_of("fibre_area")

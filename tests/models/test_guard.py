@@ -70,7 +70,11 @@ BELIEVED = [at(0), at(0), at(0)]
 
 @pytest.mark.parametrize(
     "figures",
-    [{}, {"period_ms": 400, "confirmations": 2}, {"acceleration_mm_s2": 181, "brake_mm_s2": 2_000, "speed_window_ms": 800}],
+    [
+        {},
+        pytest.param({"period_ms": 400, "confirmations": 2}, marks=pytest.mark.slow),
+        pytest.param({"acceleration_mm_s2": 181, "brake_mm_s2": 2_000, "speed_window_ms": 800}, marks=pytest.mark.slow),
+    ],
     ids=["default", "slow", "freight"],
 )  # fmt: skip
 def test_everything_is_proved(figures: Mapping[str, int]) -> None:

@@ -131,7 +131,8 @@ def test_a_whole_train_is_told_to_its_far_end() -> None:
     assert "a whole train is held" in refuted(wrong)
 
 
-@pytest.mark.parametrize("config", [SMALL, pytest.param(CONFIG, marks=pytest.mark.slow)], ids=["one", "shipped"])
+@pytest.mark.slow
+@pytest.mark.parametrize("config", [SMALL, CONFIG], ids=["one", "shipped"])
 def test_everything_is_proved(config: LocalizerSectionsConfig) -> None:
     """Every property, lemma and contract, with one source and as it ships."""
     assert not_proved(config) == []

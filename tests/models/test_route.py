@@ -158,7 +158,7 @@ def test_impossible_configurations_are_refused() -> None:
         RouteConfig(odometer={"kind": "accelerometer", "drift_mm_s2": 5})
 
 
-@pytest.mark.parametrize("routes", [2, 5, pytest.param(16, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("routes", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (5, 16))])
 def test_everything_is_proved(routes: int) -> None:
     """Every property, for any number of routes, without a bound on the length of the run."""
     model = route.build(parts(RouteConfig(routes=routes)))

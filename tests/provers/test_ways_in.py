@@ -27,6 +27,7 @@ from safeloc.provers.portfolio import prove, prove_one
 from safeloc.results import Finding
 from safeloc.spec import Goal, Property, always, observe, previous, reachable, within
 from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.trace import Trace
 from safeloc.units import ONE
 from safeloc.verdict import Proved, Unknown, Violated, word
 
@@ -361,13 +362,17 @@ def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pyte
     heard = number("q", ONE, 0, 9)
     second = Machine("b", (calm, alarm), [heard], {}, {}, [Transition("raise", calm, alarm, heard > 5)])
     whole = compose("w", [follower("a"), second], {heard: X}).system
-    search = reachability.first_runs
+    search, draw = reachability.first_runs, reachability.drawn
 
     def hurried(goals: Sequence[Goal], *more: Any) -> reachability.Runs:
         out_of_time = any(goal.original is whole for goal in goals)
         return reachability.Runs({}, -1) if out_of_time else search(goals, *more)
 
+    def unlucky(goals: Sequence[Goal], *more: Any) -> dict[Goal, Trace]:
+        return {} if any(goal.original is whole for goal in goals) else draw(goals, *more)
+
     monkeypatch.setattr(reachability, "first_runs", hurried)
+    monkeypatch.setattr(reachability, "drawn", unlucky)
     (told,) = [one for one in reachability.reached(whole, LIMITS) if one.name == "transition b: raise"]
     assert told.statement.endswith(", by itself")
     expected = "of the machine by itself, witness of 1 steps under its assumption; the whole was not searched in time"

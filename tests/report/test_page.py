@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tarfile
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.report.page import to_html
 from safeloc.report.traces import shown_value, trace_charts
 from safeloc.results import Finding
+from safeloc.streams.columns import read_runs
 from safeloc.trace import Trace
 from safeloc.verdict import Held, Proved, Result, Unknown, Violated
 
@@ -73,7 +75,7 @@ def test_a_long_witness_is_in_its_file_only(tmp_path: Path, monkeypatch: pytest.
     assert good["notes"] == {"witness": "a run of 3 steps, in the folder of traces only"}
     assert len(bad["trace"]["steps"]) == 3
     write_folder(tmp_path, findings(), [door()])
-    assert len((tmp_path / "traces" / "door-property-good.jsonl").read_text(encoding="utf-8").splitlines()) == 4
+    assert len(read_runs(tmp_path / "traces" / "door.json.xz").stream("door/property/good").steps) == 3
 
 
 def test_machine_is_shown() -> None:
@@ -118,8 +120,12 @@ def test_folder(tmp_path: Path) -> None:
     """Page, data, JUnit, certificates and traces are written; the page can be rendered again from the data."""
     page = write_folder(tmp_path, findings(), [door()])
     first = page.read_text(encoding="utf-8")
-    assert (tmp_path / "certificates" / "good.smt2").read_text(encoding="utf-8") == "(check-sat)"
-    assert len(list((tmp_path / "traces").iterdir())) == 2
+    with tarfile.open(tmp_path / "certificates" / "door-property-good.tar.xz") as archive:
+        (member,) = archive.getmembers()
+        content = archive.extractfile(member)
+        assert content is not None
+        assert (member.name, content.read()) == ("good.smt2", b"(check-sat)")
+    assert ["door/property/good", "door/property/bad <b>"] == list(read_runs(tmp_path / "traces" / "door.json.xz"))
     page.unlink()
     assert render_folder(tmp_path).read_text(encoding="utf-8") == first
     suite = ElementTree.parse(tmp_path / "junit.xml").getroot()[0]
@@ -139,9 +145,12 @@ def test_old_evidence_goes(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("{", "cannot be read as a report"),
-        ("[]", "not a report of schema safeloc-report/2"),
-        (json.dumps({"schema": "safeloc-report/1"}), "not a report of schema safeloc-report/2; write it with"),
-        (json.dumps({"schema": "safeloc-report/2"}), "does not keep to schema safeloc-report/2: 'verdict'"),
+        ("[]", "not a report of schema safeloc-report/3"),
+        (json.dumps({"schema": "safeloc-report/2"}), "not a report of schema safeloc-report/3; write it with"),
+        (
+            json.dumps({"schema": "safeloc-report/3"}),
+            "does not keep to schema safeloc-report/3: KeyError: 'certificates'",
+        ),
     ],
 )
 def test_no_report(tmp_path: Path, text: str, message: str) -> None:

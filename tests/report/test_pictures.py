@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from safeloc.catalogue import load_target
 from safeloc.cli.entry import app
 from safeloc.errors import InputError
+from safeloc.packed import read_packed
 from safeloc.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
@@ -96,8 +97,8 @@ def test_a_recording_of_ones_own_is_told_by_replay(tmp_path: Path) -> None:
     folder = tmp_path / "told"
     done = CliRunner().invoke(app, ["replay", "route", str(path), "--format", "jsonl", "--out", str(folder)])
     assert done.exit_code == 0, done.output
-    data = json.loads((folder / "report.json").read_text(encoding="utf-8"))
-    assert [one["recording"] for one in data["machines"][0]["pictures"]] == ["mine"]
+    shown = json.loads(read_packed(folder / "machines" / "route.json.xz"))
+    assert [one["recording"] for one in shown["pictures"]] == ["mine"]
     assert "recording <b>mine</b>" in (folder / "index.html").read_text(encoding="utf-8")
 
 

@@ -21,18 +21,20 @@ from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.monitor import check_all
+from safeloc.report.certificates import read_archives
 from safeloc.report.data import report_data, schema
+from safeloc.report.extract import extract
 from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.junit import to_junit
 from safeloc.report.page import file_names, to_html
 from safeloc.report.plot import line_chart
 from safeloc.results import Finding
-from safeloc.streams.steps import read_steps
+from safeloc.streams.columns import read_runs
 from safeloc.verdict import Held, Proved, Unknown, Violated, word
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"
-TRACE_FILE = "lamp-property-wears---tears"
+TRACES = "traces/lamp.json.xz"
 
 
 @pytest.fixture(scope="module")
@@ -122,7 +124,7 @@ def test_page_shows_the_violated_run(page: str) -> None:
     assert [row[0] for row in rows] == ["0", "1", "2", "3"]
     assert rows[0][3] == "mode=DARK  wear=0"
     assert rows[3] == ("3", "switch &lt;on&gt;", "press=true", "mode=LIT  wear=2")
-    assert "traces/lamp-property-wears---tears.jsonl" in shown
+    assert f"{TRACES} --run &#39;lamp/property/wears &amp; tears&#39;" in shown
 
 
 def test_page_shows_what_is_undecided(page: str) -> None:
@@ -244,15 +246,17 @@ def test_two_runs_of_like_names_are_two_files(tmp_path: Path) -> None:
     """Neither of two violated statements loses its run."""
     wrong = found(WRONG)
     write_folder(tmp_path, [wrong, replace(wrong, id="lamp/property/wears + tears")], [target()])
-    assert {path.stem for path in (tmp_path / "traces").iterdir()} == {TRACE_FILE, f"{TRACE_FILE}-2"}
-    assert f"traces/{TRACE_FILE}-2.jsonl" in (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert [WRONG, "lamp/property/wears + tears"] == list(read_runs(tmp_path / TRACES))
+    assert (0, 2) == extract(tmp_path, tmp_path / "plain")
+    plain = {path.name for path in (tmp_path / "plain" / "traces").iterdir()}
+    assert plain == {"lamp-property-wears---tears.jsonl", "lamp-property-wears---tears-2.jsonl"}
 
 
 def test_the_run_of_a_recording_keeps_its_truth(tmp_path: Path) -> None:
     """The saved stream, replayed, can show the same violation."""
     wrong = replace(found(WRONG), truth_mm=(5, None, 7))
     write_folder(tmp_path, [wrong], [target()])
-    steps = read_steps(tmp_path / "traces" / f"{TRACE_FILE}.jsonl").steps
+    steps = read_runs(tmp_path / TRACES).stream(WRONG).steps
     assert [step.get("truth_mm") for step in steps] == [5, None, 7]
 
 
@@ -309,21 +313,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_folder(folder: Path) -> None:
-    """Page, data, JUnit, every certificate of a proof and every trace of a violation, and nothing else."""
+    """Page, data, JUnit, the proof's certificates in one file, the violation's run in columns, and nothing else."""
     proof = found("lamp/property/new").result
     assert isinstance(proof, Proved)
     assert proof.certificates
-    expected = {"index.html", "report.json", "junit.xml", f"traces/{TRACE_FILE}.jsonl"}
-    expected |= {f"certificates/{name}" for name in proof.certificates}
+    expected = {"index.html", "report.json", "junit.xml", TRACES, "machines/lamp.json.xz"}
+    expected |= {"certificates/lamp-property-new.tar.xz"}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
-    for name, text in proof.certificates.items():
-        assert (folder / "certificates" / name).read_text(encoding="utf-8") == text
+    read = read_archives(folder / "certificates", {"lamp-property-new.tar.xz": list(proof.certificates)})
+    assert (proof.certificates, {}) == (read.texts, read.damaged)
 
 
 def test_the_saved_trace_replays(folder: Path) -> None:
     """Read back and run, the saved stream is the same run and breaks the same statement, and no other."""
-    stream = read_steps(folder / "traces" / f"{TRACE_FILE}.jsonl")
+    stream = read_runs(folder / TRACES).stream(WRONG)
     assert stream.machine == "lamp"
     first = {name: value for name, value in stream.first.items() if name not in ("mode", "wear")}
     again = run(target().system, stream.steps, first=first)

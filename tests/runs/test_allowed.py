@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from safeloc.expr import TRUE, Bool, abs_, all_of, between, boolean, ite, maximum, number
 from safeloc.interpret import evaluate
-from safeloc.runs.allowed import Condition, common, conjuncts, slack
+from safeloc.runs.allowed import Condition, Slack, common, conjuncts
 from safeloc.units import MM
 
 X, Y, FLAG = number("x", MM, -60, 60), number("y", MM, -60, 60), boolean("flag")
@@ -65,8 +65,8 @@ def test_slack_is_negative_exactly_where_it_fails(x: int, y: int, flag: bool) ->
     """The distance to failing has the sign of the verdict; it is infinite for what is purely logical."""
     values = {X: x, Y: y, FLAG: flag}
     for term in CONDITIONS:
-        assert evaluate([term], values)[0] == (slack(term, values) >= 0)
-    assert slack(X <= Y, values) == y - x
-    assert slack((X <= Y) & (X <= 5), values) == min(y - x, 5 - x)
-    assert slack((X <= Y) | (X <= 5), values) == max(y - x, 5 - x)
-    assert slack(FLAG, values) == (float("inf") if flag else float("-inf"))
+        assert evaluate([term], values)[0] == (Slack(term)(values) >= 0)
+    assert Slack(X <= Y)(values) == y - x
+    assert Slack((X <= Y) & (X <= 5))(values) == min(y - x, 5 - x)
+    assert Slack((X <= Y) | (X <= 5))(values) == max(y - x, 5 - x)
+    assert Slack(FLAG)(values) == (float("inf") if flag else float("-inf"))

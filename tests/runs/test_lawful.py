@@ -50,12 +50,13 @@ def _coupled() -> TransitionSystem:
 
 @given(st.integers(-(10**9), 10**9), st.integers(0, 2**16))
 def test_coupled_parts_are_repaired_together(truth: int, seed: int) -> None:
-    """A reading and a measured distance that both bind the true movement are made lawful, and mostly with the reading."""
+    """A reading and a measured distance that both bind the true movement are made lawful, at the third draw at the latest."""
     system, draw = _coupled(), random.Random(seed)
     seen = SEEN.value.low + draw.randrange(2_001)
     drawn = {STEP: draw.randint(-100, 100), SEEN.present: True, SEEN.value: seen, MOVED: draw.randint(-(10**9), 10**9)}
     state = {system.state[0]: 0, TRUTH: truth}
-    mended = Repair(system).mend(state, drawn, draw)
+    repair = Repair(system)
+    mended = next(filter(None, (repair.mend(state, drawn, draw) for _ in range(3))), None)
     assert mended is not None
     assert evaluate([environment(system)], {**state, **mended})[0]
 

@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.catalogue import load_target
-from safeloc.embedding import Controller, Program
+from safeloc.embedding import Controller
 from safeloc.errors import InputError, StreamError, UnforeseenError
 from safeloc.outside import UNFORESEEN
 from safeloc.service.fleet import Fleet, Ways
@@ -21,8 +20,9 @@ from safeloc.service.lines import Line
 from safeloc.streams.record_files import FIELDS, OWN, read_raw, read_records, record_or_fault
 from safeloc.streams.records import Unusable
 from safeloc.streams.steps import read_steps
+from tests.embedding.driving import shipped
 
-PROGRAM = Program(load_target("odometry"))
+PROGRAM = shipped("odometry")
 SCALARS = st.one_of(
     st.none(), st.booleans(), st.integers(-3, 3_000), st.integers(), st.floats(), st.text(max_size=5),
     st.sampled_from([10**30, -(2**63), 2**63, "1", "nan", "front", "rear", "wheel", "\ud800", "\u0661", "", "truth", "cycle"]),

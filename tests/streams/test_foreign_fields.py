@@ -9,13 +9,12 @@ from pathlib import Path
 import pytest
 
 from safeloc.border import Reason
-from safeloc.catalogue import load_target
-from safeloc.embedding import Program
 from safeloc.errors import InputError, StreamError
 from safeloc.service.lines import Line
 from safeloc.service.messages import Message, Reader, Refused, Said
 from safeloc.streams.record_files import FIELDS, MEASURED, OWN, read_raw, read_records, record_or_fault
 from safeloc.streams.records import RECORD, Record, Unusable
+from tests.embedding.driving import shipped
 
 SOUND: dict[str, dict[str, object]] = {
     "distance": {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "step_mm": 1200},
@@ -34,7 +33,7 @@ BOTH = pytest.mark.parametrize("read", [read_records, read_raw])
 @pytest.fixture(scope="module")
 def reader() -> Reader:
     """The reader of a process with the odometry machine."""
-    return Reader(Program(load_target("odometry")), {}, inputs=False, numbered=False, first={})
+    return Reader(shipped("odometry"), {}, inputs=False, numbered=False, first={})
 
 
 def heard(reader: Reader, row: dict[str, object]) -> Message:

@@ -1,0 +1,52 @@
+"""A digest of the code that decides and of what it decides with: with another engine nothing that was kept counts."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+PACKAGE = Path(__file__).parent.parent
+DECLARING = ("models", "properties", "shipped")
+"""Folders that declare what is decided: a target's own digest covers what comes of them."""
+SHOWING = ("audit", "checker", "cli", "guard", "line", "report", "service", "simulation")
+"""Folders that show, check, host or simulate: no finding of `verify` comes through them."""
+DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
+
+
+@cache
+def engine_digest() -> str:
+    """SHA-256 over the files of the engine, and the versions of Python and of the packages that it decides with."""
+    total = hashlib.sha256(f"{platform.python_implementation()} {platform.python_version()}\0".encode())
+    total.update("".join(f"{name} {metadata.version(name)}\0" for name in DECIDE_WITH).encode())
+    return _over(total.hexdigest(), _engine_files())
+
+
+@cache
+def source_digest() -> str:
+    """The same over all files of the package, whatever they are for."""
+    return _over(engine_digest(), _files(PACKAGE, ()))
+
+
+def _over(start: str, paths: list[Path]) -> str:
+    total = hashlib.sha256(start.encode())
+    for path in paths:
+        total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return total.hexdigest()
+
+
+def _engine_files() -> list[Path]:
+    return _files(PACKAGE, (*DECLARING, *SHOWING))
+
+
+def _files(folder: Path, without: tuple[str, ...]) -> list[Path]:
+    found: list[Path] = []
+    for at, folders, names in os.walk(folder, followlinks=True):
+        if Path(at) == folder:
+            folders[:] = [name for name in folders if name not in without]
+        folders[:] = [name for name in folders if name != "__pycache__"]
+        found += [Path(at, name) for name in names if not name.endswith(".pyc")]
+    return sorted(found)

@@ -1,0 +1,105 @@
+"""Files under digests: written at once or not at all, and read only if their checksum is right."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+FORMAT = "safeloc-kept/1"
+LONGEST_HEAD = 1000
+MOST_BYTES = 1_000_000_000
+"""What is kept in all; the longest unused goes first."""
+
+
+def usual_folder() -> Path:
+    """The user's own folder for what can be made again."""
+    return user_cache_path("safeloc")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is kept, and since when (UTC)."""
+
+    data: bytes
+    since: str
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of entries by kind and key; several processes may use it at a time. What cannot be written is not kept."""
+
+    folder: Path
+
+    def get(self, kind: str, key: str) -> Entry | None:
+        """The entry; None where there is none, or none that can be trusted to be what was put there."""
+        path = self._path(kind, key)
+        try:
+            head, _, data = path.read_bytes().partition(b"\n")
+            told = json.loads(head) if len(head) < LONGEST_HEAD else {}
+        except (OSError, ValueError):
+            return None
+        if not isinstance(told, dict) or told != _head(kind, key, str(told.get("since")), data):
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(path)
+        return Entry(data, told["since"])
+
+    def put(self, kind: str, key: str, data: bytes) -> None:
+        """Keep it. Where the folder cannot be written, nothing is kept: whatever it is can be made again."""
+        path = self._path(kind, key)
+        head = json.dumps(_head(kind, key, time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), data))
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+                file.write(head.encode() + b"\n" + data)
+            os.replace(file.name, path)
+
+    def entries(self) -> Iterator[tuple[Path, os.stat_result]]:
+        """The files, each with what the system knows of it."""
+        for folder, _, names in os.walk(self._own):
+            for path in (Path(folder, name) for name in names):
+                with contextlib.suppress(OSError):  # another process may have taken it away
+                    yield path, path.stat()
+
+    @property
+    def bytes(self) -> int:
+        """How much is kept in all."""
+        return sum(found.st_size for _, found in self.entries())
+
+    def trim(self, most_bytes: int = MOST_BYTES) -> None:
+        """Take away what has not been used for longest, until no more is left than that."""
+        found = sorted(self.entries(), key=lambda one: one[1].st_mtime)
+        left = sum(one.st_size for _, one in found)
+        for path, one in found:
+            if left <= most_bytes:
+                break
+            path.unlink(missing_ok=True)
+            left -= one.st_size
+
+    def clean(self) -> None:
+        """Take away all that is kept, and nothing else that may stand in the folder."""
+        if self._own.exists():
+            shutil.rmtree(self._own)
+
+    @property
+    def _own(self) -> Path:
+        return self.folder / "kept"
+
+    def _path(self, kind: str, key: str) -> Path:
+        return self._own / kind / key[:2] / key[2:]
+
+
+def _head(kind: str, key: str, since: str, data: bytes) -> dict[str, str]:
+    """What stands before the data: for what it is, and a checksum of it all."""
+    total = hashlib.sha256("\0".join([FORMAT, kind, key, since, ""]).encode() + data)
+    return {"format": FORMAT, "kind": kind, "key": key, "since": since, "sha256": total.hexdigest()}

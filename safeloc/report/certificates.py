@@ -1,0 +1,119 @@
+"""Certificates in a report folder: packed, one file a claim, and what several claims rely on once a machine.
+
+    certificates/CLAIM.tar.xz     texts that this claim alone rests on
+    certificates/MACHINE.tar.xz   texts that several claims of the machine rest on
+
+Each is an ordinary archive (`tar xf FILE`) of SMT-LIB2 texts; the name of a text ends in the digest of what is in it,
+and its header names the texts that it relies on. report.json says of each file which texts it holds.
+"""
+
+from __future__ import annotations
+
+import io
+import tarfile
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from safeloc.errors import InputError
+from safeloc.packed import QUICK, packed, read_packed
+from safeloc.report.page import file_names
+from safeloc.results import Finding
+from safeloc.verdict import Proved
+
+FOLDER, SUFFIX = "certificates", ".tar.xz"
+Archives = dict[str, dict[str, str]]
+"""File -> name of each text in it -> the text."""
+
+
+def archives(findings: Sequence[Finding]) -> Archives:
+    """Return what is to be written, file by file; InputError where one name stands for two texts."""
+    claims: dict[str, list[Finding]] = {}
+    texts: dict[str, str] = {}
+    taken: dict[str, str] = {}
+    for finding in findings:
+        if isinstance(finding.result, Proved):
+            for name, text in finding.result.certificates.items():
+                if taken.setdefault(name.casefold(), text) != text:
+                    raise InputError(f"{finding.id}: another certificate is called {name}; rename machine or property.")
+                claims.setdefault(name, []).append(finding)
+                texts[name] = text
+    machines = dict.fromkeys(finding.machine for finding in findings)
+    files = file_names([*(finding.id for finding in findings), *machines])
+    found: Archives = {}
+    for name in sorted(texts):
+        one, *others = dict.fromkeys((claim.id, claim.machine) for claim in claims[name])
+        found.setdefault(f"{files[one[1] if others else one[0]]}{SUFFIX}", {})[name] = texts[name]
+    return found
+
+
+def write_archives(folder: Path, found: Archives) -> None:
+    """Write the files, two at a time."""
+    with ThreadPoolExecutor(2) as threads:
+        for _ in threads.map(partial(_write, folder), found.items()):
+            pass
+
+
+def _write(folder: Path, one: tuple[str, Mapping[str, str]]) -> None:
+    file, texts = one
+    (folder / file).write_bytes(packed(_archive(texts), QUICK))
+
+
+def _archive(texts: Mapping[str, str]) -> bytes:
+    """An archive without times and owners: equal texts give equal bytes."""
+    content = io.BytesIO()
+    with tarfile.open(fileobj=content, mode="w", format=tarfile.PAX_FORMAT) as archive:
+        for name, text in texts.items():
+            data = text.encode()
+            member = tarfile.TarInfo(name)
+            member.size = len(data)
+            archive.addfile(member, io.BytesIO(data))
+    return content.getvalue()
+
+
+# ------------------------------------------------------------------ read
+
+
+@dataclass
+class Texts:
+    """What the files of a folder hold: texts by name, and what is wrong with a file, by its name."""
+
+    texts: dict[str, str] = field(default_factory=dict)
+    damaged: dict[str, str] = field(default_factory=dict)
+
+
+def read_archives(folder: Path, expected: Mapping[str, Sequence[str]]) -> Texts:
+    """Read every file in the folder of certificates; `expected`: the names in each, as the report has them.
+
+    A file that is damaged, missing, or holds something else gives none of its texts, and is told.
+    """
+    found = Texts()
+    present = {path.name: path for path in sorted(folder.glob(f"*{SUFFIX}"))}
+    for file in [*present, *(file for file in expected if file not in present)]:
+        try:
+            texts = _read(folder / file)
+            if set(texts) != {*expected.get(file, ())}:
+                raise InputError(f"{folder / file}: holds other certificates than report.json says.")
+            found.texts |= texts
+        except InputError as error:
+            found.damaged[file] = str(error)
+    return found
+
+
+def _read(path: Path) -> dict[str, str]:
+    """Name -> text of one archive. InputError for anything that is none, or holds a name twice."""
+    texts: dict[str, str] = {}
+    try:
+        with tarfile.open(fileobj=io.BytesIO(read_packed(path)), mode="r:") as archive:
+            for member in archive:
+                content = archive.extractfile(member) if member.isreg() else None
+                if content is None or member.name in texts or Path(member.name).name != member.name:
+                    raise InputError(f"{path}: damaged, {member.name!r} is no certificate, or is in it twice.")
+                texts[member.name] = content.read().decode("utf-8", errors="replace")
+    except (tarfile.TarError, EOFError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: damaged, no archive of certificates ({error}). Write the report again.") from error
+    return texts

@@ -1,0 +1,161 @@
+"""report.json and what lies beside it: the data of a report, taken apart to be kept and put together again.
+
+report.json               verdicts, requirements, and which certificates each result rests on, by number
+machines/MACHINE.json.xz  how the page shows a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
+traces/MACHINE.json.xz    runs in columns (safeloc.streams.columns)
+certificates/             safeloc.report.certificates
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import Any, TypeVar
+
+from safeloc.errors import InputError, SafelocError
+from safeloc.outside import shortened
+from safeloc.packed import packed, read_packed
+from safeloc.report.data import SCHEMA
+from safeloc.report.page import file_names
+from safeloc.streams.columns import Runs, read_runs
+
+DATA = "report.json"
+MACHINES, TRACES = "machines", "traces"
+SUFFIX = ".json.xz"
+BULKY = ("parts", "pictures", "signals", "figures")
+Data = dict[str, Any]
+T = TypeVar("T")
+
+
+def taken_apart(
+    data: Data, certificates: Mapping[str, Sequence[str]], runs: Mapping[str, int]
+) -> tuple[Data, dict[str, bytes]]:
+    """Return what report.json holds, and the files of machines by name.
+
+    certificates  file -> names of the texts in it
+    runs          id -> steps of the run that is kept of a result
+    """
+    numbers = {name: number for number, name in enumerate(chain.from_iterable(certificates.values()))}
+    places = {row["id"]: number for number, row in enumerate(data["results"])}
+    files = machine_files(data)
+    small = {
+        **data,
+        "machines": [{key: part for key, part in one.items() if key not in BULKY} for one in data["machines"]],
+        "results": [
+            {
+                **row,
+                "certificates": [numbers[name] for name in row["certificates"]],
+                "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
+            }
+            for row in data["results"]
+        ],
+        "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
+        "certificates": {file: list(names) for file, names in certificates.items()},
+    }
+    bulky = {files[one["name"]]: packed(_text({key: one[key] for key in BULKY})) for one in data["machines"]}
+    return small, bulky
+
+
+def _text(data: Any) -> bytes:
+    return json.dumps(data, separators=(",", ":")).encode()
+
+
+def written(small: Data) -> str:
+    """Return the text of report.json: a line for each machine, result, requirement and item."""
+    lines = (f"{json.dumps(key)}:{_listed(value)}" for key, value in small.items())
+    return "{" + ",\n".join(lines) + "}\n"
+
+
+def _listed(value: Any) -> str:
+    if not isinstance(value, list):
+        return json.dumps(value, separators=(",", ":"))
+    return "[" + ",\n".join(json.dumps(one, separators=(",", ":")) for one in value) + "]"
+
+
+def machine_files(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return each machine's file, in the folder of machines and in that of traces."""
+    names = [*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])]
+    return {name: file + SUFFIX for name, file in file_names(names).items()}
+
+
+# ------------------------------------------------------------------ read
+
+
+def read_report(folder: Path) -> Data:
+    """Return what report.json holds, with certificates and results by name, and "certificates" by file.
+
+    InputError where that is no report of this version.
+    """
+    path = folder / DATA
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError as error:
+        raise InputError(f"{path}: nested too deeply to be a report.") from error
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as a report: {error}") from error
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise InputError(f"{path}: not a report of schema {SCHEMA}; write it with `safeloc verify --out {folder}`.")
+    return checked(path, lambda: _named(data))
+
+
+def checked(path: Path, read: Callable[[], T]) -> T:
+    """Return what `read` gives; InputError for data that do not keep to the schema."""
+    try:
+        return read()
+    except SafelocError:
+        raise
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        raise InputError(f"{path}: does not keep to schema {SCHEMA}: {shortened(error)}") from error
+
+
+def _named(data: Data) -> Data:
+    """The data with names in the place of numbers."""
+    names = list(chain.from_iterable(data["certificates"].values()))
+    ids = [row["id"] for row in data["results"]]
+    return {
+        **data,
+        "results": [{**row, "certificates": _at(names, row["certificates"])} for row in data["results"]],
+        "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
+    }
+
+
+def _at(names: Sequence[str], places: Sequence[int]) -> list[str]:
+    """IndexError for a place where there is none; -1 is no place."""
+    if any(place < 0 for place in places):
+        raise IndexError("a place below 0")
+    return [names[place] for place in places]
+
+
+def read_for_page(folder: Path) -> Data:
+    """Return all that the page is made of: the report, its machines, and the runs of what is violated."""
+    data = read_report(folder)
+    return checked(folder / DATA, lambda: _put_together(folder, data))
+
+
+def _put_together(folder: Path, data: Data) -> Data:
+    files = machine_files(data)
+    machines = [{**one, **_machine(folder / MACHINES / files[one["name"]])} for one in data["machines"]]
+    read: dict[str, Runs] = {}
+    rows = []
+    for row in data["results"]:
+        trace = None
+        if row["trace"] is not None and row["verdict"] == "violated":
+            file = files[row["machine"]]
+            if file not in read:
+                read[file] = read_runs(folder / TRACES / file)
+            trace = read[file].plain(row["id"])
+        rows.append({**row, "trace": trace})
+    return {**data, "machines": machines, "results": rows}
+
+
+def _machine(path: Path) -> Data:
+    """What a machine's file holds; InputError with the file for anything else."""
+    content = read_packed(path)
+
+    def read() -> Data:
+        data = json.loads(content)
+        return {key: data[key] for key in BULKY}
+
+    return checked(path, read)
