@@ -16,7 +16,7 @@ from safeloc.checker.answer import NO_PROOF, OPEN, WRONG, Answer, Check, Row, pr
 from safeloc.checker.dag import INT, Dag, Rewriting
 from safeloc.checker.instance import covered
 from safeloc.checker.rules import Speaker, Terms, Theory
-from safeloc.checker.runs import Runs
+from safeloc.checker.runs import Occurrences
 from safeloc.composition import Composition
 from safeloc.errors import InputError, StreamError
 from safeloc.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before, between, ite, was
@@ -94,7 +94,7 @@ class Claims:
     target: Target
     goals: Goals
     theory: Theory
-    runs: Runs
+    runs: Occurrences
     claimed: frozenset[str]
 
     def answer(self, row: Row) -> Answer:

@@ -17,7 +17,7 @@ from safeloc.checker.answer import NO_PROOF, OPEN, WRONG
 from safeloc.checker.claims import Claims, Goals
 from safeloc.checker.dag import Dag
 from safeloc.checker.rules import Theory
-from safeloc.checker.runs import Runs
+from safeloc.checker.runs import Occurrences
 from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
 from safeloc.digest import full_digest
@@ -203,7 +203,7 @@ def judge(
     found.judged.update(own)
     found.wrong |= theory.take(taken)
     claimed = frozenset(str(row["id"]) for row in rows)
-    claims = Claims(target, goals, theory, Runs(target, theory.write, run, claimed), claimed)
+    claims = Claims(target, goals, theory, Occurrences(target, theory.write, run, claimed), claimed)
     found.rows += [_checked(row, claims, texts, found) for row in rows]
 
 

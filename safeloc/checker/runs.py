@@ -41,17 +41,17 @@ class _Sought:
     prop: Property | None = None
 
 
-class Runs:
+class Occurrences:
     """What runs of a target show.
 
-    file     finds a result's run, if one is kept
+    kept     finds the run that a report keeps of a result
     claimed  ids of all results of the target
     """
 
     def __init__(
-        self, target: Target, write: Translation, file: Callable[[str], StepStream | None], claimed: frozenset[str]
+        self, target: Target, write: Translation, kept: Callable[[str], StepStream | None], claimed: frozenset[str]
     ) -> None:
-        self._target, self._write, self._file, self._claimed = target, write, file, claimed
+        self._target, self._write, self._kept, self._claimed = target, write, kept, claimed
         self._walks: dict[Key, Walk] = {}
         self._single: dict[Goal, Walk] = {}
 
@@ -83,7 +83,7 @@ class Runs:
         return list(Walk([nothing], self._write).states(run.first, run.steps))
 
     def _run(self, row: Row) -> StepStream:
-        stream = self._file(str(row["id"]))
+        stream = self._kept(str(row["id"]))
         if stream is None:
             raise InputError("no run is kept that shows it")
         return stream

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 
-from tests.checker.evidence import Evidence, refused
+from safeloc.catalogue import load_target
+from safeloc.expr import before
+from safeloc.provers.portfolio import prove
+from safeloc.spec import always
+from tests.checker.declared import KNOWN, PLACE, TICK
+from tests.checker.evidence import LIMITS, Evidence, kept, refused
 
 DEAD_ENDS = "tracking/obligation/dead ends"
 
@@ -47,3 +53,17 @@ def test_a_witness_function_that_names_the_input_itself(proofs: dict[str, Eviden
     found = evidence.judged({file: text})
     assert DEAD_ENDS in refused(found)
     assert file not in found.wrong
+
+
+def test_what_a_property_is_given_has_to_last() -> None:
+    """The proof stands, and without the witness functions the property is not confirmed: it might be of no run at all."""
+    target = load_target("tests.checker.declared:tracking")
+    given = always("known is near while it ticks", before(PLACE) <= KNOWN, given=TICK)
+    asked = replace(target, properties=(given,))
+    evidence = kept(asked, prove(asked.system, asked.properties, LIMITS))
+    [name] = [row["id"] for row in evidence.rows if row["kind"] == "property"]
+    assert name not in refused(evidence.judged())
+    file = evidence.file("by-what")
+    wrong = re.sub(r"(of tick\| \(\) Bool )\S+\)", r"\g<1>false)", evidence.texts[file])
+    assert wrong != evidence.texts[file]
+    assert name in refused(evidence.judged({file: wrong}))

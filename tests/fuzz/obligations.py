@@ -234,12 +234,11 @@ def _by_itself(case: Case, one: Obligation, trace: Trace, wanted: Callable[[Stat
     world = _world(case.game, one)
     space, allowed = (search(world), lawful) if said["under"] else (search(world.board()), anyhow)
     own, at_first = _wanted(world, one)
-    alone = _depth(space, own, at_first, allowed)
     wrong = _ends(space, trace, allowed, lambda env: (at_first or bool(trace.steps)) and own(env))
     if wrong:
         return wrong
-    if space.full is None and alone != int(said["steps"]):
-        return f"the machine by itself comes there after {alone} steps"
+    if len(trace.steps) != int(said["steps"]):  # it need not be the shortest: it may be drawn
+        return f"the machine by itself comes there after {len(trace.steps)} steps"
     whole = _depth(case.space, wanted, first, lawful)
     if whole is not None and (said["never"] or whole <= int(said["none"] or -1)):
         return f"the whole comes there after {whole} steps"
@@ -251,7 +250,8 @@ def _witness(case: Case, one: Obligation, trace: Trace, wanted: Callable[[State]
     allowed = lawful if under else anyhow
     wrong = _ends(case.space, trace, allowed, lambda env: (first or bool(trace.steps)) and wanted(env))
     shortest = _depth(case.space if under else case.board(), wanted, first, allowed)
-    if not wrong and case.space.full is None and shortest != len(trace.steps):
+    drawn = "drawn run" in one.method  # need not be the shortest one
+    if not wrong and not drawn and case.space.full is None and shortest != len(trace.steps):
         return f"its witness has {len(trace.steps)} steps, the shortest {shortest}"
     if not wrong and not under and _depth(case.space, wanted, first, lawful) is not None and "proved" in one.method:
         return "proved impossible under the assumption, yet it happens"
