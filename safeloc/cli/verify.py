@@ -18,6 +18,7 @@ from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
 from safeloc.cli.show import Progressing, code, findings_table, result, summed_up
 from safeloc.cli.verifying import Verifying
+from safeloc.cli.watching import WatchOption, beside, watch
 from safeloc.errors import InputError
 from safeloc.provers.limits import Limits
 from safeloc.report.data import report_data
@@ -65,9 +66,12 @@ def prove(
     seed: SeedOption = 0,
     cache: CacheOption = None,
     fresh: FreshOption = False,
+    again: WatchOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Prove the properties and obligations of a machine for all streams that obey its assumption."""
+    if again:
+        raise typer.Exit(watch(sys.argv[1:], beside([target], config)))
     loaded = load_target(target, config)
     chosen = _chosen(loaded, only)
     limits, store = Limits(depth=depth, seconds=seconds, seed=seed), store_in(cache)
@@ -193,10 +197,13 @@ def verify(
         bool, typer.Option("--recheck", help="check every proof of the report again, as `recheck` does")
     ] = False,
     single: SingleOption = False,
+    again: WatchOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Prove, test, replay the shipped streams, and write the report: the main job."""
     names = targets or list(ENTRIES)
+    if again:
+        raise typer.Exit(watch(sys.argv[1:], beside(names, config)))
     if config is not None and len(names) > 1:
         raise typer.BadParameter(f"--config is of one machine, and here are {len(names)}: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)

@@ -1,0 +1,135 @@
+"""`--watch`: whenever a file is saved, the command is run again, and what changed is shown first.
+
+Each run is a process of its own, which loads what was saved; what the edit is not about is kept from the run before
+(safeloc.cache).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from safeloc.cli.console import err, out
+from safeloc.verdict import WORST_FIRST
+
+WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
+PACKAGE = Path(__file__).parents[1]
+LOOKS_EVERY_S = 0.3
+SETTLES_S = 0.2
+"""An editor may write a file in several goes, and several files one after the other."""
+SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".csv")
+Seen = Mapping[Path, tuple[int, int]]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A result of a run: what was found, how long it took, and what the run before had found ("" if it had no such result)."""
+
+    id: str
+    verdict: str
+    seconds: float
+    before: str
+
+    @property
+    def line(self) -> str:
+        """The row as it is shown."""
+        before = "new" if not self.before else "as before" if self.before == self.verdict else f"was {self.before}"
+        return f"{self.verdict:9} {self.seconds:6.1f} s  {before:12} {self.id}"
+
+
+def rows(data: Mapping[str, Any], before: Mapping[str, str]) -> list[Row]:
+    """The results of a run that are worth a line: what was decided now, the worst first, and what changed before the rest."""
+    now = [row for row in data["results"] if row["machine"] not in data["kept"]]
+    made = [Row(row["id"], row["verdict"], row["seconds"], before.get(row["id"], "")) for row in now]
+    return sorted(made, key=lambda row: (WORST_FIRST.index(row.verdict), row.before == row.verdict, -row.seconds))
+
+
+def watch(arguments: Sequence[str], beside: Sequence[Path]) -> int:
+    """Run `safeloc ARGUMENTS` now and after every change, until Ctrl-C; return the exit code of the last run.
+
+    beside  files that are looked at besides the package: a user's own, and a configuration
+    """
+    command = [sys.executable, "-m", "safeloc", *(one for one in arguments if one != "--watch"), "--json"]
+    before: dict[str, str] = {}
+    code = 0
+    try:
+        for _ in changes([PACKAGE, *beside]):
+            began = time.monotonic()
+            ran = subprocess.run(command, capture_output=True, text=True, check=False)
+            code = ran.returncode
+            before = _told(ran, before, time.monotonic() - began)
+            err.print("waiting for a file to be saved (Ctrl-C ends)", markup=False)
+    except KeyboardInterrupt:
+        err.print("no longer watching", markup=False)
+    return code
+
+
+def _told(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds: float) -> dict[str, str]:
+    """Shows a run; the verdicts of all its results. A run without a result says why, and the last verdicts stay."""
+    try:
+        data = json.loads(ran.stdout)
+    except ValueError:
+        err.print(ran.stderr.strip() or f"no result (exit code {ran.returncode})", markup=False)
+        return before
+    made = rows(data, before)
+    for row in made:
+        out.print(row.line, markup=False)
+    gone = before.keys() - {row["id"] for row in data["results"]}
+    for name in sorted(gone):
+        out.print(f"{'gone':9} {'':8}  was {before[name]:8} {name}", markup=False)
+    kept = len(data["results"]) - len(made)
+    out.print(f"{data['verdict']}: {len(made)} results decided in {seconds:.1f} s, {kept} kept", markup=False)
+    return {row["id"]: row["verdict"] for row in data["results"]}
+
+
+def beside(machines: Sequence[str], config: Path | None) -> list[Path]:
+    """What is looked at besides the package: the Python files beside a user's own, and a configuration."""
+    own = [name.rpartition(":")[0] for name in machines if ":" in name]
+    folders = dict.fromkeys(Path(name).parent if name.endswith(".py") else Path.cwd() for name in own)
+    return [path for folder in folders for path in folder.glob("*.py")] + ([] if config is None else [config])
+
+
+def changes(places: Sequence[Path]) -> Iterator[None]:
+    """Once now, and once after every change to the files in these places."""
+    seen = looked_at(places)
+    yield
+    while True:
+        time.sleep(LOOKS_EVERY_S)
+        now = looked_at(places)
+        while now != seen:
+            seen = now
+            time.sleep(SETTLES_S)
+            now = looked_at(places)
+            if now == seen:
+                yield
+                now = looked_at(places)
+
+
+def looked_at(places: Sequence[Path]) -> Seen:
+    """The files in these places, each with the time of its last change and its size."""
+    found: dict[Path, tuple[int, int]] = {}
+    for path in (path for place in places for path in _files(place)):
+        try:
+            stat = path.stat()
+        except OSError:  # taken away in the meantime, or between an editor's two goes
+            continue
+        found[path] = stat.st_mtime_ns, stat.st_size
+    return found
+
+
+def _files(place: Path) -> Iterator[Path]:
+    if not place.is_dir():
+        yield place
+        return
+    for folder, folders, names in os.walk(place, followlinks=True):
+        folders[:] = [name for name in folders if not name.startswith((".", "__pycache__"))]
+        yield from (Path(folder, name) for name in names if name.endswith(SUFFIXES))
