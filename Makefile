@@ -2,6 +2,7 @@
 #   make verify   proofs, property tests, replay, report      make test   all ordinary tests
 # What takes hours, topic by topic (docs/long_tests.md); an ended run goes on where it was, and the last line is `N passed, N failed`:
 #   make test-long TOPIC=fuzz [LONG="--seed 2 --jobs 2"]   random machines against an explicit search (tests/fuzz)
+#   edits                                                  what is kept of earlier runs never changes a verdict (tests/edits)
 #   readers, oracle, soak                                  readers given anything, mishaps to streams, a day of a fleet
 PYTHON ?= python3
 BIN := .venv/bin
@@ -25,6 +26,7 @@ test-all: $(READY)
 long-fuzz = -m tests.fuzz --machines 20000 --compositions 1000 --seed 1 --out long/fuzz.jsonl
 long-readers = -m tests.fuzz_readers --seconds 600 --out long/readers.jsonl
 long-oracle = -m tests.streams.oracle --lines 10000000 --seed 1 --out long/oracle.jsonl
+long-edits = -m tests.edits --edits 200 --seed 1 --out long/edits.jsonl
 long-soak = -m tests.soak --hours-of-fleet 24 --vehicles 200 --wall-minutes 60 --out long/soak.jsonl
 
 test-long: $(READY)

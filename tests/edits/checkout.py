@@ -1,0 +1,98 @@
+"""A copy of the package in which files are edited, and runs of `safeloc verify` in it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("safeloc", "models", "properties")
+QUICKLY = ("--depth", "8", "--seconds", "20", "--examples", "5", "--steps", "20", "--jobs", "2")
+MOST_SECONDS = 900
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run: its exit code (-1: it was ended by the clock), verdicts by id, machines whose findings were kept, and errors."""
+
+    code: int
+    verdicts: Mapping[str, str]
+    kept: frozenset[str]
+    error: str
+
+    @property
+    def said(self) -> tuple[int, Mapping[str, str]]:
+        """What two runs of the same have to agree on."""
+        return self.code, self.verdicts
+
+    @property
+    def decided(self) -> bool:
+        """Whether the clock had no part in it."""
+        return self.code >= 0 and "unknown" not in self.verdicts.values()
+
+
+class Checkout:
+    """The copy, in a folder of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        for name in PARTS:
+            shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def verified(self, machine: str, cache: Path) -> Ran:
+        """One machine, with what is kept there."""
+        with tempfile.TemporaryDirectory() as report:
+            asked = ("verify", machine, *QUICKLY, "--json", "--out", report, "--cache", str(cache))
+            return self._run(*asked)
+
+    def loads(self, machine: str) -> bool:
+        """Whether the machine can be made at all."""
+        code = f"from safeloc.catalogue import load_target; load_target({machine!r})"
+        return self._started("-c", code, seconds=60).returncode == 0
+
+    def files_of(self, machine: str) -> list[Path]:
+        """The files in which the machine's transitions stand."""
+        code = (
+            "from safeloc.catalogue import load_target;"
+            f"print(*{{row.src.rpartition(':')[0] for one in load_target({machine!r}).machines for row in one.transitions}}, sep='\\n')"
+        )
+        told = self._started("-c", code, seconds=60).stdout.split()
+        return sorted({Path(name).resolve() for name in told if Path(name).resolve().is_relative_to(self.folder)})
+
+    def _run(self, *arguments: str) -> Ran:
+        try:
+            ran = self._started("-m", "safeloc", *arguments, seconds=MOST_SECONDS)
+        except subprocess.TimeoutExpired:
+            return Ran(-1, {}, frozenset(), "ended by the clock")
+        try:
+            data: dict[str, Any] = json.loads(ran.stdout)
+        except ValueError:
+            return Ran(ran.returncode, {}, frozenset(), ran.stderr[-500:])
+        return Ran(ran.returncode, {one["id"]: one["verdict"] for one in data["results"]}, frozenset(data["kept"]), "")
+
+    def _started(self, *arguments: str, seconds: float) -> subprocess.CompletedProcess[str]:
+        where = {**os.environ, "PYTHONPATH": str(self.folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        command = [sys.executable, *arguments]
+        return subprocess.run(
+            command, cwd=self.folder, env=where, capture_output=True, text=True, timeout=seconds, check=False
+        )
+
+
+@contextmanager
+def edited(path: Path, text: str) -> Iterator[None]:
+    """Within, the file has this text."""
+    before = path.read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    try:
+        yield
+    finally:
+        path.write_text(before, encoding="utf-8")
