@@ -3,20 +3,25 @@
 Where such a case never occurs the property says nothing, however well it is proved. `p.implies(q)` is `~p | q`, so of
 every disjunction the case is that its first part does not hold; of a plain `a | b` too, where b is never needed if a
 always holds. No condition is `a.iff(b)`, nor `x.one_of(...)`: both require something in every case.
+
+In a composition a wire may tell a constant. What that decides is no part of the property: `ite(p, a, b)` is `p | b` where a
+has become true, and speaks of `~p`; `p | a` is plainly p where a has become false, and has no case.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from safeloc.composition import inherited_term
 from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
+from safeloc.folding import settled
 from safeloc.machine import Initial
 from safeloc.nodes import And, Compare, Not, Or
 from safeloc.render import infix
 from safeloc.spec import Goal, Property, always, observe, once, previous, reachable
 from safeloc.system import Part, TransitionSystem
-from safeloc.terms import Substitution, variables
+from safeloc.terms import Substitution, alike, variables
 
 LONGEST = 110
 
@@ -41,7 +46,7 @@ def antecedents(prop: Property) -> list[Bool]:
         return [prop.term]
     if prop.kind == "reachable":
         return []
-    return [~part.parts[0] for part in _conjuncts(prop.term) if isinstance(part, Or) and not _is_claim(part)]
+    return [~part.parts[0] for part in _conjuncts(settled(prop.term)) if isinstance(part, Or) and not _is_claim(part)]
 
 
 def cases(prop: Property) -> list[Antecedent]:
@@ -78,10 +83,16 @@ def _kept_case(system: TransitionSystem, prop: Property, place: int) -> tuple[Pa
     if prop.kept_by is None:
         return None
     machine, own = prop.kept_by
-    part, mine = next(part for part in system.parts if part.machine is machine), cases(own)
-    if len(mine) != len(cases(prop)):  # a part of the property is settled by what is wired
-        return None
-    return part, occurs(part.alone, mine[place], "case")
+    part = next(part for part in system.parts if part.machine is machine)
+    for mine in cases(own)[place : place + 1]:  # none where wires have made a case that the machine's property has not
+        if _becomes(part, mine, cases(prop)[place]):
+            return part, occurs(part.alone, mine, "case")
+    return None
+
+
+def _becomes(part: Part, mine: Antecedent, case: Antecedent) -> bool:
+    """Whether a case of a machine's own property is, in the terms of the whole, the very case of the inherited one."""
+    return alike(settled(inherited_term(part.into, replace(mine.prop, term=mine.term))), case.term)
 
 
 def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal] | None:

@@ -1,6 +1,7 @@
 """Terms where some truth values are known: what they decide is left out, nothing else is changed.
 
     Folding({present: FALSE})(term)    what is left of the term where nothing is present
+    settled(term)                      what is left of it where a wire has put constants in the place of inputs
 
 Small on purpose: what is read off its result is claimed without a solver.
 """
@@ -9,8 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from safeloc.expr import Bool, Expr, Num, ite
-from safeloc.nodes import Choose, ChooseBool, Truth, Var
+from safeloc.expr import Bool, Expr, Lit, Num, ite
+from safeloc.interpret import Program
+from safeloc.nodes import Choose, ChooseBool, Node, Past, Truth, Var
 from safeloc.terms import children, in_order, rebuilt
 
 
@@ -26,6 +28,28 @@ class Folding:
             parts = tuple(self._done[child] for child in children(node))
             self._done[node] = _chosen(*parts) if isinstance(node, (Choose, ChooseBool)) else rebuilt(node, parts)
         return self._done[term]
+
+
+def settled(term: Bool) -> Bool:
+    """Works out everything in the term that no variable decides, and keeps the rest as it is."""
+    done: dict[Expr, Expr] = {}
+    for node in in_order([term]):
+        done[node] = _settled(node, tuple(done[child] for child in children(node)))
+    left = done[term]
+    assert isinstance(left, Bool)
+    return left
+
+
+def _settled(node: Node, parts: tuple[Expr, ...]) -> Expr:
+    if isinstance(node, (Choose, ChooseBool)) and any(isinstance(part, Truth) for part in parts):
+        return _chosen(*parts)
+    constant = parts and all(isinstance(part, (Lit, Truth)) for part in parts) and not isinstance(node, Past)
+    return _constant(rebuilt(node, parts)) if constant else rebuilt(node, parts)
+
+
+def _constant(term: Expr) -> Expr:
+    (value,) = Program([term])({})
+    return Truth(bool(value)) if isinstance(term, Bool) else Lit(int(value), term.unit)
 
 
 def _chosen(condition: Expr, then: Expr, other: Expr) -> Expr:

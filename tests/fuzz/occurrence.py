@@ -9,7 +9,7 @@ from safeloc.provers.antecedents import Never, Open, Outcome, Seen
 from tests.fuzz.case import Case
 from tests.fuzz.explore import occurs, search
 from tests.fuzz.judge import Claim
-from tests.fuzz.speaks import cases
+from tests.fuzz.speaks import cases, plain
 from tests.fuzz.terms import TRUE, Term, below, rewritten
 from tests.fuzz.world import Whole, World
 
@@ -57,7 +57,7 @@ def _alone(case: Case, one: Claim, number: int, where: str) -> bool:
     if not isinstance(case.game, Whole):
         return False
     world = next(world for world in case.game.worlds if where == f"of {world.name} by itself, none of the whole")
-    own = _own_claim(one, number) if one.of == world.name else None
+    own = _own_claim(case.game, world, one, number) if one.of == world.name else None
     own = own or _about(case.game, world, one, cases(one)[number])
     return own is not None and _comes(world, *own)
 
@@ -67,10 +67,12 @@ def _comes(world: World, own: Claim, term: Term) -> bool:
     return occurs(space, own, term) is not False
 
 
-def _own_claim(one: Claim, number: int) -> tuple[Claim, Term] | None:
-    """The machine's own claim and the same case of it; None where wires have settled a part of the claim."""
+def _own_claim(whole: Whole, world: World, one: Claim, number: int) -> tuple[Claim, Term] | None:
+    """The machine's own claim and the same case of it; None where wires have settled one, or made another."""
     own = replace(one, term=one.own, own=TRUE, of="")
-    return (own, cases(own)[number]) if len(cases(own)) == len(cases(one)) else None
+    mine = cases(own)
+    same = number < len(mine) and plain(whole.told(world, mine[number])) == cases(one)[number]
+    return (own, mine[number]) if same else None
 
 
 def _about(whole: Whole, world: World, one: Claim, term: Term) -> tuple[Claim, Term] | None:

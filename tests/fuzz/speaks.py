@@ -14,9 +14,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tests.fuzz.judge import Claim, has_past, requires_first
-from tests.fuzz.terms import FALSE, LEAVES, PAST, TRUE, Term, reads, value
+from tests.fuzz.terms import FALSE, LEAVES, PAST, TRUE, Term, parts, reads, value
 
 CONSTANT = ("lit", "member")
+COMPARISONS = ("lt", "le", "gt", "ge", "eq", "ne", "among")
 
 
 def cases(claim: Claim) -> list[Term]:
@@ -66,6 +67,8 @@ def plain(term: Term) -> Term:
     """A truth with and, or and not only, as far as it is made of truths; constants are gone."""
     if term[0] in PAST or (term[0] in LEAVES and term not in (TRUE, FALSE)):
         return term
+    if term[0] in COMPARISONS:
+        term = _of_numbers(term)
     if not reads(term) and not has_past(term):
         return TRUE if value(term, {}) else FALSE
     match term:
@@ -84,6 +87,18 @@ def plain(term: Term) -> Term:
         case ("ite", condition, then, other):
             return _either(plain(condition), plain(then), plain(other))
     return term
+
+
+def _of_numbers(term: Term) -> Term:
+    """The term with those of its numbers that are left where constants choose between some."""
+    match term:
+        case ("ite", condition, then, other):
+            chosen = plain(condition)
+            if chosen in (TRUE, FALSE):
+                return _of_numbers(then if chosen == TRUE else other)
+            return ("ite", condition, _of_numbers(then), _of_numbers(other))
+    inner = tuple(map(_of_numbers, parts(term)))
+    return (term[0], *inner, *term[1 + len(inner) :])
 
 
 def _joined(operator: str, *inner: Term) -> Term:

@@ -6,6 +6,7 @@ What is not mended yet is expected to fail, strictly: whoever mends it takes its
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -59,6 +60,11 @@ def by_all_back_ends(case: Case) -> None:
 def at_most(name: str, number: int) -> Term:
     """name <= number."""
     return ("le", ("var", name), ("lit", number))
+
+
+def at_least(name: str, number: int) -> Term:
+    """name >= number."""
+    return ("ge", ("var", name), ("lit", number))
 
 
 def copies(name: str, var: Var, heard: Var, **more: object) -> World:
@@ -147,6 +153,8 @@ ROUND = World(
         Row("down", (1,), 0, sets={"x": ("var", "i")}),
     ),
 )
+HEARS = replace(ROUND, name="b", inputs=(*ROUND.inputs, Q))
+CONSTANT = Whole("w", (RESTS, HEARS), {"b.q": ("lit", 2), "b.go": ("gt", ("lit", 1), ("lit", 0))})
 NONE: Term = ("and", ("var", "go"), ("not", ("var", "go")))
 LEAVES = World(
     "m", 1, (GO,), {X: 0}, rows=(Row("leave", (0,), 0, ("var", "go"), {"x": ("lit", 3)}),), assumption=at_most("x", 2)
@@ -158,6 +166,18 @@ EVEN = World(
 )  # 0, 2, 0: never 1, which 3 would lead to
 ODD = World("b", 2, (Q,), rows=(Row("raise", (0,), 1, is_("q", 1)),))
 NEVER_ODD = Whole("w", (EVEN, ODD), {"b.q": ("var", "a.x")})
+KEEPS = World("b", 1, (Q,), {Y: 3}, rows=(Row("keep", (0,), 0),))
+TWO_TOLD = Whole("w", (EVEN, KEEPS), {"b.q": ("lit", 2)})
+TURNS = World(
+    "b", 2, (Q,), {X: 0}, rows=(Row("raise", (0,), 1, is_("x", 1)), Row("turn", (0,), 0, sets={"x": NEXT}, rank=1))
+)
+NEVER_RAISED = Whole("w", (RESTS, TURNS), {"b.q": ("lit", 2)})
+
+
+def kept(whole: Whole, own: Term) -> Claim:
+    """What the second machine keeps by itself, as a claim about the whole."""
+    world = whole.worlds[1]
+    return Claim("kept", "always", whole.told(world, own), of=world.name, own=own)
 
 
 def together(*claims: Claim) -> Look:
@@ -222,6 +242,30 @@ FOUND: dict[str, tuple[Game, str, Look]] = {
         ),
     ),
     "a row fires in its machine by itself, in no run of the whole": (NEVER_ODD, "", obligations),
+    "a wired constant makes an implication of a choice": (
+        TWO_TOLD,
+        "",
+        together(kept(TWO_TOLD, ("ite", at_least("y", 3), at_least("q", 1), at_most("y", 1)))),
+    ),
+    "a wired constant makes a plain claim of a disjunction": (
+        TWO_TOLD,
+        "",
+        together(kept(TWO_TOLD, ("or", at_least("y", 3), at_least("q", 3)))),
+    ),
+    "a wired constant settles one case and makes another": (
+        NEVER_RAISED,
+        "",
+        together(
+            kept(
+                NEVER_RAISED,
+                (
+                    "and",
+                    ("ite", ("among", ("var", "mode"), 0), at_least("q", 1), at_most("x", 0)),
+                    ("implies", ("among", ("var", "mode"), 0), at_least("q", 1)),
+                ),
+            )
+        ),
+    ),
 }
 
 
@@ -243,6 +287,22 @@ def test_product_and_oracle_speak_of_the_same_cases() -> None:
         for theirs, ours in zip(map(read, told), own, strict=True):
             assert all(fast(theirs)(edge.known) == fast(ours)(edge.known) for _, edge in space.steps(anyhow)), one
     assert count > 150
+
+
+def test_they_do_so_where_wires_tell_constants() -> None:
+    """Of what a machine keeps by itself: what the constants decide is left out by both, and nothing else."""
+    rng, made = Random("wired"), set[str]()
+    pen = Pen(rng, (*HEARS.inputs, *HEARS.state), (("mode", 2),))
+    built, space = build(CONSTANT), search(CONSTANT)
+    for _ in range(400):
+        one = kept(CONSTANT, ("and", pen.truth(2), ("implies", pen.truth(1), pen.truth(2))))
+        told, own = antecedents(built.prop(one)), cases(one)
+        assert len(told) == len(own), one
+        before = cases(replace(one, term=one.own))
+        made.add("fewer" if len(own) < len(before) else "more" if len(own) > len(before) else "as many")
+        for theirs, ours in zip(map(read, told), own, strict=True):
+            assert all(fast(theirs)(edge.known) == fast(ours)(edge.known) for _, edge in space.steps(anyhow)), one
+    assert {"fewer", "more", "as many"} == made
 
 
 def test_a_wide_range_is_never_listed() -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from safeloc.antecedents import cases
 from safeloc.composition import compose
-from safeloc.expr import TRUE, Bool, boolean, minimum, number
+from safeloc.expr import TRUE, Bool, Num, as_num, boolean, ite, minimum, number
 from safeloc.machine import ANY, Machine, Transition, modes
 from safeloc.provers.antecedents import Never, Open, Seen, found, search
 from safeloc.provers.limits import Limits
@@ -179,7 +181,32 @@ def test_of_a_machine_by_itself() -> None:
     assert "of hearer by itself, none of the whole" == outcome.where
 
 
-(ON,), (LOW, HIGH) = modes("ON"), modes("LOW", "HIGH")
+@pytest.mark.parametrize(
+    ("claim", "told"),
+    [
+        (lambda low, heard: ite(low, heard >= 50, heard < 20), "proved"),
+        (lambda low, heard: ite(low, heard >= 50, TURNS.eq(3)), "vacuous"),
+        (lambda low, heard: low | (heard < 50), "proved"),
+        (lambda low, heard: low | TURNS.eq(3), "vacuous"),
+        (lambda low, heard: ite(low, heard >= 50, TURNS.eq(3)) & low.implies(heard >= 50), "vacuous"),
+    ],
+    ids=[
+        "a plain claim of a choice",
+        "an implication",
+        "a plain claim of a disjunction",
+        "none settled",
+        "another case",
+    ],
+)
+def test_what_a_wired_constant_decides_is_no_part(claim: Callable[[Bool, Num], Bool], told: str) -> None:
+    """Of the hearer, which is always LOW and hears 60: the rest of the property is what it says of the whole."""
+    first, second = _teller(), _never_high()
+    whole = compose("both", [first, second], {HEARD: as_num(60, COUNT)})
+    prop = whole.inherited(second, always("own", claim(second.mode.eq(LOW), HEARD)))
+    assert told == word(proved(prop, whole.system).result)
+
+
+(ON,), (LOW, HIGH) = (ON,), (LOW, HIGH) = modes("ON"), modes("LOW", "HIGH")
 HEARD, TELLS, COUNTS = number("heard", COUNT, 0, 100), number("tells", COUNT, 0, 100), boolean("counts")
 
 
@@ -190,6 +217,16 @@ def _teller() -> Machine:
 
 def _hearer() -> Machine:
     return Machine("hearer", (LOW, HIGH), [HEARD], {}, {}, [Transition("much", LOW, HIGH, HEARD >= 50)])
+
+
+TURNS = number("turns", COUNT, 0, 3)
+
+
+def _never_high() -> Machine:
+    """HIGH where `turns` is 1, which is 0 and 2 in turn: excluded by what comes to a state, not by one step."""
+    turn = ite(TURNS >= 2, TURNS - 2, TURNS + 2)
+    rows = [Transition("up", LOW, HIGH, TURNS.eq(1)), Transition("turn", LOW, LOW, TRUE, {TURNS: turn}, rank=1)]
+    return Machine("hearer", (LOW, HIGH), [HEARD], {TURNS: 0}, {}, rows)
 
 
 def test_a_few_steps_beside_a_recording() -> None:
