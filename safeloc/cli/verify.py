@@ -28,6 +28,7 @@ from safeloc.results import Finding
 from safeloc.spec import Property
 from safeloc.verdict import word
 from safeloc.verification.many import in_order, verify_targets
+from safeloc.verification.memory import Memory
 from safeloc.verification.one import Plan, Work, claims, owed
 from safeloc.verification.replay import as_table, replay_stream
 from safeloc.verification.unasked import nothing_asked, nothing_tested
@@ -219,9 +220,15 @@ def verify(
         _checked(folder, jobs, 0, wanted=check)
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
-    with Verifying(loaded, quiet=as_json) as events:
-        look_in = None if fresh else store
-        found = verify_targets(loaded, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
+    look_in = None if fresh else store
+    try:
+        with Memory() as memory, Verifying(loaded, quiet=as_json) as events:
+            found = verify_targets(loaded, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
+    except KeyboardInterrupt:
+        err.print(
+            "interrupted: what is done of whole machines is kept, and the next run goes on from there", markup=False
+        )
+        raise
     findings = in_order(found)
     page = write_folder(folder, findings, loaded, single=single)
     if code(findings) == 0:
@@ -231,6 +238,8 @@ def verify(
         raise typer.Exit(result(findings, loaded, as_json=True))
     _summary(findings)
     _tell_kept(findings, quiet=False)
+    if memory.most_bytes:
+        err.print(f"memory of all processes: at most {memory.most_bytes / 1e9:.1f} GB", markup=False)
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
