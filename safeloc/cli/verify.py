@@ -13,6 +13,7 @@ import typer
 from safeloc.cache.answers import kept_in
 from safeloc.cache.reports import keep_report, kept_report, report_key
 from safeloc.cache.targets import asked, found_before, keep
+from safeloc.cache.times import keep_seconds, seconds_before
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
@@ -222,13 +223,16 @@ def verify(
     loaded = _distinct([load_target(name, config) for name in names])
     look_in = None if fresh else store
     try:
-        with Memory() as memory, Verifying(loaded, quiet=as_json) as events:
+        took = seconds_before(store, [one.name for one in loaded], plan)
+        with Memory() as memory, Verifying(loaded, quiet=as_json, seconds=took, jobs=jobs) as events:
             found = verify_targets(loaded, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
     except KeyboardInterrupt:
         err.print(
             "interrupted: what is done of whole machines is kept, and the next run goes on from there", markup=False
         )
         raise
+    for name, seconds_taken in events.taken.items():
+        keep_seconds(store, name, plan, seconds_taken)
     findings = in_order(found)
     page = write_folder(folder, findings, loaded, single=single)
     if code(findings) == 0:

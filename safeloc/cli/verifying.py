@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from datetime import timedelta
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
+from safeloc.cli.time_left import TimeLeft
 from safeloc.verdict import WORST_FIRST
 from safeloc.verification.many import Began, Event, Found, Kept, Over, Phase
 from safeloc.verification.one import expected
 
 
 class Verifying:
-    """Shows events as they come: what runs now with its counts, and what is done; nothing with --json."""
+    """Shows events as they come: what runs now with its counts, and what is done; nothing with --json.
 
-    def __init__(self, targets: Sequence[Target], *, quiet: bool) -> None:
+    seconds  what targets took before, by name; jobs: processes; `taken` are the seconds that each took now
+    """
+
+    def __init__(self, targets: Sequence[Target], *, quiet: bool, seconds: Mapping[str, float], jobs: int) -> None:
         self._plain = not quiet and not sys.stderr.isatty()
         self._quiet = quiet
         self._bars = Progress(
@@ -26,12 +31,15 @@ class Verifying:
             BarColumn(),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
+            TextColumn("{task.fields[left]}"),
             console=err,
             disable=quiet or self._plain,
             transient=True,
         )
-        self._all = self._bars.add_task("all machines", total=sum(map(expected, targets)))
+        self._all = self._bars.add_task("all machines", total=sum(map(expected, targets)), left="")
         self._expected = {target.name: expected(target) for target in targets}
+        self._time_left = TimeLeft(self._expected, seconds, jobs)
+        self.taken: dict[str, float] = {}
         self._running: dict[str, TaskID] = {}
         self._counts: dict[str, Counter[str]] = {target.name: Counter() for target in targets}
 
@@ -44,9 +52,14 @@ class Verifying:
 
     def __call__(self, event: Event) -> None:
         """One event of `verify_targets`."""
+        self._event(event)
+        self._bars.update(self._all, left=f"about {timedelta(seconds=round(self._time_left.seconds))} left")
+
+    def _event(self, event: Event) -> None:
         match event:
             case Began(target, findings):
-                self._running[target] = self._bars.add_task(target, total=findings)
+                self._running[target] = self._bars.add_task(target, total=findings, left="")
+                self._time_left.began(target)
             case Phase(target, text):
                 self._bars.update(self._running[target], description=text)
                 self._line(text)
@@ -57,6 +70,7 @@ class Verifying:
                 self._line(f"{verdict:9} {id_}  ({seconds:.1f} s)")
             case Kept(target, findings, since):
                 self._bars.advance(self._all, self._expected[target])
+                self._time_left.over(target, 0.0)
                 if not self._quiet:
                     err.print(f"{target}: unchanged, {findings} results kept since {since}", markup=False)
             case Over(target, seconds):
@@ -64,6 +78,8 @@ class Verifying:
 
     def _over(self, target: str, seconds: float) -> None:
         found = self._counts[target]
+        self.taken[target] = seconds
+        self._time_left.over(target, seconds)
         self._bars.remove_task(self._running.pop(target))
         self._bars.advance(self._all, max(0, self._expected[target] - sum(found.values())))
         if not self._quiet:

@@ -1,0 +1,54 @@
+"""How long a run of several targets will still take: by what each took before, or by what others take for a finding."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+
+USUAL_SECONDS = 0.2
+"""For a finding, as long as nothing is known."""
+
+
+class TimeLeft:
+    """Expects of each target the seconds that it took before, else as many for a finding as those that are known.
+
+    findings  how many are expected of each target; seconds: those that are known, of earlier runs; jobs: targets at a time
+    """
+
+    def __init__(
+        self,
+        findings: Mapping[str, int],
+        seconds: Mapping[str, float],
+        jobs: int,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._findings, self._jobs, self._clock = dict(findings), max(1, jobs), clock
+        self._known = {name: took for name, took in seconds.items() if name in findings}
+        self._left = set(findings)
+        self._begun: dict[str, float] = {}
+
+    def began(self, target: str) -> None:
+        """A target's turn has come."""
+        self._begun[target] = self._clock()
+
+    def over(self, target: str, seconds: float) -> None:
+        """A target is done; 0 seconds where it was kept, of which nothing is learned."""
+        self._left.discard(target)
+        if seconds:
+            self._known[target] = seconds
+
+    @property
+    def seconds(self) -> float:
+        """Seconds until all are done: as many targets at a time as there are jobs, none before its own end."""
+        left = [self._of(target) for target in self._left]
+        return max([sum(left) / self._jobs, *left], default=0.0)
+
+    def _of(self, target: str) -> float:
+        whole = self._known.get(target, self._findings[target] * self._each)
+        return max(0.0, whole - (self._clock() - self._begun[target] if target in self._begun else 0.0))
+
+    @property
+    def _each(self) -> float:
+        """Seconds for a finding, of the targets whose time is known."""
+        findings = sum(self._findings[name] for name in self._known)
+        return sum(self._known.values()) / findings if findings else USUAL_SECONDS
