@@ -11,7 +11,8 @@ from typing import Annotated
 import typer
 
 from safeloc.cache.answers import kept_in
-from safeloc.cache.reports import keep_report, kept_report, report_key
+from safeloc.cache.reports import KeptReport, keep_report, kept_report, report_key
+from safeloc.cache.store import Store
 from safeloc.cache.targets import asked, found_before, keep
 from safeloc.cache.times import keep_seconds, seconds_before
 from safeloc.catalogue import ENTRIES, Target, load_target
@@ -212,28 +213,11 @@ def verify(
     store = store_in(cache)
     key = None if as_json else report_key(names, config, plan, single)
     usable(folder)
-    back = None if fresh else kept_report(store, key)
-    if back is not None:
-        with cleared(folder):
-            back.put_back(folder)
-        out.print(back.said, markup=False)
-        err.print(f"nothing has changed since {back.since}; report of then: {folder / PAGE}", markup=False)
+    if not fresh and _put_back(kept_report(store, key), folder):
         _checked(folder, jobs, 0, wanted=check)
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
-    look_in = None if fresh else store
-    try:
-        took = seconds_before(store, [one.name for one in loaded], plan)
-        with Memory() as memory, Verifying(loaded, quiet=as_json, seconds=took, jobs=jobs) as events:
-            found = verify_targets(loaded, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
-    except KeyboardInterrupt:
-        err.print(
-            "interrupted: what is done of whole machines is kept, and the next run goes on from there", markup=False
-        )
-        raise
-    for name, seconds_taken in events.taken.items():
-        keep_seconds(store, name, plan, seconds_taken)
-    findings = in_order(found)
+    findings = _verified(loaded, plan, jobs, store, fresh=fresh, quiet=as_json)
     page = write_folder(folder, findings, loaded, single=single)
     if code(findings) == 0:
         keep_report(store, key, folder, files_of(folder), summed_up(findings))
@@ -242,11 +226,39 @@ def verify(
         raise typer.Exit(result(findings, loaded, as_json=True))
     _summary(findings)
     _tell_kept(findings, quiet=False)
-    if memory.most_bytes:
-        err.print(f"memory of all processes: at most {memory.most_bytes / 1e9:.1f} GB", markup=False)
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
+
+
+def _put_back(report: KeptReport | None, folder: Path) -> bool:
+    """Whether the report of an earlier run, in which nothing was different, stands in the folder now."""
+    if report is None:
+        return False
+    with cleared(folder):
+        report.put_back(folder)
+    out.print(report.said, markup=False)
+    err.print(f"nothing has changed since {report.since}; report of then: {folder / PAGE}", markup=False)
+    return True
+
+
+def _verified(
+    targets: Sequence[Target], plan: Plan, jobs: int, store: Store, *, fresh: bool, quiet: bool
+) -> list[Finding]:
+    """All findings; what is learned on the way is kept, also by a run that is interrupted."""
+    took = seconds_before(store, [one.name for one in targets], plan)
+    look_in = None if fresh else store
+    try:
+        with Memory() as memory, Verifying(targets, quiet=quiet, seconds=took, jobs=jobs) as events:
+            found = verify_targets(targets, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
+    except KeyboardInterrupt:
+        err.print("interrupted: machines that are done are kept, and the next run goes on from there", markup=False)
+        raise
+    for name, seconds in events.taken.items():
+        keep_seconds(store, name, plan, seconds)
+    if memory.most_bytes and not quiet:
+        err.print(f"memory of all processes: at most {memory.most_bytes / 1e9:.1f} GB", markup=False)
+    return in_order(found)
 
 
 def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:

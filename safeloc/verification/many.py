@@ -120,10 +120,11 @@ def verify_targets(
     places = Slots(max(1, jobs))
     try:
         with kept_in(keep_in):
-            for target, packed in _conducted(left, plan, jobs, places, on_event):
+            for target, packed, seconds in _conducted(left, plan, jobs, places, on_event):
                 found[target.name] = unpack_findings(packed, target.system)
                 if target in questions:
                     keep(keep_in, questions[target], found[target.name])
+                on_event(Over(target.name, seconds))
     finally:
         places.close()
     return {target.name: found[target.name] for target in targets}
@@ -142,8 +143,8 @@ def _found_before(
 
 def _conducted(
     waiting: Sequence[Target], plan: Plan, jobs: int, places: Slots, on_event: OnEvent
-) -> Iterator[tuple[Target, Plain]]:
-    """Each target's findings as plain data, as they are complete; as many targets at a time as there are places."""
+) -> Iterator[tuple[Target, Plain, float]]:
+    """Each target's findings as plain data, and its seconds, as they are complete; as many targets at a time as there are places."""
     left, running = list(waiting), list[_Conductor]()
     try:
         while left or running:
@@ -155,8 +156,7 @@ def _conducted(
                 done = _heard(one, on_event)
                 if done is not None:
                     running.remove(one)
-                    on_event(Over(one.target.name, time.monotonic() - one.began))
-                    yield one.target, done
+                    yield one.target, done, time.monotonic() - one.began
     finally:
         for one in running:
             one.process.terminate()

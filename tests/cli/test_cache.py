@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -125,3 +129,19 @@ def test_cache_says_how_much_is_kept_and_cleans(call: Call, tmp_path: Path) -> N
     assert f"{tmp_path}: 1 files, 0.0 MB\n" == call("cache", "--cache", str(tmp_path)).out
     assert "nothing is kept any more" in call("cache", "--clean", "--cache", str(tmp_path)).out
     assert "0 files" in call("cache", "--size", "--cache", str(tmp_path)).out
+
+
+def test_what_is_done_when_interrupted_is_kept(call: Call, tmp_path: Path) -> None:
+    """A machine that was done is not verified again; of the one that was not, there is no report."""
+    arguments = ["verify", "travel_direction", "fibre_area", *QUICK, "--out", str(tmp_path / "report")]
+    command = [sys.executable, "-m", "safeloc", *arguments, "--cache", str(tmp_path / "cache"), "--jobs", "2"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        assert process.stderr is not None
+        assert any(line.startswith("travel_direction: ") for line in process.stderr)
+        os.killpg(process.pid, signal.SIGINT)
+        assert "machines that are done are kept" in process.stderr.read()
+    assert (130, False) == (process.returncode, (tmp_path / "report" / "report.json").exists())
+    again = call(
+        "verify", "travel_direction", *QUICK, "--out", str(tmp_path / "report"), "--cache", str(tmp_path / "cache")
+    )
+    assert "travel_direction: unchanged" in again.err
