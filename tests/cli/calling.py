@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,3 +52,12 @@ def wrong_door(folder: Path) -> str:
     path = folder / "wrong_door.py"
     path.write_text(wrong, encoding="utf-8")
     return f"{path}:machine"
+
+
+def started(command: Sequence[str], **pipes: int) -> subprocess.Popen[str]:
+    """A command in a process group of its own that Ctrl-C ends, as in a terminal, whoever started the tests in what way."""
+
+    def listen() -> None:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    return subprocess.Popen(command, text=True, start_new_session=True, preexec_fn=listen, **pipes)  # type: ignore[call-overload, no-any-return]

@@ -13,7 +13,7 @@ import pytest
 
 from safeloc.cache.store import Store
 from safeloc.cli import verify as module
-from tests.cli.calling import Call
+from tests.cli.calling import Call, started
 
 QUICK = ["--depth", "6", "--examples", "3", "--steps", "10"]
 
@@ -135,7 +135,7 @@ def test_what_is_done_when_interrupted_is_kept(call: Call, tmp_path: Path) -> No
     """A machine that was done is not verified again; of the one that was not, there is no report."""
     arguments = ["verify", "travel_direction", "fibre_area", *QUICK, "--out", str(tmp_path / "report")]
     command = [sys.executable, "-m", "safeloc", *arguments, "--cache", str(tmp_path / "cache"), "--jobs", "2"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+    with started(command, stderr=subprocess.PIPE) as process:
         assert process.stderr is not None
         assert any(line.startswith("travel_direction: ") for line in process.stderr)
         os.killpg(process.pid, signal.SIGINT)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.cli.watching import PACKAGE, Row, beside, changes, looked_at, rows
+from tests.cli.calling import started
 
 OWN = """
 from safeloc.expr import number
@@ -110,9 +111,7 @@ def test_an_edit_is_decided_again(tmp_path: Path) -> None:
     path = tmp_path / "own.py"
     path.write_text(OWN)
     command = [sys.executable, "-m", "safeloc", "prove", f"{path}:machine", "--watch", "--depth", "6"]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
-    ) as process:
+    with started(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
         try:
             assert "small" in line_with(process, "own/property/small")
             line_with(process, "waiting")
@@ -127,7 +126,8 @@ def test_an_edit_is_decided_again(tmp_path: Path) -> None:
             path.write_text(OWN)
             assert "proved: 0 results decided" in line_with(process, "results decided")
             line_with(process, "waiting")
-        finally:
             os.killpg(process.pid, signal.SIGINT)
-        line_with(process, "no longer watching")
-        assert 0 == process.wait()
+            line_with(process, "no longer watching")
+            assert 0 == process.wait(60)
+        finally:
+            process.kill()

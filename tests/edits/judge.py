@@ -47,7 +47,7 @@ def judged(checkout: Checkout, cache: Path, case: Case, seed: int) -> Judged:
     """One case. `cache` is where the unedited machine's run left what it found; it is left there first if it is not."""
     draw = random.Random(f"{seed} {case.kind} {case.number}")
     checkout.verified(case.machine, cache)
-    path, edit = _edit(checkout, case, draw)
+    path, edit = edit_of(checkout, case, draw)
     with edited(path, edit.made(path.read_text(encoding="utf-8"))):
         warm, warm_seconds = _timed(checkout, case.machine, cache)
         with tempfile.TemporaryDirectory() as empty:
@@ -83,7 +83,7 @@ def _wrong(case: Case, warm: Ran, cold: Ran, undecided: bool) -> str:
     return "; ".join(against or told) or f"exit codes {warm.code} warm, {cold.code} cold: {warm.error} / {cold.error}"
 
 
-def _edit(checkout: Checkout, case: Case, draw: random.Random) -> tuple[Path, Edit]:
+def edit_of(checkout: Checkout, case: Case, draw: random.Random) -> tuple[Path, Edit]:
     """An edit after which the machine can still be made."""
     files = checkout.files_of(case.machine) if case.kind == "machine" else _engine_files(checkout)
     for _ in range(DRAWS):
