@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Literal
 
-from safeloc.cache.engine import engine_digest
+from safeloc.cache.engine import engine_digest, undisturbed
 from safeloc.cache.store import Store
 
 Solver = Literal["z3", "cvc5"]
@@ -22,10 +22,14 @@ _STORES: list[Store] = []
 
 @contextmanager
 def kept_in(store: Store | None) -> Iterator[None]:
-    """Within, answers are looked up and kept in this store; in processes that are forked meanwhile as well."""
-    if store is None:
+    """Within, answers are looked up and kept in this store; in processes that are forked meanwhile as well.
+
+    Nowhere, if the engine's files were written since it was loaded.
+    """
+    if store is None or not undisturbed():
         yield
         return
+    engine_digest()  # here, so that processes which begin later do not read what was written meanwhile
     _STORES.append(store)
     try:
         yield

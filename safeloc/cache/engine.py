@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import time
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -14,6 +15,7 @@ DECLARING = ("models", "properties", "shipped")
 """Folders that declare what is decided: a target's own digest covers what comes of them."""
 SHOWING = ("audit", "checker", "cli", "guard", "line", "report", "service", "simulation")
 """Folders that show, check, host or simulate: no finding of `verify` comes through them."""
+LONGEST_START_S = 10.0
 DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
 
 
@@ -29,6 +31,30 @@ def engine_digest() -> str:
 def source_digest() -> str:
     """The same over all files of the package, whatever they are for."""
     return _over(engine_digest(), _files(PACKAGE, ()))
+
+
+def undisturbed() -> bool:
+    """Whether no file of the package was written since this process began.
+
+    Else what was loaded may not be what is digested, and nothing that comes of it may be kept.
+    """
+    try:
+        return all(path.stat().st_ctime <= _BEGAN for path in _files(PACKAGE, ()))
+    except FileNotFoundError:  # one was taken away while they were looked at
+        return False
+
+
+def _began() -> float:
+    """When this process began, as the file system tells times; where the system does not say, somewhat before now."""
+    try:
+        ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
+        age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, AttributeError, ValueError):
+        age_s = LONGEST_START_S
+    return time.time() - age_s
+
+
+_BEGAN = _began()
 
 
 def _over(start: str, paths: list[Path]) -> str:

@@ -7,17 +7,16 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
-import tarfile
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from safeloc.cache.engine import source_digest
+from safeloc.cache.engine import source_digest, undisturbed
 from safeloc.cache.store import Store
 from safeloc.errors import InputError
 
-KIND, SAID = "reports", "said.json"
+KIND, SAID = "reports", "said.txt"
 
 
 @dataclass(frozen=True)
@@ -31,8 +30,8 @@ class KeptReport:
     def put_back(self, folder: Path) -> None:
         """Write its files into a folder that holds no report; InputError where that cannot be."""
         try:
-            with tarfile.open(fileobj=io.BytesIO(self.archive)) as archive:
-                archive.extractall(folder, [one for one in archive if one.name != SAID], filter="data")
+            with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
+                archive.extractall(folder, [name for name in archive.namelist() if name != SAID])
         except OSError as error:
             raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
@@ -54,22 +53,17 @@ def kept_report(store: Store, key: str | None) -> KeptReport | None:
     entry = None if key is None else store.get(KIND, key)
     if entry is None:
         return None
-    with tarfile.open(fileobj=io.BytesIO(entry.data)) as archive:
-        said = archive.extractfile(SAID)
-        told = "{}" if said is None else said.read()
-    return KeptReport(json.loads(told)["said"], entry.since, entry.data)
+    with zipfile.ZipFile(io.BytesIO(entry.data)) as archive:
+        return KeptReport(archive.read(SAID).decode(), entry.since, entry.data)
 
 
 def keep_report(store: Store, key: str | None, folder: Path, names: Sequence[str], said: str) -> None:
     """Keep the files of a report, by their names in its folder, and what was said of it in the end."""
-    if key is None:
+    if key is None or not undisturbed():
         return
     buffer = io.BytesIO()
-    with tarfile.open(fileobj=buffer, mode="w") as archive:
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in names:
-            archive.add(folder / name, name)
-        told = json.dumps({"said": said}).encode()
-        head = tarfile.TarInfo(SAID)
-        head.size = len(told)
-        archive.addfile(head, io.BytesIO(told))
+            archive.write(folder / name, name)
+        archive.writestr(SAID, said)
     store.put(KIND, key, buffer.getvalue())

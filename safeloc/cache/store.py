@@ -60,9 +60,7 @@ class Store:
         head = json.dumps(_head(kind, key, time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), data))
         with contextlib.suppress(OSError):
             path.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-                file.write(head.encode() + b"\n" + data)
-            os.replace(file.name, path)
+            _put_in_place(path, head.encode() + b"\n" + data)
 
     def entries(self) -> Iterator[tuple[Path, os.stat_result]]:
         """The files, each with what the system knows of it."""
@@ -97,6 +95,18 @@ class Store:
 
     def _path(self, kind: str, key: str) -> Path:
         return self._own / kind / key[:2] / key[2:]
+
+
+def _put_in_place(path: Path, content: bytes) -> None:
+    """Write a file whole, or leave nothing behind."""
+    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+        try:
+            file.write(content)
+            file.flush()
+            os.replace(file.name, path)
+        except OSError:
+            os.unlink(file.name)
+            raise
 
 
 def _head(kind: str, key: str, since: str, data: bytes) -> dict[str, str]:

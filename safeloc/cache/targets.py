@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.cache.contents import target_digest
-from safeloc.cache.engine import engine_digest
+from safeloc.cache.engine import engine_digest, undisturbed
 from safeloc.cache.store import Store
 from safeloc.results import Finding
 from safeloc.target import Target
@@ -47,8 +47,8 @@ def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
 
 
 def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> None:
-    """Keep the findings, if all was decided."""
-    if store is None or any(isinstance(finding.result, Unknown) for finding in findings):
+    """Keep the findings, if all was decided, and by the engine whose files are there."""
+    if store is None or any(isinstance(finding.result, Unknown) for finding in findings) or not undisturbed():
         return
     plain = pack_findings(findings, one.target.system)
     store.put(KIND, one.key, gzip.compress(json.dumps(plain).encode(), QUICKLY, mtime=0))

@@ -218,9 +218,12 @@ def verify(
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
     findings = _verified(loaded, plan, jobs, store, fresh=fresh, quiet=as_json)
-    page = write_folder(folder, findings, loaded, single=single)
-    if code(findings) == 0:
-        keep_report(store, key, folder, files_of(folder), summed_up(findings))
+
+    def keep_it() -> None:
+        if code(findings) == 0:
+            keep_report(store, key, folder, files_of(folder), summed_up(findings))
+
+    page = write_folder(folder, findings, loaded, single=single, on_written=keep_it)
     store.trim()
     if as_json:
         raise typer.Exit(result(findings, loaded, as_json=True))

@@ -59,12 +59,13 @@ def watch(arguments: Sequence[str], beside: Sequence[Path]) -> int:
     beside  files that are looked at besides the package: a user's own, and a configuration
     """
     command = [sys.executable, "-m", "safeloc", *(one for one in arguments if one != "--watch"), "--json"]
+    afresh = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}  # Python takes a file of equal size and second for the same
     before: dict[str, str] = {}
     code = 0
     try:
         for _ in changes([PACKAGE, *beside]):
             began = time.monotonic()
-            ran = subprocess.run(command, capture_output=True, text=True, check=False)
+            ran = subprocess.run(command, capture_output=True, text=True, check=False, env=afresh)
             code = ran.returncode
             before = _told(ran, before, time.monotonic() - began)
             err.print("waiting for a file to be saved (Ctrl-C ends)", markup=False)

@@ -34,10 +34,11 @@ def drawn(goals: Sequence[Goal], seed: int = 0) -> dict[Goal, Trace]:
     Where the goals rely on no assumption, half of the runs keep that of the system until a fault is thrown in.
     """
     found: dict[Goal, Trace] = {}
+    if not goals:
+        return found
+    draw, idle = _Draw(goals, seed), 0
     with suppress(NoFirstStateError):
-        draw = _Draw(goals, seed) if goals else None
-        idle = 0
-        while draw is not None and draw.left and idle < IDLE:
+        while draw.left and idle < IDLE:
             idle += 1
             for length in LENGTHS:
                 new = draw.run(length)
@@ -47,19 +48,17 @@ def drawn(goals: Sequence[Goal], seed: int = 0) -> dict[Goal, Trace]:
 
 
 class _Draw:
-    """Drawn runs of a system under the observers of goals; `left` are the goals that no run came to."""
+    """Drawn runs of a system under the observers of goals; `left` are the goals that no run came to, by place."""
 
     def __init__(self, goals: Sequence[Goal], seed: int) -> None:
         self._watched = watch(goals[0].plain, goals)
         system = self._watched.system
-        self.left = list(self._watched.goals)
+        self.left = dict(enumerate(self._watched.goals))
         self._draw = random.Random(seed)
         self._plain, self._free = goals[0].plain, goals[0].prop.unconditional
         self._repair = Repair(goals[0].original)
         self._step = compiled_terms((*system.state, *system.inputs), [environment(system), *system.next.values()])
-        self._goods = compiled_terms(system.state, [goal.good for goal in self.left])
-        self._numbers = list(range(len(self.left)))
-        self._runs = 0
+        self._goods = compiled_terms(system.state, [goal.good for goal in self._watched.goals])
 
     def run(self, length: int) -> dict[Goal, Trace]:
         """The goals that one more run comes to, each with its run."""
@@ -69,10 +68,8 @@ class _Draw:
         found: dict[Goal, Trace] = {}
         for values in self._states(first, length, stream, faulty=faulty):
             goods = self._goods([values[var] for var in self._watched.system.state])
-            for number in [number for number in self._numbers if not goods[number]]:
-                self._numbers.remove(number)
-                goal = self._watched.goals[number]
-                self.left.remove(goal)
+            for place in [place for place in self.left if not goods[place]]:
+                goal = self.left.pop(place)
                 found[goal] = confirmed(goal, first, list(stream), "a drawn run")
         return found
 

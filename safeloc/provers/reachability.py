@@ -135,7 +135,11 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
 
 def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:
     """The verdict on what a run comes to, and how it was found."""
-    told = run.words if not defence else f"a defence: {run.words.replace('under the', 'with the')} broken, {defence}"
+    told = (
+        f"a defence: {run.words} with the assumption broken, {defence}"
+        if defence
+        else f"{run.words} under the assumption"
+    )
     return Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace), told
 
 
@@ -169,15 +173,13 @@ def _looked_for(
     goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, recordings: Sequence[Recording] = ()
 ) -> _Looked:
     """What drawn runs come to, or recorded ones; the rest is excluded in one step from `facts`, or searched."""
-    runs = {
-        goal: _Run(run, "drawn", "a drawn run under the assumption") for goal, run in drawn(goals, limits.seed).items()
-    }
+    runs = {goal: _Run(run, "drawn", "a drawn run") for goal, run in drawn(goals, limits.seed).items()}
     recorded = shown([goal for goal in goals if goal not in runs], recordings)
-    runs |= {goal: _Run(run, "recorded", "a recorded run under the assumption") for goal, run in recorded.items()}
+    runs |= {goal: _Run(run, "recorded", "a recorded run") for goal, run in recorded.items()}
     left = [goal for goal in goals if goal not in runs]
     excluded = _never(left, facts, limits)
     searched = first_runs([goal for goal in left if goal not in excluded], limits)
-    runs |= {goal: _Run(run, "bmc", "witness under the assumption") for goal, run in searched.found.items()}
+    runs |= {goal: _Run(run, "bmc", "witness") for goal, run in searched.found.items()}
     return _Looked(runs, excluded, searched.depth)
 
 

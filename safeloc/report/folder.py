@@ -13,7 +13,7 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, assert_never
@@ -53,10 +53,18 @@ def usable(folder: Path) -> None:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
 
-def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Target], *, single: bool = False) -> Path:
+def write_folder(
+    folder: Path,
+    findings: Sequence[Finding],
+    targets: Sequence[Target],
+    *,
+    single: bool = False,
+    on_written: Callable[[], None] = lambda: None,
+) -> Path:
     """Write everything and return the path of the page. Evidence of an earlier report in this folder is removed.
 
-    single  the page holds everything it shows, however large, and loads nothing
+    single      the page holds everything it shows, however large, and loads nothing
+    on_written  is called when all is written, before another run may write here
 
     Of two runs that write into one folder at once the second waits, so that the report is always of one run.
     Raises InputError where the folder cannot be written.
@@ -80,7 +88,9 @@ def write_folder(folder: Path, findings: Sequence[Finding], targets: Sequence[Ta
                 (folder / kept.TRACES / files[name]).write_bytes(runs_file(own))
             for file, content in machines.items():
                 (folder / kept.MACHINES / file).write_bytes(content)
-            return _write_page(folder, whole, single=single)
+            page = _write_page(folder, whole, single=single)
+            on_written()
+            return page
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 

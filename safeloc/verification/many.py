@@ -114,7 +114,8 @@ def verify_targets(
 
     What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.
     """
-    questions = {} if keep_in is None else {target: asked(target, "verified", plan) for target in targets}
+    keeping = look_in is not None or keep_in is not None
+    questions = {target: asked(target, "verified", plan) for target in targets} if keeping else {}
     found = dict(_found_before(look_in, questions, on_event))
     left = sorted((target for target in targets if target.name not in found), key=expected, reverse=True)
     places = Slots(max(1, jobs))

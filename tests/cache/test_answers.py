@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.cache import answers
 from safeloc.cache.answers import keep_proved, keeping, kept_in, proved_before
 from safeloc.cache.store import Store
 from safeloc.expr import Bool, number
@@ -93,3 +94,14 @@ def test_the_head_of_a_certificate_is_not_part_of_the_question() -> None:
     """It names other certificates, which say nothing to a solver."""
     keep_proved("cvc5", to_smtlib(TRUE_ONE, ["one.smt2"]))
     assert proved_before("cvc5", to_smtlib(TRUE_ONE, ["other.smt2"]))
+
+
+def test_nothing_is_kept_of_an_engine_that_was_edited_meanwhile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its digest would be that of another one."""
+    monkeypatch.setattr(answers, "undisturbed", lambda: False)
+    with kept_in(Store(tmp_path)):
+        assert not keeping()
+        unproved(TRUE_ONE, 10)
+    assert [] == list(Store(tmp_path).entries())

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -119,3 +121,27 @@ def test_the_versions_of_solvers_count(copy: Path, monkeypatch: pytest.MonkeyPat
     before = digest_after(monkeypatch, copy)
     monkeypatch.setattr(engine.metadata, "version", lambda name: "9.9" if name == "z3-solver" else "1.0")
     assert before[0] != digest_after(monkeypatch, copy)[0]
+
+
+def test_a_file_that_was_written_since_the_process_began(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was loaded may be another file than what is digested; whatever time the file itself claims."""
+    monkeypatch.setattr(engine, "PACKAGE", copy)
+    assert not engine.undisturbed()
+    for path in copy.rglob("*.py"):
+        os.utime(path, (0, 0))
+    assert not engine.undisturbed()
+    monkeypatch.setattr(engine, "_BEGAN", time.time() + 1)
+    assert engine.undisturbed()
+
+
+def test_the_process_began_before_this_test() -> None:
+    """And after the system; where it does not say, some time before now."""
+    assert 0 < time.time() - engine._BEGAN < time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+def test_a_file_that_goes_meanwhile(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What cannot be looked at is not known to be undisturbed."""
+    monkeypatch.setattr(engine, "PACKAGE", copy)
+    monkeypatch.setattr(engine, "_BEGAN", time.time() + 1)
+    monkeypatch.setattr(engine, "_files", lambda *_: [copy / "gone.py"])
+    assert not engine.undisturbed()

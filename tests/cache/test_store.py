@@ -61,6 +61,7 @@ def test_a_foreign_file_is_as_good_as_none(tmp_path: Path) -> None:
     assert store.get("answers", KEY) is None
     store.put("answers", KEY, b"proved")
     assert store.get("answers", KEY) is None
+    assert [wanted] == list(wanted.parent.iterdir())
 
 
 def test_what_cannot_be_written_is_not_kept(tmp_path: Path) -> None:

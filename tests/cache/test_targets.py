@@ -93,3 +93,24 @@ def test_without_a_store_nothing_is_kept() -> None:
     question = asked(load_target("emitter"), "verified")
     keep(None, question, [])
     assert found_before(None, question) is None
+
+
+def test_what_an_engine_found_that_was_edited_meanwhile_is_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The findings are not those of the engine whose files are there now."""
+    store, question = Store(tmp_path), asked(load_target("emitter"), "verified")
+    monkeypatch.setattr(targets, "undisturbed", lambda: False)
+    keep(store, question, [])
+    assert found_before(store, question) is None
+
+
+def test_a_store_may_be_looked_in_only(tmp_path: Path) -> None:
+    """What it has is found; nothing is put there."""
+    store = Store(tmp_path)
+    first, _ = verified(["emitter"], store)
+    before = list(store.entries())
+    loaded = load_target("emitter")
+    again = verify_targets([loaded], PLAN, jobs=1, on_event=lambda _: None, look_in=store)
+    assert told(first["emitter"]) == told(again["emitter"])
+    assert [path for path, _ in before] == [path for path, _ in store.entries()]

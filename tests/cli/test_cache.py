@@ -7,12 +7,16 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from safeloc.cache.store import Store
 from safeloc.cli import verify as module
+from safeloc.report import folder as folder_module
 from tests.cli.calling import Call, started
 
 QUICK = ["--depth", "6", "--examples", "3", "--steps", "10"]
@@ -145,3 +149,26 @@ def test_what_is_done_when_interrupted_is_kept(call: Call, tmp_path: Path) -> No
         "verify", "travel_direction", *QUICK, "--out", str(tmp_path / "report"), "--cache", str(tmp_path / "cache")
     )
     assert "travel_direction: unchanged" in again.err
+
+
+def test_what_another_run_writes_into_the_folder_is_not_kept(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A report is kept before any other run may write where it stands."""
+    order: list[str] = []
+    alone, keeps = folder_module._alone, module.keep_report
+
+    @contextmanager
+    def told(folder: Path) -> Iterator[None]:
+        with alone(folder):
+            yield
+        order.append("others may write")
+
+    def kept(*arguments: Any) -> None:
+        order.append("kept")
+        keeps(*arguments)
+
+    monkeypatch.setattr(folder_module, "_alone", told)
+    monkeypatch.setattr(module, "keep_report", kept)
+    call("verify", "emitter", *QUICK, "--out", str(tmp_path / "report"), "--cache", str(tmp_path / "cache"))
+    assert ["kept", "others may write"] == order
