@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from safeloc.cache.engine import source_digest, undisturbed
+from safeloc.cache.engine import engine_digest, source_digest, undisturbed
 from safeloc.cache.store import Store
 from safeloc.errors import InputError
 
@@ -44,7 +44,7 @@ def report_key(machines: Sequence[str], config: Path | None, *question: object) 
         content = b"" if config is None else config.read_bytes()
     except OSError:
         return None
-    told = "\0".join([source_digest(), *machines, *map(repr, question)])
+    told = "\0".join([engine_digest(), source_digest(), *machines, *map(repr, question)])
     return hashlib.sha256(told.encode() + b"\0config\0" + content).hexdigest()
 
 

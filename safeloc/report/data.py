@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
 import platform
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, assert_never
 
+from safeloc.cache.engine import source_digest
 from safeloc.catalogue import Target
 from safeloc.report.machines import machine_data
 from safeloc.report.pictures import pictures_data
@@ -24,7 +22,6 @@ from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, 
 
 SCHEMA = "safeloc-report/3"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
-PACKAGE = Path(__file__).parents[1]
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 MOST_CELLS = 10_000  # values of a witness that stand in the data; the localizer has 500 in every step
 
@@ -61,16 +58,6 @@ def versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             found[name] = "not installed as a package"
     return found
-
-
-@cache
-def source_digest() -> str:
-    """SHA-256 over the package's files: two reports with the same digest were made by the same safeloc."""
-    total = hashlib.sha256()
-    walked = [Path(folder, name) for folder, _, names in os.walk(PACKAGE, followlinks=True) for name in names]
-    for path in sorted(path for path in walked if path.suffix in (".py", ".toml", ".json", ".jinja", ".js")):
-        total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return total.hexdigest()
 
 
 def result_data(finding: Finding) -> dict[str, Any]:

@@ -11,11 +11,12 @@ from xml.etree import ElementTree
 
 import pytest
 
+from safeloc.cache import engine
 from safeloc.catalogue import Target, load_target
 from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.report import data as data_module
-from safeloc.report.data import report_data, source_digest, versions
+from safeloc.report.data import report_data, versions
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.report.page import to_html
 from safeloc.report.traces import shown_value, trace_charts
@@ -169,8 +170,8 @@ def test_the_digest_covers_the_whole_package(tmp_path: Path, monkeypatch: pytest
     for place, text in (("wheel", "a = 1"), ("checkout", "a = 1"), ("checkout", "a = 2")):
         package = tmp_path / place / "safeloc"
         (package / "models" / "train.py").write_text(text, encoding="utf-8")
-        monkeypatch.setattr(data_module, "PACKAGE", package)
-        found.append(source_digest.__wrapped__())
+        monkeypatch.setattr(engine, "PACKAGE", package)
+        found.append(engine.source_digest.__wrapped__())
     wheel, checkout, changed = found
     assert wheel == checkout != changed
 
