@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import z3
 
@@ -12,7 +13,7 @@ from safeloc.backends.smtlib import Key, Query, to_smtlib
 from safeloc.cache.answers import keep_proved, keeping, proved_before
 from safeloc.expr import Bool, Var
 from safeloc.nodes import And, Value
-from safeloc.provers.limits import deadline, milliseconds
+from safeloc.provers.limits import Deadline, deadline, milliseconds
 from safeloc.terms import variables
 from safeloc.trace import shown
 
@@ -57,33 +58,68 @@ def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Fail
 
 
 def _failures(query: Query[Key], seconds: float, seed: int) -> dict[Key, Failure]:
-    named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
-    terms, solver, ends = Terms(named), z3.Solver(), deadline(seconds)
-    solver.set("random_seed", seed)
-    solver.add(*(terms.bool(term) for term in query.hypotheses))
-    failed: dict[Key, Failure] = {}
-    for key, goal in query.goals.items():
-        if ends.passed:
-            failed[key] = Undecided(f"time limit of {seconds:g} s")
-            continue
+    asked, ends = _Asked(query, seed), deadline(seconds)
+    failed = asked.together(deadline(seconds / 2)) if len(query.goals) > 1 else {}
+    if asked.left:
+        failed |= asked.one_by_one(ends)
+    return {key: failed[key] for key in query.goals if key in failed}
+
+
+class _Asked:
+    """A query in the terms of z3; `left` are the goals that are not decided.
+
+    Each question has a solver of its own: one in which questions are pushed and popped can take a hundred times as long.
+    """
+
+    def __init__(self, query: Query[Key], seed: int) -> None:
+        self._goals, self._seed = query.goals, seed
+        self._named = {var: constant(var) for var in variables([*query.hypotheses, *query.goals.values()])}
+        terms = Terms(self._named)
+        self._hypotheses = [terms.bool(term) for term in query.hypotheses]
+        self.left = {key: terms.bool(goal) for key, goal in query.goals.items()}
+
+    def together(self, ends: Deadline) -> dict[Any, Failure]:
+        """Goals that do not follow: every model takes out all that are false in it, until the rest follows or time is up."""
+        failed: dict[Any, Failure] = {}
+        while self.left and not ends.passed:
+            solver = self._solver(z3.Not(z3.And(*self.left.values())), ends)
+            answer = solver.check()
+            if answer == z3.unknown:
+                break
+            if answer == z3.unsat:
+                self.left = {}
+                break
+            model = solver.model()
+            false = [key for key, goal in self.left.items() if z3.is_false(model.eval(goal, model_completion=True))]
+            failed |= {key: self._refuted(key, model) for key in false}
+            self.left = {key: goal for key, goal in self.left.items() if key not in failed}
+        return failed
+
+    def one_by_one(self, ends: Deadline) -> dict[Any, Failure]:
+        """Each goal that is left by itself: those that do not follow, or are not decided."""
+        failed: dict[Any, Failure] = {}
+        for key, goal in self.left.items():
+            if ends.passed:
+                failed[key] = Undecided("time limit")
+                continue
+            solver = self._solver(z3.Not(goal), ends)
+            answer = solver.check()
+            if answer == z3.sat:
+                failed[key] = self._refuted(key, solver.model())
+            elif answer == z3.unknown:
+                failed[key] = Undecided(f"solver: {solver.reason_unknown()}")
+        self.left = {}
+        return failed
+
+    def _solver(self, condition: z3.BoolRef | z3.Probe, ends: Deadline) -> z3.Solver:
+        solver = z3.SimpleSolver()
+        solver.set("random_seed", self._seed)
         solver.set("timeout", milliseconds(ends.left))
-        solver.push()
-        solver.add(z3.Not(terms.bool(goal)))
-        failure = _failure(solver, goal, named)
-        if failure is not None:
-            failed[key] = failure
-        solver.pop()
-    return failed
+        solver.add(*self._hypotheses, condition)
+        return solver
 
-
-def _failure(solver: z3.Solver, goal: Bool, named: Mapping[Var, z3.ExprRef]) -> Failure | None:
-    answer = solver.check()
-    if answer == z3.unsat:
-        return None
-    if answer == z3.unknown:
-        return Undecided(f"solver: {solver.reason_unknown()}")
-    model = solver.model()
-    return Refuted({var.name: shown(var, _value(model, named[var])) for var in variables([goal])})
+    def _refuted(self, key: Any, model: z3.ModelRef) -> Refuted:
+        return Refuted({var.name: shown(var, _value(model, self._named[var])) for var in variables([self._goals[key]])})
 
 
 def _value(model: z3.ModelRef, term: z3.ExprRef) -> Value:

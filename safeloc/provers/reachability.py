@@ -23,6 +23,7 @@ from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.recorded import Recording, shown
+from safeloc.provers.relevance import Relevance
 from safeloc.provers.spacer import spacer
 from safeloc.spec import Goal, Watch, observe, reachable, watch
 from safeloc.system import TransitionSystem, environment, in_range
@@ -184,16 +185,25 @@ def _looked_for(
 
 
 def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:
-    """Goals that the first state is not, and that no step comes to from a state with these facts."""
+    """Goals that the first state is not, and that no step comes to from a state with these facts.
+
+    Of a composition, those together that speak of the same machines, from what is known of these.
+    """
     if not goals:
         return set()
-    watched = watch(goals[0].plain, goals)
+    watched, relevance = watch(goals[0].plain, goals), Relevance(goals[0].original)
     given = [environment(watched.system), *facts]
     after = Substitution(dict(watched.system.next))
-    now = {number: goal.good for number, goal in enumerate(goals)}
-    later = {number: good.implies(after.bool(good)) for number, good in now.items()}
-    start = Query("first", [watched.system.init, in_range(watched.system.state)], now)
-    possible = {**unproved(start, limits.seconds), **unproved(Query("step", given, later), limits.seconds)}
+    later = {number: goal.good.implies(after.bool(goal.good)) for number, goal in enumerate(goals)}
+    alike: dict[frozenset[int], list[int]] = {}
+    for number, term in later.items():
+        alike.setdefault(relevance.machines([term]), []).append(number)
+    start = Query("first", [watched.system.init, in_range(watched.system.state)], {n: goals[n].good for n in later})
+    possible = set(unproved(start, limits.seconds))
+    for numbers in alike.values():
+        wanted = {number: later[number] for number in numbers if number not in possible}
+        step = Query("step", relevance.select(given, wanted.values()), wanted)
+        possible |= set(unproved(step, limits.seconds))
     return {goal for number, goal in enumerate(goals) if number not in possible}
 
 

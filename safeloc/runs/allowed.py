@@ -7,12 +7,15 @@ Slack(term)(values)                     the least numeric distance to failing
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
 
 from safeloc.backends.compiled import compile_terms
 from safeloc.expr import Bool, Expr, NumVar, Var
 from safeloc.interpret import Program, evaluate
-from safeloc.nodes import And, Compare, Not, Or, Truth, Value
+from safeloc.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
 from safeloc.terms import in_order, variables
+from safeloc.units import ONE
 
 Segment = tuple[int, int]
 
@@ -23,13 +26,14 @@ class Condition:
     def __init__(self, term: Bool) -> None:
         self.term = term
         self.reads: dict[Var, int] = {var: place for place, var in enumerate(variables([term]))}
+        self._row = _row_of(tuple(self.reads))
         self._compares = [node for node in in_order([term]) if isinstance(node, Compare)]
-        self._along: dict[Var, Callable[[Sequence[Value]], Sequence[Value]]] = {}
+        self._along: dict[Var, _Along] = {}
         self._truth = compiled_terms(tuple(self.reads), [term])
 
     def holds(self, values: Mapping[Var, Value]) -> bool:
         """Whether the condition is true of the values."""
-        return bool(self._truth([values[var] for var in self.reads])[0])
+        return bool(self._truth(self._row(values))[0])
 
     def segments(self, var: NumVar, values: Mapping[Var, Value]) -> list[Segment]:
         """Intervals of values of `var` for which the condition holds, in order; the other variables stay as they are.
@@ -37,26 +41,80 @@ class Condition:
         Comparisons are taken as linear between two neighbouring probes; where that misses a change, a part of an
         interval may be left out or too much, so whoever uses a value checks the condition again.
         """
-        row = [values[read] for read in self.reads]
+        row = list(self._row(values))
         at = self.reads[var]
-        points = sorted(self._changes(var, row, at) | {var.low, var.high})
+        if var not in self._along:
+            self._along[var] = _along(var, tuple(self.reads), self._compares)
+        points = sorted(self._along[var].changes(row, at) | {var.low, var.high})
         return _joined([piece for piece in _pieces(points) if self._is_true(row, at, (piece[0] + piece[1]) // 2)])
 
     def _is_true(self, row: list[Value], at: int, value: int) -> bool:
         row[at] = value
         return bool(self._truth(row)[0])
 
-    def _changes(self, var: NumVar, row: list[Value], at: int) -> set[int]:
-        if var not in self._along:
-            reading = [node for node in self._compares if var in set(variables([node]))]
-            self._along[var] = compiled_terms(
-                tuple(self.reads), [side for node in reading for side in (node.left, node.right)]
-            )
-        here = int(row[at])
-        probes = {(var.low, 1), (var.high, -1), (here, 1 if here < var.high else -1)}
-        roots = {root for probe, step in probes for root in _roots(self._along[var], row, at, probe, step)}
-        row[at] = here
-        return {root + shift for root in roots for shift in (-1, 0, 1) if var.low <= root + shift <= var.high}
+
+@dataclass(frozen=True, eq=False)
+class _Along:
+    """The comparisons of a condition that read one variable.
+
+    straight  right less left of those that are linear in it, and by how much each grows when it grows by 1
+    bent      left and right of the others, one after the other
+    """
+
+    var: NumVar
+    straight: Callable[[Sequence[Value]], Sequence[Value]]
+    slopes: tuple[int, ...]
+    bent: Callable[[Sequence[Value]], Sequence[Value]] | None
+
+    def changes(self, row: list[Value], at: int) -> set[int]:
+        """Values of the variable where a comparison may change, and those beside them. The row is left as it was."""
+        low, high, here = self.var.low, self.var.high, int(row[at])
+        roots = set[int]()
+        if self.slopes:
+            for gap, slope in zip(self.straight(row), self.slopes, strict=True):
+                roots.update(_meeting(here, int(gap), slope))
+        if self.bent is not None:
+            for probe, step in ((low, 1), (high, -1), (here, 1 if here < high else -1)):
+                roots.update(_roots(self.bent, row, at, probe, step))
+            row[at] = here
+        return {root + shift for root in roots for shift in (-1, 0, 1) if low <= root + shift <= high}
+
+
+def _along(var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare]) -> _Along:
+    reading = [node for node in compares if var in set(variables([node]))]
+    slopes = {node: _slope(Sub(node.right, node.left, ONE), var) for node in reading}
+    straight = [node for node in reading if slopes[node]]
+    bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
+    return _Along(
+        var,
+        compiled_terms(reads, [Sub(node.right, node.left, ONE) for node in straight]),
+        tuple(grows for grows in slopes.values() if grows),
+        compiled_terms(reads, bent) if bent else None,
+    )
+
+
+def _slope(term: Num, var: NumVar) -> int | None:
+    """By how much a term grows when the variable grows by 1, whatever the values; None where that depends on them."""
+    match term:
+        case NumVar():
+            return int(term is var)
+        case Add(left, right) | Sub(left, right):
+            first, second = _slope(left, var), _slope(right, var)
+            if first is None or second is None:
+                return None
+            return first + second if isinstance(term, Add) else first - second
+        case Mul(Lit(factor), inner) | Mul(inner, Lit(factor)):
+            grows = _slope(inner, var)
+            return None if grows is None else factor * grows
+        case _:
+            return None if var in set(variables([term])) else 0
+
+
+def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
+    """The values of `reads`, in order; `itemgetter` gives no sequence for fewer than two."""
+    if len(reads) > 1:
+        return itemgetter(*reads)
+    return lambda values: [values[var] for var in reads]
 
 
 def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
@@ -79,8 +137,12 @@ def _roots(
         gap = first[n + 1] - first[n]
         slope = (second[n + 1] - second[n] - gap) * step
         if slope:
-            yield probe - gap // slope
-            yield probe - -(-gap // slope)
+            yield from _meeting(probe, gap, slope)
+
+
+def _meeting(here: int, gap: int, slope: int) -> tuple[int, int]:
+    """Where a gap that grows by `slope` from `here` on is closed: the whole numbers on either side."""
+    return here - gap // slope, here - -(-gap // slope)
 
 
 def _pieces(points: Sequence[int]) -> Iterable[Segment]:

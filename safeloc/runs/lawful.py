@@ -44,6 +44,7 @@ class Repair:
         self._present = {option.value: option.present for option in system.optionals}
         self._value = {option.present: option.value for option in system.optionals}
         self._free = {c: [var for var in c.reads if var in inputs] for c in self._conditions}
+        self._readers = {var: [c for c in self._conditions if var in c.reads] for var in system.inputs}
 
     def mend(
         self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], draw: random.Random, pick: Pick | None = None
@@ -51,29 +52,34 @@ class Repair:
         """Inputs that keep the assumption, or None if none were found. `pick` chooses within what is allowed."""
         pick = pick or any_end(draw)
         values = {**state, **inputs}
+        holds = {one: one.holds(values) for one in self._conditions}
         for attempt in range(REPAIRS):
-            broken = [one for one in self._conditions if not one.holds(values)]
+            broken = [one for one, kept in holds.items() if not kept]
             if not broken:
                 return {var: values[var] for var in self._system.inputs}
-            self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / REPAIRS)
+            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / REPAIRS):
+                holds |= {one: one.holds(values) for one in self._readers[var]}
         return None
 
     def _mend_one(
         self, broken: Condition, values: dict[Var, Value], draw: random.Random, pick: Pick, patience: float
-    ) -> None:
+    ) -> Sequence[Var]:
+        """The variables that were changed."""
         candidates = self._ordered(broken, values, draw)
         for var in candidates:
             allowed = self._allowed(broken, var, values)
             if allowed:
                 values[var] = pick(var, *draw.choice(allowed))
-                return
-        if draw.random() > patience and self._leave_out(broken, values, draw):
-            return
+                return [var]
+        left_out = self._leave_out(broken, values, draw) if draw.random() > patience else []
+        if left_out:
+            return left_out
         for var in candidates:
             allowed = broken.segments(var, values)
             if allowed:
                 values[var] = pick(var, *draw.choice(allowed))
-                return
+                return [var]
+        return []
 
     def _ordered(self, broken: Condition, values: Mapping[Var, Value], draw: random.Random) -> list[NumVar]:
         """The numeric inputs it reads, in the order to try; the value of an absent input is none."""
@@ -86,13 +92,13 @@ class Repair:
     def _allowed(self, broken: Condition, var: NumVar, values: Mapping[Var, Value]) -> Sequence[Segment]:
         """Where the broken part holds along `var` together with every other part that reads it."""
         found: Sequence[Segment] = broken.segments(var, values)
-        for other in self._conditions:
-            if found and other is not broken and var in other.reads:
+        for other in self._readers[var]:
+            if found and other is not broken:
                 found = common(found, other.segments(var, values))
         return found
 
-    def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> bool:
-        """Change a truth value, such as the presence of a measurement, so that the broken part holds."""
+    def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> Sequence[Var]:
+        """Change a truth value, such as the presence of a measurement, so that the broken part holds; what was changed."""
         flags = [var for var in self._free[broken] if isinstance(var, BoolVar)]
         for flag in draw.sample(flags, len(flags)):
             trial = {**values, flag: not values[flag]}
@@ -100,8 +106,8 @@ class Repair:
                 trial[self._value[flag]] = canonical(self._value[flag])
             if broken.holds(trial):
                 values.update(trial)
-                return True
-        return False
+                return [flag, self._value[flag]] if flag in self._value else [flag]
+        return []
 
 
 def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:

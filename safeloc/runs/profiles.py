@@ -12,6 +12,7 @@ environment may choose can lean to one side for long, which is how errors add up
 from __future__ import annotations
 
 import random
+import weakref
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -39,8 +40,9 @@ class Profile:
         self._change = {group: draw.uniform(-1, 1) * (group[2] - group[1]) / 200 for group in self._level}
         self._missing = {option.value: draw.choice((0.0, 0.02, 0.5, 0.95, 1.0)) for option in system.optionals}
         related = {option.value for option in system.optionals} | {var for var in self._numbers if var.unit is COUNT}
+        likes = _likes(system)
         self._mirrored = {
-            var: _likes(system, var) for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)
+            var: likes[var] for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)
         }
         self._favourite = draw.randrange(1_000)
         self._coin_for_all = draw.random() < 0.5
@@ -92,10 +94,11 @@ class Profile:
 
     def _mirror(self, var: NumVar, state: Mapping[Var, Value]) -> float:
         """A value of the state, mostly one that is not zero, or one beside it."""
-        known = [(seen, factor) for seen, factor in self._mirrored[var] if state[seen]] or self._mirrored[var]
-        seen, factor = known[self._favourite % len(known)] if self.draw.random() < 0.7 else self.draw.choice(known)
+        known = [like for like in self._mirrored[var] if state[like[0]]] or self._mirrored[var]
+        like = known[self._favourite % len(known)] if self.draw.random() < 0.7 else self.draw.choice(known)
+        seen, numerator, denominator = like
         beside = self.draw.choice((0, 0, 0, 1, -1, self.draw.randint(-1000, 1000)))
-        return float(state[seen] * factor) + beside
+        return state[seen] * numerator / denominator + beside
 
     def _fault(self, var: NumVar) -> float:
         """What the measured value is multiplied with: 1, unless this input is at fault."""
@@ -137,13 +140,25 @@ def _within(var: NumVar, value: float) -> int:
     return min(max(round(value), var.low), var.high)
 
 
-def _likes(system: TransitionSystem, var: NumVar) -> list[tuple[NumVar, Fraction]]:
-    """State variables of the same dimension whose values an input may repeat, with the factor between the units."""
-    return [
-        (other, _factor(other, var))
-        for other in system.state
-        if isinstance(other, NumVar) and _same_dimension(other, var)
-    ]
+Like = tuple[NumVar, int, int]
+"""A state variable of the same dimension as an input, and the factor between their units as a fraction."""
+
+_LIKES: weakref.WeakKeyDictionary[TransitionSystem, dict[NumVar, list[Like]]] = weakref.WeakKeyDictionary()
+
+
+def _likes(system: TransitionSystem) -> dict[NumVar, list[Like]]:
+    """State variables whose values an input may repeat, for each input."""
+    if system not in _LIKES:
+        _LIKES[system] = {
+            var: [
+                (other, *_factor(other, var).as_integer_ratio())
+                for other in system.state
+                if isinstance(other, NumVar) and _same_dimension(other, var)
+            ]
+            for var in system.inputs
+            if isinstance(var, NumVar)
+        }
+    return _LIKES[system]
 
 
 def _same_dimension(one: Num, other: Num) -> bool:
