@@ -26,6 +26,11 @@ def usual_folder() -> Path:
     return user_cache_path("safeloc")
 
 
+def utc_now() -> str:
+    """The time of day as entries tell it; later is greater."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
 @dataclass(frozen=True)
 class Entry:
     """What is kept, and since when (UTC)."""
@@ -57,7 +62,7 @@ class Store:
     def put(self, kind: str, key: str, data: bytes) -> None:
         """Keep it. Where the folder cannot be written, nothing is kept: whatever it is can be made again."""
         path = self._path(kind, key)
-        head = json.dumps(_head(kind, key, time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), data))
+        head = json.dumps(_head(kind, key, utc_now(), data))
         with contextlib.suppress(OSError):
             path.parent.mkdir(parents=True, exist_ok=True)
             _put_in_place(path, head.encode() + b"\n" + data)

@@ -82,7 +82,7 @@ def prove(
     findings = None if fresh else found_before(store, question)
     if findings is None:
         planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
-        with kept_in(store), Progressing(planned, quiet=as_json) as progress:
+        with kept_in(store, fresh=fresh), Progressing(planned, quiet=as_json) as progress:
             work = Work(loaded, jobs, progress.say, progress.add)
             findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
             if only is None:

@@ -18,7 +18,7 @@ from safeloc.interpret import run
 from safeloc.provers.base import base
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import given_facts, kinduction
-from safeloc.provers.limits import Limits, deadline
+from safeloc.provers.limits import CLOCK, Limits, deadline
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.onward import onward
 from safeloc.provers.reachability import first_runs
@@ -178,7 +178,7 @@ def search_task(
     known = _KNOWN.get(system, {})
     if all(prop in known and known[prop].serves(limits, len(recordings)) for prop in properties if antecedents(prop)):
         return None
-    most = 2 * (PATIENCE + 1) * limits.seconds
+    most = CLOCK * 2 * (PATIENCE + 1) * limits.seconds
     name = f"{system.name}: cases that properties speak of"
     return Task(name, lambda: search(system, _asked(properties), limits, recordings), most)
 

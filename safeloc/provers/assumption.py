@@ -16,9 +16,10 @@ import z3
 from safeloc.backends.smt import Unrolling
 from safeloc.expr import Var
 from safeloc.nodes import Value
+from safeloc.provers.asking import ask, new_solver, why_unknown
 from safeloc.provers.dead_ends import LASTS, NO_RUN, lasts
 from safeloc.provers.evidence import admissible_run
-from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.recorded import Recording, lasting
 from safeloc.system import TransitionSystem
@@ -65,16 +66,16 @@ def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Record
         told = f"a recorded run of {len(recorded.steps)} steps in which {_moved(recorded)} inputs and ghosts change"
         shown = Proved(None, "recorded", len(recorded.steps), ("interpreter",), witness=recorded)
         return Obligation("assumption", statement, shown, told)
-    unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
+    unrolling, solver, ends = Unrolling(system), new_solver(), deadline(limits.seconds)
     solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(ASSUMPTION_STEPS)))
-    answer = _checked(solver, ends)
+    answer = ask(solver, ends.left)
     if answer != z3.sat:
         return Obligation("assumption", statement, _no_run(answer, solver), "bounded search")
     model, still = solver.model(), list[str]()
     for var in _moving(system):
         solver.push()
         solver.add(z3.Or(*(step for step in _changes(unrolling, var))))
-        if _checked(solver, ends) == z3.sat:
+        if ask(solver, ends.left) == z3.sat:
             model = solver.model()
         else:
             solver.pop()
@@ -106,12 +107,7 @@ def _run(system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, ste
 def _no_run(answer: z3.CheckSatResult, solver: z3.Solver) -> Verdict:
     if answer == z3.unsat:
         return Violated(None, "bmc", NO_RUN)
-    return Unknown(f"solver: {solver.reason_unknown()}")
-
-
-def _checked(solver: z3.Solver, ends: Deadline) -> z3.CheckSatResult:
-    solver.set("timeout", milliseconds(ends.left))
-    return solver.check()
+    return Unknown(f"solver: {why_unknown(solver)}")
 
 
 def _moving(system: TransitionSystem) -> Iterable[Var]:
@@ -153,20 +149,19 @@ def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -
 
 def comes_round(system: TransitionSystem, limits: Limits) -> Trace | Ended | Unknown:
     """A lawful run whose last state is one that it has been in before, so that it can go on without end."""
-    unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
-    solver.set("random_seed", limits.seed)
+    unrolling, solver, ends = Unrolling(system), new_solver(limits.seed), deadline(limits.seconds)
     solver.add(unrolling.initially())
     for steps in range(1, ROUND_STEPS + 1):
         solver.add(unrolling.transition(steps - 1))
         solver.push()
         solver.add(z3.Or(*(_same(unrolling, earlier, steps) for earlier in range(steps))))
-        answer = z3.unknown if ends.passed else _checked(solver, ends)
+        answer = ask(solver, ends.left)
         if answer == z3.sat:
             return _run(system, unrolling, solver.model(), steps)
         solver.pop()
         if answer == z3.unknown:
             return _none_comes_round(steps - 1)
-        if _worth_asking(steps) and _checked(solver, ends) == z3.unsat:
+        if _worth_asking(steps) and ask(solver, ends.left) == z3.unsat:
             return Ended(steps)
     return _none_comes_round(ROUND_STEPS)
 

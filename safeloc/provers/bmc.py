@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import z3
 
 from safeloc.backends.smt import Unrolling
+from safeloc.provers.asking import ask, new_solver, why_unknown
 from safeloc.provers.evidence import confirmed
-from safeloc.provers.limits import Limits
+from safeloc.provers.limits import Limits, deadline
 from safeloc.spec import Goal, Watch
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
@@ -36,23 +36,20 @@ def bmc(goal: Goal, limits: Limits) -> Verdict:
 
 def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
     """The shortest run after which `good` fails."""
-    unrolling, solver = Unrolling(goal.system), z3.Solver()
-    solver.set("random_seed", limits.seed)
-    ends = time.monotonic() + limits.seconds
+    unrolling, solver = Unrolling(goal.system), new_solver(limits.seed)
+    ends = deadline(limits.seconds)
     solver.add(unrolling.initially())
     for depth in range(limits.depth + 1):
-        left = ends - time.monotonic()
-        if left <= 0:
+        if ends.passed:
             return Exhausted(depth - 1, f"time limit of {limits.seconds:g} s")
-        solver.set("timeout", max(1, int(left * 1000)))
         broken = z3.Not(unrolling.at(goal.good, depth))
         solver.push()
         solver.add(broken)
-        answer = solver.check()
+        answer = ask(solver, ends.left)
         if answer == z3.sat:
             return confirmed(goal, *run_of(goal, unrolling, solver.model(), depth), "bmc")
         if answer == z3.unknown:
-            return Exhausted(depth - 1, f"solver: {solver.reason_unknown()}")
+            return Exhausted(depth - 1, f"solver: {why_unknown(solver)}")
         solver.pop()
         solver.add(z3.Not(broken), unrolling.transition(depth))
     return Exhausted(limits.depth, f"depth limit of {limits.depth} steps")

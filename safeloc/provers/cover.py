@@ -15,8 +15,9 @@ from safeloc.backends.smt import Terms, constant
 from safeloc.expr import Bool, NumVar, Var, all_of, any_of
 from safeloc.interpret import holds
 from safeloc.nodes import Value
+from safeloc.provers.asking import ask, new_solver
 from safeloc.provers.implication import conjuncts
-from safeloc.provers.limits import Deadline, milliseconds
+from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.witness_functions import Generalisation, Witness, at_rest, constants
 from safeloc.system import TransitionSystem, environment
 from safeloc.terms import Substitution, variables
@@ -76,14 +77,13 @@ def _lawful(
     """Lawful inputs in this state, as many of them at rest as can easily be found."""
     named = {var: constant(var) for var in inputs}
     known = {var: z3.IntVal(value) if isinstance(var, NumVar) else z3.BoolVal(value) for var, value in state.items()}
-    solver, asked = z3.Solver(), Terms({**known, **named})
-    solver.set("timeout", milliseconds(seconds))
+    solver, asked, ends = new_solver(), Terms({**known, **named}), deadline(seconds)
     solver.add(z3.simplify(asked.bool(condition)))  # with the state's values in it little is left to solve
     wishes = {var: z3.FreshBool("rest") for var in inputs}
     solver.add(*(z3.Implies(wish, named[var] == rest[var]) for var, wish in wishes.items()))
     wished = {str(wish): wish for wish in wishes.values()}
     given_up: dict[str, z3.BoolRef] = {}
-    while (answer := solver.check(*wished.values())) == z3.unsat:
+    while (answer := ask(solver, ends.left, *wished.values())) == z3.unsat:
         core = {str(part) for part in solver.unsat_core()}
         if not core:
             return Learned.DEAD
@@ -92,7 +92,7 @@ def _lawful(
         return Learned.UNDECIDED
     model = solver.model()
     for name, wish in given_up.items():
-        if solver.check(*wished.values(), wish) == z3.sat:
+        if ask(solver, ends.left, *wished.values(), wish) == z3.sat:
             wished[name], model = wish, solver.model()
     return {var: value_of(model, term) for var, term in named.items()}
 
@@ -175,8 +175,7 @@ class _Asked:
         self._begin()
 
     def _begin(self) -> None:
-        self._solver, self._told = z3.Solver(), 0
-        self._solver.set("random_seed", self._seed)
+        self._solver, self._told = new_solver(self._seed), 0
         self._solver.add(*(self._terms.bool(fact) for fact in self._facts))
 
     def uncovered(self, ends: Deadline) -> z3.CheckSatResult:
@@ -185,8 +184,7 @@ class _Asked:
             new = self._group.met[self._told :]
             self._solver.add(*(z3.Not(self._terms.bool(met)) for met in new))
             self._told += len(new)
-            self._solver.set("timeout", milliseconds(min(self._patience, ends.left)))
-            answer = self._solver.check()
+            answer = ask(self._solver, min(self._patience, ends.left))
             if answer != z3.unknown:
                 return answer
             self._seed, self._patience = self._seed + 1, self._patience * 1.5

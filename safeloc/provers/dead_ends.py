@@ -21,6 +21,7 @@ from safeloc.errors import InputError
 from safeloc.expr import TRUE, Bool, all_of
 from safeloc.interpret import start, step
 from safeloc.nodes import Value
+from safeloc.provers.asking import ask, new_solver, why_unknown
 from safeloc.provers.base import Base, base, remember
 from safeloc.provers.cover import Cover, Group, Learned, State, cover_facts
 from safeloc.provers.evidence import admissible_run
@@ -28,7 +29,7 @@ from safeloc.provers.facts import about
 from safeloc.provers.falsify import falsify
 from safeloc.provers.given import EMPTY
 from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.provers.limits import Deadline, Limits, deadline
 from safeloc.provers.recheck import ENGINE, certify, file_name
 from safeloc.provers.recorded import Recording, lawful_part
 from safeloc.provers.spacer import spacer
@@ -120,12 +121,11 @@ class _Search:
 
     def _beginning(self) -> Verdict | None:
         """Some first state there is, and from some first state a lawful step."""
-        unrolling, solver = Unrolling(self.system), z3.Solver()
-        solver.set("timeout", milliseconds(self.ends.left))
+        unrolling, solver = Unrolling(self.system), new_solver()
         solver.add(unrolling.initially(), unrolling.transition(0))
-        answer = solver.check()
+        answer = ask(solver, self.ends.left)
         if answer == z3.unknown:
-            self.said.append(f"the first step: solver: {solver.reason_unknown()}")
+            self.said.append(f"the first step: solver: {why_unknown(solver)}")
         return Violated(None, "bmc", NO_RUN) if answer == z3.unsat else None
 
     # -------------------------------------------------------------- every state with the proved facts
@@ -191,11 +191,10 @@ class _Search:
         given = [all_of([*self.known.everything, *self.known.kept.values()])] * k
         steps = [part for at, term in enumerate(given) for part in (unrolling.at(term, at), unrolling.transition(at))]
         while not ends.passed:
-            covered, solver = self._covered(), z3.Solver()
-            solver.set("timeout", milliseconds(ends.left))
+            covered, solver = self._covered(), new_solver()
             solver.add(*steps, *(unrolling.at(covered, at) for at in range(k)))
             solver.add(z3.Not(unrolling.at(covered, k)))
-            answer = solver.check()
+            answer = ask(solver, ends.left)
             if answer != z3.sat:
                 return Learned.COVERED if answer == z3.unsat else Learned.UNDECIDED
             learned = self._learn(_state(unrolling, solver.model(), k))
@@ -274,17 +273,15 @@ class _Steps:
     """Bounded search that goes on where it left off; `depth` steps were searched completely."""
 
     def __init__(self, system: TransitionSystem, seed: int) -> None:
-        self.unrolling, self._solver = Unrolling(system), z3.Solver()
-        self._solver.set("random_seed", seed)
+        self.unrolling, self._solver = Unrolling(system), new_solver(seed)
         self._solver.add(self.unrolling.initially())
         self.depth, self.stuck = -1, False
 
     def uncovered(self, covered: Bool, ends: Deadline) -> z3.ModelRef | None:
         """A run of depth + 1 steps to a state that is not covered; None where there is none, or it is not decided."""
-        self._solver.set("timeout", milliseconds(ends.left))
         self._solver.push()
         self._solver.add(z3.Not(self.unrolling.at(covered, self.depth + 1)))
-        answer = self._solver.check()
+        answer = ask(self._solver, ends.left)
         model = self._solver.model() if answer == z3.sat else None
         self._solver.pop()
         self.stuck = bool(answer == z3.unknown)

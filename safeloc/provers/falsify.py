@@ -21,7 +21,8 @@ from safeloc.errors import InputError
 from safeloc.expr import NumVar, Var
 from safeloc.machine import Any_
 from safeloc.nodes import Value
-from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.provers.asking import ask, new_solver
+from safeloc.provers.limits import Deadline, Limits, deadline, spend
 from safeloc.provers.shorten import shortened
 from safeloc.runs.allowed import Slack
 from safeloc.runs.lawful import Repair, first_state
@@ -36,6 +37,7 @@ FINISH_SECONDS = 1.5
 STARTS = 4
 KINDS = ("steady", "steady", "steady", "ends", "standstill", "ramp", "random")
 REPLACED = 0.05
+DRAWN_A_SECOND = 1_000  # steps, drawn and repaired, in a second of effort
 Record = dict[str, Value]
 
 
@@ -50,6 +52,7 @@ def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
     while not ends.passed:
         runs += 1
         found = search.run() or search.finish(ends)
+        spend(search.drawn / DRAWN_A_SECOND)
         if found is not None:
             return Violated(shortened(goal, search.first, found), "falsifier")
     return Unknown(f"falsify: nothing in {runs} runs of up to {LONGEST} steps")
@@ -86,6 +89,7 @@ class _Search:
         self._unrolling = Unrolling(goal.system)
         self.first: Mapping[str, Value] = {}
         self._stream: list[Record] = []
+        self.drawn = 0
         self._near: list[_Near] = []
         self._slack = Slack(goal.good)
         self._archive: dict[Row, _Reached] = {}
@@ -101,10 +105,9 @@ class _Search:
         return True
 
     def _solved(self, ends: Deadline) -> bool:
-        solver, system = z3.Solver(), self.goal.system
-        solver.set("timeout", milliseconds(ends.left))
+        solver, system = new_solver(), self.goal.system
         solver.add(self._unrolling.initially())
-        if solver.check() != z3.sat:
+        if ask(solver, ends.left) != z3.sat:
             return False
         open_ = [var for var in system.state if isinstance(system.initial[var], Any_)]
         self._known = self._unrolling.values(solver.model(), 0, open_)
@@ -119,12 +122,12 @@ class _Search:
     def run(self) -> list[Record] | None:
         """One run by one habit; its stream if it breaks the property."""
         habit, left = self._habit()
-        state = self._begin()
+        state, self.drawn = self._begin(), 1
         while len(self._stream) < LONGEST:
             if not left:
                 habit, left = self._habit()
             left -= 1
-            inputs = self._lawful(state, habit)
+            inputs, self.drawn = self._lawful(state, habit), self.drawn + 1
             if inputs is None:
                 break
             state = self._code.step(state, tuple(inputs[var] for var in self.goal.system.inputs))[0]
@@ -178,15 +181,14 @@ class _Search:
         return None
 
     def _from(self, state: Row, ends: Deadline) -> list[Record] | None:
-        solver = z3.Solver()
-        solver.set("timeout", milliseconds(min(FINISH_SECONDS, ends.left)))
+        solver, ends = new_solver(), deadline(min(FINISH_SECONDS, ends.left))
         for var, value in zip(self.goal.system.state, state, strict=True):
             solver.add(self._unrolling.at(var, 0) == value)
         for depth in range(1, FINISH_STEPS + 1):
             solver.add(self._unrolling.transition(depth - 1))
             solver.push()
             solver.add(z3.Not(self._unrolling.at(self.goal.good, depth)))
-            answer = solver.check()
+            answer = ask(solver, ends.left)
             if answer == z3.sat:
                 model, inputs = solver.model(), self.goal.system.inputs
                 return [self._unrolling.values(model, number, inputs) for number in range(depth)]

@@ -6,7 +6,7 @@ import z3
 
 from safeloc.backends.smt import Unrolling
 from safeloc.expr import TRUE
-from safeloc.provers.limits import milliseconds
+from safeloc.provers.asking import ask, new_solver, why_unknown
 from safeloc.spec import Goal
 from safeloc.verdict import Unknown, Vacuous
 
@@ -20,12 +20,11 @@ def nothing_given(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
     """
     if goal.prop.given is TRUE:
         return None
-    unrolling, solver = Unrolling(goal.system), z3.Solver()
-    solver.set("timeout", milliseconds(seconds))
+    unrolling, solver = Unrolling(goal.system), new_solver()
     solver.add(unrolling.initially(), unrolling.transition(0))
-    answer = solver.check()
+    answer = ask(solver, seconds)
     if answer == z3.unsat:
         return Vacuous(EMPTY)
     if answer == z3.unknown:
-        return Unknown(f"whether any run keeps what the property is given: solver: {solver.reason_unknown()}")
+        return Unknown(f"whether any run keeps what the property is given: solver: {why_unknown(solver)}")
     return None

@@ -11,9 +11,10 @@ import z3
 from safeloc.backends.smt import Terms, constant
 from safeloc.backends.smtlib import Key, Query, to_smtlib
 from safeloc.cache.answers import keep_proved, keeping, proved_before
-from safeloc.expr import Bool, Var
+from safeloc.expr import Bool
 from safeloc.nodes import And, Value
-from safeloc.provers.limits import Deadline, deadline, milliseconds
+from safeloc.provers.asking import ask, new_solver, why_unknown
+from safeloc.provers.limits import Deadline, deadline
 from safeloc.terms import variables
 from safeloc.trace import shown
 
@@ -82,8 +83,8 @@ class _Asked:
         """Goals that do not follow: every model takes out all that are false in it, until the rest follows or time is up."""
         failed: dict[Any, Failure] = {}
         while self.left and not ends.passed:
-            solver = self._solver(z3.Not(z3.And(*self.left.values())), ends)
-            answer = solver.check()
+            solver = self._solver(z3.Not(z3.And(*self.left.values())))
+            answer = ask(solver, ends.left)
             if answer == z3.unknown:
                 break
             if answer == z3.unsat:
@@ -99,22 +100,17 @@ class _Asked:
         """Each goal that is left by itself: those that do not follow, or are not decided."""
         failed: dict[Any, Failure] = {}
         for key, goal in self.left.items():
-            if ends.passed:
-                failed[key] = Undecided("time limit")
-                continue
-            solver = self._solver(z3.Not(goal), ends)
-            answer = solver.check()
+            solver = self._solver(z3.Not(goal))
+            answer = ask(solver, ends.left)
             if answer == z3.sat:
                 failed[key] = self._refuted(key, solver.model())
             elif answer == z3.unknown:
-                failed[key] = Undecided(f"solver: {solver.reason_unknown()}")
+                failed[key] = Undecided("limit reached" if ends.passed else f"solver: {why_unknown(solver)}")
         self.left = {}
         return failed
 
-    def _solver(self, condition: z3.BoolRef | z3.Probe, ends: Deadline) -> z3.Solver:
-        solver = z3.SimpleSolver()
-        solver.set("random_seed", self._seed)
-        solver.set("timeout", milliseconds(ends.left))
+    def _solver(self, condition: z3.BoolRef | z3.Probe) -> z3.Solver:
+        solver = new_solver(self._seed)
         solver.add(*self._hypotheses, condition)
         return solver
 

@@ -1,4 +1,8 @@
-"""How far a prover may go."""
+"""How far a prover may go, in what solvers count: the same on a busy machine as on an idle one.
+
+A second of effort is what a solver does in about a second of an idle machine, by the resources that it counts itself. The
+clock ends work only after several times as long.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,13 @@ from dataclasses import dataclass
 
 from safeloc.errors import InputError, declared_at
 
+CLOCK = 6.0
+"""How many times a limit the clock may show before it ends the work, whatever was counted."""
+
 
 @dataclass(frozen=True)
 class Limits:
-    """Bounds on one property: steps for bounded search, k for induction, seconds of time, and the solver's seed.
+    """Bounds on one property: steps for bounded search, k for induction, seconds of effort, and the solver's seed.
 
     InputError for a negative depth, a k below 1, and a time that is no positive finite number.
     """
@@ -38,24 +45,38 @@ class Limits:
 
 @dataclass(frozen=True)
 class Deadline:
-    """A moment of the monotonic clock."""
+    """A point in the effort of this process, and a moment of the clock at the latest: the last resort against a hung solver."""
 
     at: float
+    latest: float
 
     @property
     def left(self) -> float:
-        """Seconds until then; 0 once it has passed."""
-        return max(0.0, self.at - time.monotonic())
+        """Seconds of effort until then; 0 once it has passed."""
+        return 0.0 if time.monotonic() >= self.latest else max(0.0, self.at - effort())
 
     @property
     def passed(self) -> bool:
-        """Whether no time is left."""
+        """Whether nothing is left."""
         return self.left == 0.0
 
 
 def deadline(seconds: float) -> Deadline:
-    """The moment `seconds` from now."""
-    return Deadline(time.monotonic() + seconds)
+    """So many seconds of effort from now."""
+    return Deadline(effort() + seconds, time.monotonic() + CLOCK * seconds)
+
+
+def spend(seconds: float) -> None:
+    """Count effort of this process: what a solver has counted, or steps that were drawn."""
+    _spent[0] += seconds
+
+
+def effort() -> float:
+    """Seconds of effort that this process has counted so far."""
+    return _spent[0]
+
+
+_spent = [0.0]
 
 
 def milliseconds(seconds: float) -> int:

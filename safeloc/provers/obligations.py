@@ -22,7 +22,7 @@ from safeloc.provers import antecedents
 from safeloc.provers.absence import absence
 from safeloc.provers.arithmetic import division, overflow, ranges
 from safeloc.provers.assumption import assumption_kept
-from safeloc.provers.limits import Limits
+from safeloc.provers.limits import CLOCK, Limits
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.overlap import overlap
 from safeloc.provers.portfolio import GRACE_SECONDS, OnFinding, proved_base
@@ -63,7 +63,7 @@ def obligations(
     occur.
     """
     proved_base(system, limits)
-    most = (SEARCHES + len(system.parts)) * limits.seconds + GRACE_SECONDS
+    most = CLOCK * (SEARCHES + len(system.parts)) * limits.seconds + GRACE_SECONDS
     tasks = [
         Task(f"{system.name}: {name}", partial(_packed, check, system, limits), most)
         for name, check in _checks(recordings).items()

@@ -14,8 +14,9 @@ import z3
 from safeloc.backends.smt import Unrolling
 from safeloc.expr import BoolVar, Var
 from safeloc.nodes import Value
+from safeloc.provers.asking import ask, new_solver
 from safeloc.provers.evidence import confirmed
-from safeloc.provers.limits import Deadline, milliseconds
+from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.recorded import Recording, Replay, known_first
 from safeloc.spec import Goal
 from safeloc.system import TransitionSystem
@@ -97,14 +98,13 @@ def _suffix(
     ends: Deadline,
 ) -> _Suffix | None:
     """The fewest steps from a state to one of the goals."""
-    solver = z3.Solver()
-    solver.set("timeout", milliseconds(min(SECONDS_EACH, ends.left)))
+    solver, ends = new_solver(), deadline(min(SECONDS_EACH, ends.left))
     solver.add(*(unrolling.at(var, 0) == value for var, value in zip(variables, state, strict=True)))
     for depth in range(1, FURTHER + 1):
         solver.add(unrolling.transition(depth - 1))
         solver.push()
         solver.add(z3.Or(*(z3.Not(unrolling.at(goal.good, depth)) for goal in goals)))
-        answer = solver.check()
+        answer = ask(solver, ends.left)
         if answer == z3.sat:
             model = solver.model()
             return _Suffix(model, [unrolling.values(model, step, system.inputs) for step in range(depth)])

@@ -25,7 +25,7 @@ from safeloc.provers.falsify import falsify
 from safeloc.provers.implication import Undecided
 from safeloc.provers.inherited import contract_properties, contracts
 from safeloc.provers.kinduction import given_facts, kinduction
-from safeloc.provers.limits import Limits, deadline
+from safeloc.provers.limits import CLOCK, Limits, deadline
 from safeloc.provers.recheck import ENGINE
 from safeloc.provers.recorded import Recording
 from safeloc.provers.settle import Settled, settled
@@ -139,7 +139,7 @@ def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
 
 
 def _end(limits: Limits) -> float:
-    return 2 * limits.seconds + GRACE_SECONDS
+    return CLOCK * 2 * limits.seconds + GRACE_SECONDS
 
 
 # ------------------------------------------------------------------ claims

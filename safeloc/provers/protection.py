@@ -13,7 +13,7 @@ from typing import Any
 import z3
 
 from safeloc.errors import EngineError, InputError
-from safeloc.provers.limits import milliseconds
+from safeloc.provers.asking import ask, new_solver, why_unknown
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 
@@ -26,21 +26,20 @@ def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: 
     if shares.keys() - bounds.keys():
         raise InputError(f"no bound for {', '.join(sorted(shares.keys() - bounds.keys()))}; give one for every share.")
     errors = {name: z3.Real(name) for name in shares}
-    solver = z3.Solver()
-    solver.set("timeout", milliseconds(seconds))
+    solver = new_solver()
     solver.add(*(z3.And(one <= bounds[name], one >= -bounds[name]) for name, one in errors.items()))
     total: Any = z3.RealVal(0)
     for name, share in shares.items():
         total = total + z3.Q(share.numerator, share.denominator) * errors[name]
     solver.add(z3.Or(total > level, total < -level))
-    answer = solver.check()
+    answer = ask(solver, seconds)
     if answer == z3.unsat:
         worst = sum((abs(share) * bounds[name] for name, share in shares.items()), Fraction(0))
         if worst > level:
             raise EngineError(f"z3 found no errors beyond {level}, but all at their bounds lead to {float(worst)}.")
         return Proved(None, "z3", 0, ("errors all at their bounds, exactly",))
     if answer == z3.unknown:
-        return Unknown(f"solver: {solver.reason_unknown()}")
+        return Unknown(f"solver: {why_unknown(solver)}")
     model = solver.model()
     told = ", ".join(f"{name} {model.eval(one, model_completion=True)}" for name, one in errors.items())
     return Violated(None, "z3", f"beyond {level} with errors {told}")

@@ -14,13 +14,14 @@ from safeloc.backends.smt import Unrolling
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, Lit, NumVar, before, was
 from safeloc.machine import Machine
+from safeloc.provers.asking import ask, new_solver
 from safeloc.provers.base import Base, base
 from safeloc.provers.bmc import run_of
 from safeloc.provers.drawn import drawn
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.provers.limits import Deadline, Limits, deadline
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.recorded import Recording, shown
 from safeloc.provers.relevance import Relevance
@@ -30,6 +31,9 @@ from safeloc.system import TransitionSystem, environment, in_range
 from safeloc.terms import Substitution
 from safeloc.trace import Trace
 from safeloc.verdict import Proved, Unknown, Verdict, Violated
+
+EXCLUSION = 0.2
+"""Of the limit, for goals that speak of the same machines: what is not excluded by then is searched."""
 
 # ------------------------------------------------------------------ search for many targets at once
 
@@ -50,9 +54,8 @@ def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = (
     if not goals:
         return Runs({}, limits.depth)
     watched = watch(goals[0].plain, goals)
-    unrolling, solver, found = Unrolling(watched.system), z3.Solver(), dict[Goal, Trace]()
+    unrolling, solver, found = Unrolling(watched.system), new_solver(limits.seed), dict[Goal, Trace]()
     ends = deadline(limits.seconds)
-    solver.set("random_seed", limits.seed)
     solver.add(unrolling.initially())
     for depth in range(limits.depth + 1):
         if not _search_depth(watched, unrolling, solver, depth, found, ends):
@@ -70,10 +73,9 @@ def _search_depth(
     while left := [goal for goal in watched.goals if goal not in found]:
         if ends.passed:
             return False
-        solver.set("timeout", milliseconds(ends.left))
         solver.push()
         solver.add(z3.Or(*(z3.Not(unrolling.at(goal.good, depth)) for goal in left)))
-        answer = solver.check()
+        answer = ask(solver, ends.left)
         model = solver.model() if answer == z3.sat else None
         solver.pop()
         if model is None:
@@ -203,7 +205,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[
     for numbers in alike.values():
         wanted = {number: later[number] for number in numbers if number not in possible}
         step = Query("step", relevance.select(given, wanted.values()), wanted)
-        possible |= set(unproved(step, limits.seconds))
+        possible |= set(unproved(step, limits.seconds * EXCLUSION))
     return {goal for number, goal in enumerate(goals) if number not in possible}
 
 

@@ -13,12 +13,13 @@ from safeloc.errors import EngineError
 from safeloc.expr import BoolVar, NumVar, Var
 from safeloc.nodes import Value
 from safeloc.provers.evidence import replayed
-from safeloc.provers.limits import Deadline, deadline
+from safeloc.provers.limits import Deadline, deadline, spend
 from safeloc.spec import Goal
 from safeloc.system import TransitionSystem, canonical, environment
 from safeloc.trace import Trace
 
 SECONDS = 3.0
+TRIED_A_SECOND = 20_000  # steps of generated code in a second of effort
 Record = dict[str, Value]
 Breaks = Callable[[Sequence[Record]], int | None]
 
@@ -60,6 +61,7 @@ def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
     begin = code.first(dict(first))
 
     def breaks(stream: Sequence[Record]) -> int | None:
+        spend((len(stream) + 1) / TRIED_A_SECOND)
         state = begin
         if not code.outputs(state)[0]:
             return 0

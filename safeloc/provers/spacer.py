@@ -15,12 +15,13 @@ from safeloc.backends.smt import Terms, constant
 from safeloc.backends.smtlib import Query
 from safeloc.errors import EngineError
 from safeloc.expr import TRUE, Bool, all_of
+from safeloc.provers.asking import units
 from safeloc.provers.base import Base, base
 from safeloc.provers.facts import about
 from safeloc.provers.given import nothing_given
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import given_facts
-from safeloc.provers.limits import Deadline, Limits, deadline
+from safeloc.provers.limits import CLOCK, Deadline, Limits, deadline, milliseconds
 from safeloc.provers.reading import UnreadableError, read_bool
 from safeloc.provers.recheck import ENGINE, certify
 from safeloc.spec import Goal
@@ -75,7 +76,7 @@ def _text(reason: str | bytes) -> str:
 
 def _engine(limits: Limits) -> z3.Fixedpoint:
     engine = z3.Fixedpoint()
-    engine.set(engine="spacer", timeout=limits.milliseconds)
+    engine.set(engine="spacer", timeout=milliseconds(CLOCK * limits.seconds), rlimit=units(limits.seconds))
     engine.set("spacer.random_seed", limits.seed)
     return engine
 

@@ -109,7 +109,8 @@ def verify_targets(
 ) -> dict[str, list[Finding]]:
     """Verify several targets and return all findings by target; at most `jobs` processes compute at a time.
 
-    look_in  where findings of an earlier run may be; of an unchanged target these are returned (safeloc.cache)
+    look_in  where findings of an earlier run may be; of an unchanged target these are returned (safeloc.cache). None
+             looks at nothing that was found before this run
     keep_in  where findings, and the answers of solvers, are kept
 
     What a target raises (StreamError for a recording that it cannot take, EngineError) is raised here; the rest is ended.
@@ -120,7 +121,7 @@ def verify_targets(
     left = sorted((target for target in targets if target.name not in found), key=expected, reverse=True)
     places = Slots(max(1, jobs))
     try:
-        with kept_in(keep_in):
+        with kept_in(keep_in, fresh=look_in is None):
             for target, packed, seconds in _conducted(left, plan, jobs, places, on_event):
                 found[target.name] = unpack_findings(packed, target.system)
                 if target in questions:

@@ -9,6 +9,7 @@ import pytest
 
 from safeloc.backends.smtlib import Query, to_smtlib
 from safeloc.cache import answers
+from safeloc.cache import store as store_module
 from safeloc.cache.answers import keep_proved, keeping, kept_in, proved_before
 from safeloc.cache.store import Store
 from safeloc.expr import Bool, number
@@ -105,3 +106,19 @@ def test_nothing_is_kept_of_an_engine_that_was_edited_meanwhile(
         assert not keeping()
         unproved(TRUE_ONE, 10)
     assert [] == list(Store(tmp_path).entries())
+
+
+def test_a_fresh_run_uses_no_answer_of_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And answers of its own it does use: what is asked twice is decided once."""
+    made, text = Store(tmp_path), to_smtlib(TRUE_ONE)
+    monkeypatch.setattr(store_module, "utc_now", lambda: "2026-01-01T00:00:00Z")
+    with kept_in(made):
+        keep_proved("z3", text)
+    monkeypatch.setattr(store_module, "utc_now", lambda: "2026-01-01T00:00:01Z")
+    monkeypatch.setattr(answers, "utc_now", lambda: "2026-01-01T00:00:01Z")
+    with kept_in(made):
+        assert proved_before("z3", text)
+    with kept_in(made, fresh=True):
+        assert not proved_before("z3", text)
+        keep_proved("z3", text)
+        assert proved_before("z3", text)

@@ -47,7 +47,7 @@ def tired(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def no_time(query: Query, *_: object) -> Mapping[str, Undecided]:
     """What `unproved` says of every goal when the time is up."""
-    return {name: Undecided("solver: canceled") for name in query.goals}
+    return {name: Undecided("solver: limit reached") for name in query.goals}
 
 
 def said(verdict: Verdict) -> tuple[str, int]:
@@ -67,31 +67,33 @@ def only(found: Any) -> Obligation:
 def test_bounded_search_says_why_it_ended() -> None:
     """With the depth that was clean before."""
     verdict = bmc(goal(counter(), LEVEL <= 10), Limits())
-    assert said(verdict) == ("solver: canceled", -1)
+    assert said(verdict) == ("solver: limit reached", -1)
 
 
 @pytest.mark.usefixtures("tired")
 def test_an_implication_without_an_answer_is_undecided() -> None:
     """Neither shown nor refuted."""
-    assert unproved(Query("q", [LEVEL > 1], {"above 0": LEVEL > 0}), 1.0) == {"above 0": Undecided("solver: canceled")}
+    assert unproved(Query("q", [LEVEL > 1], {"above 0": LEVEL > 0}), 1.0) == {
+        "above 0": Undecided("solver: limit reached")
+    }
 
 
 @pytest.mark.usefixtures("tired")
 def test_an_assumption_without_an_answer_is_undecided() -> None:
     """It is not called empty, nor a dead end."""
     moves, lasting, ends = assumption_kept(system(counter()), Limits(seconds=1))
-    assert said(moves.verdict)[0] == "solver: canceled"
+    assert said(moves.verdict)[0] == "solver: limit reached"
     for one in (lasting, ends):
         assert isinstance(one.verdict, Unknown)
-        assert "the first step: solver: canceled" in one.verdict.reason
+        assert "the first step: solver: limit reached" in one.verdict.reason
 
 
 def test_an_undecided_induction_step_is_no_refutation(monkeypatch: pytest.MonkeyPatch) -> None:
     """The depth is the one that was proved to be clean."""
-    answers = iter([{}, {"claim": Undecided("solver: canceled")}])
+    answers = iter([{}, {"claim": Undecided("solver: limit reached")}])
     monkeypatch.setattr(kinduction_module, "unproved", lambda *_: next(answers))
     verdict = kinduction(goal(counter(), LEVEL <= 9), Limits())
-    assert said(verdict) == ("k = 1: undecided: solver: canceled", 0)
+    assert said(verdict) == ("k = 1: undecided: solver: limit reached", 0)
 
 
 def test_a_range_that_no_run_leaves_and_no_induction_shows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,7 +129,7 @@ def test_an_overlap_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(overlap, "never", lambda _, why, __: Unknown(why))
     verdicts = [one.verdict for one in overlap.overlap(system(counter()), Limits())]
     assert verdicts
-    assert all(isinstance(verdict, Unknown) and "solver: canceled" in verdict.reason for verdict in verdicts)
+    assert all(isinstance(verdict, Unknown) and "solver: limit reached" in verdict.reason for verdict in verdicts)
 
 
 def test_an_absence_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,7 +142,7 @@ def test_an_absence_without_an_answer_is_undecided(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(absence, "unproved", no_time)
     verdict = only(absence.absence(lower(machine), Limits())).verdict
     assert isinstance(verdict, Unknown)
-    assert "distance by way: undecided: solver: canceled" in verdict.reason
+    assert "distance by way: undecided: solver: limit reached" in verdict.reason
 
 
 def test_what_cannot_be_reached_nor_excluded_is_undecided() -> None:
