@@ -49,7 +49,14 @@ def _finite(seconds: float) -> float:
     return seconds
 
 
-SecondsOption = Annotated[float, typer.Option(help="limit for each property: seconds of an idle machine, as solvers count them; the clock ends it after six times that", min=0.1, callback=_finite)]
+SecondsOption = Annotated[
+    float,
+    typer.Option(
+        help="limit for each property: seconds of an idle machine, as solvers count them; the clock ends it after six times that",
+        min=0.1,
+        callback=_finite,
+    ),
+]
 JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
 SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]

@@ -14,8 +14,16 @@ MOST_UNITS = 2**32 - 1
 
 
 def new_solver(seed: int = 0) -> z3.Solver:
-    """Make a solver without tactics before it: on our terms these cost more than they save."""
-    solver = z3.SimpleSolver()
+    """Make a solver for questions that follow each other."""
+    return _seeded(z3.Solver(), seed)
+
+
+def plain_solver(seed: int = 0) -> z3.Solver:
+    """Make a solver without tactics before it: for one question, or many targets at a time, on which those are lost."""
+    return _seeded(z3.SimpleSolver(), seed)
+
+
+def _seeded(solver: z3.Solver, seed: int) -> z3.Solver:
     solver.set("random_seed", seed)
     return solver
 

@@ -13,7 +13,7 @@ from safeloc.backends.smtlib import Key, Query, to_smtlib
 from safeloc.cache.answers import keep_proved, keeping, proved_before
 from safeloc.expr import Bool
 from safeloc.nodes import And, Value
-from safeloc.provers.asking import ask, new_solver, why_unknown
+from safeloc.provers.asking import ask, plain_solver, why_unknown
 from safeloc.provers.limits import Deadline, deadline
 from safeloc.terms import variables
 from safeloc.trace import shown
@@ -110,7 +110,7 @@ class _Asked:
         return failed
 
     def _solver(self, condition: z3.BoolRef | z3.Probe) -> z3.Solver:
-        solver = new_solver(self._seed)
+        solver = plain_solver(self._seed)
         solver.add(*self._hypotheses, condition)
         return solver
 

@@ -14,7 +14,7 @@ from safeloc.backends.smt import Unrolling
 from safeloc.backends.smtlib import Query
 from safeloc.expr import Bool, Lit, NumVar, before, was
 from safeloc.machine import Machine
-from safeloc.provers.asking import ask, new_solver
+from safeloc.provers.asking import ask, plain_solver
 from safeloc.provers.base import Base, base
 from safeloc.provers.bmc import run_of
 from safeloc.provers.drawn import drawn
@@ -54,7 +54,7 @@ def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = (
     if not goals:
         return Runs({}, limits.depth)
     watched = watch(goals[0].plain, goals)
-    unrolling, solver, found = Unrolling(watched.system), new_solver(limits.seed), dict[Goal, Trace]()
+    unrolling, solver, found = Unrolling(watched.system), plain_solver(limits.seed), dict[Goal, Trace]()
     ends = deadline(limits.seconds)
     solver.add(unrolling.initially())
     for depth in range(limits.depth + 1):
