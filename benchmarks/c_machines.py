@@ -10,7 +10,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from safeloc.backends.c_loader import load_c
+from safeloc.codegen.c_loader import load_c
 from safeloc.runs.sampled import drawn_run
 from safeloc.shipped import ENTRIES
 from safeloc.system import TransitionSystem, without_ghosts

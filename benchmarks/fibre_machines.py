@@ -13,7 +13,7 @@ from benchmarks.by_hand import run_hand_written
 from benchmarks.odometer import expected as expected_odometer
 from benchmarks.odometer import stream
 from benchmarks.turns import Contender, Last, Ready, race
-from safeloc.backends.compiled import Compiled, Row, compile_system
+from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.interpret import run
 from safeloc.shipped import ENTRIES
 from safeloc.system import without_ghosts

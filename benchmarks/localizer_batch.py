@@ -12,11 +12,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from safeloc.backends.batch import Prepared, compile_batch, simulate
-from safeloc.backends.batch_lanes import LanesBatch, compile_lanes
-from safeloc.backends.c99_vectors import Run
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.numpy_code import Array
+from safeloc.codegen.batch import Prepared, compile_batch, simulate
+from safeloc.codegen.batch_lanes import LanesBatch, compile_lanes
+from safeloc.codegen.c99_vectors import Run
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.numpy_code import Array
 from safeloc.expr import BoolVar
 from safeloc.interpret import read_inputs
 from safeloc.runs.sampled import drawn_run, recorded_run

@@ -16,9 +16,9 @@ from functools import cache
 
 import numpy as np
 
-from safeloc.backends.batch import compile_batch, simulate
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.compiled import compile_system
+from safeloc.codegen.batch import compile_batch, simulate
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.compiled import compile_system
 from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
 from safeloc.models.satellite_parts.variables import SatelliteConfig

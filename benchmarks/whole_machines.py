@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from benchmarks.turns import Contender, Last, Ready, Target
-from safeloc.backends.batch import compile_batch, simulate
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.compiled import Compiled, Row, compile_system
+from safeloc.codegen.batch import compile_batch, simulate
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.interpret import run
 from safeloc.models import localizer, localizer_recordings, odometry, odometry_streams
 from safeloc.models.odometry_parts.variables import OdometryConfig

@@ -14,7 +14,7 @@ from typing import Literal, assert_never
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.models.balise import machine
 from safeloc.models.balise_parts.groups import Group, Orientation, Reaction, announcement, telegram

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.code import Symbol, make_code
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.simulation.motion import Motion

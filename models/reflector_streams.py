@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.line.elements import Reflector
 from safeloc.line.routes import Route

@@ -30,8 +30,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.border import Fault, Reason
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
 from safeloc.models.satellite import compose_machines

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.reflector_streams import Scene, said
 from safeloc.models.reflector_streams import simulate as simulate_reflectors

@@ -18,11 +18,11 @@ MODULES = sorted(
     + [*(ROOT.parent / "models").rglob("*.py"), *(ROOT.parent / "properties").rglob("*.py")]
 )
 ROOMS = {
-    "z3": ("safeloc/backends/smt.py", "safeloc/provers/", "safeloc/checker/solve.py"),
+    "z3": ("safeloc/codegen/smt.py", "safeloc/provers/", "safeloc/checker/solve.py"),
     "cvc5": ("safeloc/provers/recheck.py", "safeloc/checker/solve.py", "safeloc/checker/proofs/solver.py"),
     "numpy": (
-        "safeloc/backends/batch",
-        "safeloc/backends/numpy_code.py",
+        "safeloc/codegen/batch",
+        "safeloc/codegen/numpy_code.py",
         "safeloc/signals/",
         "safeloc/simulation/",
         "models/motion_streams.py",
@@ -42,7 +42,7 @@ ROOMS = {
     "dascore": ("safeloc/signals/fibre/recordings.py",),
     "h5py": ("safeloc/signals/fibre/hdf5_contents.py",),
     "hypothesis": ("safeloc/testing.py",),
-    "transitions": ("safeloc/backends/runtime.py",),
+    "transitions": ("safeloc/codegen/runtime.py",),
     "typer": ("safeloc/cli/",),
     "rich": ("safeloc/cli/",),
     "jinja2": ("safeloc/report/",),
@@ -81,7 +81,7 @@ ABOVE = {
         "safeloc.shipped",
     ),
     "properties/": ("safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue", "safeloc.shipped"),
-    "safeloc/backends/": ("safeloc.models", "safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report"),
+    "safeloc/codegen/": ("safeloc.models", "safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report"),
     "safeloc/provers/": (
         "safeloc.models",
         "safeloc.properties",
@@ -91,10 +91,10 @@ ABOVE = {
         "safeloc.shipped",
     ),
     "safeloc/report/": ("safeloc.cli",),
-    "safeloc/checker/": ("safeloc.provers", "safeloc.backends", "safeloc.cli"),
+    "safeloc/checker/": ("safeloc.provers", "safeloc.codegen", "safeloc.cli"),
     "safeloc/cache/": ("safeloc.models", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.shipped"),
     "safeloc/checker/proofs/": (
-        "safeloc.backends",
+        "safeloc.codegen",
         "safeloc.provers",
         "safeloc.models",
         "safeloc.properties",

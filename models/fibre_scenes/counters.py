@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.models.axle_counter import AxleCounterConfig, machine
 from safeloc.models.axle_counter_streams import Passage, passed

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.models.fibre_scenes.counters import Ends, events
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
 from safeloc.models.train_order import TrainOrderConfig, machine

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.models.fibre_area import FibreAreaConfig, compose_machines
 from safeloc.models.fibre_parts.variables import NM_PER_MM
 from safeloc.models.fibre_scenes.counters import Ends, Record, events, record_of

@@ -10,5 +10,5 @@ solve    z3 and cvc5, and yices where it is installed, from the text
 folder   the report folder: `check_folder`
 proofs   what solvers are believed for elsewhere: unsat, step by step (a package of its own)
 
-It imports nothing of safeloc.provers and none of the translators of safeloc.backends.
+It imports nothing of safeloc.provers and none of the translators of safeloc.codegen.
 """

@@ -10,12 +10,12 @@ from typing import Annotated
 
 import typer
 
-from safeloc.backends.c99 import to_c
-from safeloc.backends.compiled import to_python
-from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
-from safeloc.backends.fmu import to_fmu
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err
+from safeloc.codegen.c99 import to_c
+from safeloc.codegen.compiled import to_python
+from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table
+from safeloc.codegen.fmu import to_fmu
 from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
 from safeloc.expr import Bool

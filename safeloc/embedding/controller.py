@@ -19,9 +19,9 @@ from functools import partial
 from itertools import islice
 from typing import NoReturn, get_args
 
-from safeloc.backends.compiled import Row
-from safeloc.backends.runtime import Follower
 from safeloc.border import Deliveries, Fault, Reason
+from safeloc.codegen.compiled import Row
+from safeloc.codegen.runtime import Follower
 from safeloc.embedding import memory
 from safeloc.embedding.entries import Told
 from safeloc.embedding.judging import judged, stated

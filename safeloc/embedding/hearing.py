@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 
-from safeloc.backends.compiled import Row
 from safeloc.border import Channel, Fault, Reason
+from safeloc.codegen.compiled import Row
 from safeloc.embedding.entries import Entry, Told, beginnings, entries_of, limits, routes_of
 from safeloc.errors import InputError
 from safeloc.expr import NumVar

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from safeloc.backends.runtime import Follower
+from safeloc.codegen.runtime import Follower
 from safeloc.embedding.program import Program
 from safeloc.embedding.report import Report
 from safeloc.errors import InputError

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from safeloc.backends.compiled import Row
+from safeloc.codegen.compiled import Row
 from safeloc.embedding.program import Program
 from safeloc.embedding.snapshot import opened, require_same, sealed
 from safeloc.errors import InputError, SnapshotError

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from safeloc.backends.compiled import Compiled, Row, compile_system
 from safeloc.border import Fault
+from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.digest import declaration_digest
 from safeloc.embedding.hearing import Hearing
 from safeloc.embedding.report import Interval, Move, Report

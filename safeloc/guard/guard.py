@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.border import Deliveries, Raw, Reason
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.tracks import Match, Tracks, Window

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import Bool, BoolVar, Expr, Num, NumVar, Optional, Var, all_of, as_num, ite
 from safeloc.folding import Folding
 from safeloc.nodes import FALSE

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from safeloc.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import TRUE, Bool
 from safeloc.interpret import run
 from safeloc.provers.base import base

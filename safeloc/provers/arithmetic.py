@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import Bool, Expr, Lit, Num, NumVar, all_of, between
 from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv, Mul
 from safeloc.provers.base import Base, base

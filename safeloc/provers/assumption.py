@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import z3
 
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.smt import Unrolling
 from safeloc.expr import Var
 from safeloc.nodes import Value
 from safeloc.provers.dead_ends import LASTS, NO_RUN, lasts

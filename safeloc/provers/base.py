@@ -17,7 +17,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import Bool, NumVar
 from safeloc.provers.facts import Fact, about, range_of
 from safeloc.provers.implication import Failure, Undecided, unproved

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import z3
 
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.smt import Unrolling
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.limits import Limits
 from safeloc.spec import Goal, Watch

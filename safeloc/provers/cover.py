@@ -11,7 +11,7 @@ from enum import Enum
 
 import z3
 
-from safeloc.backends.smt import Terms, constant
+from safeloc.codegen.smt import Terms, constant
 from safeloc.expr import Bool, NumVar, Var, all_of, any_of
 from safeloc.interpret import holds
 from safeloc.nodes import Value

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 
 import z3
 
-from safeloc.backends.smt import Unrolling
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.codegen.smt import Unrolling
+from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
 from safeloc.expr import TRUE, Bool, all_of
 from safeloc.interpret import start, step

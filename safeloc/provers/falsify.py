@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 
 import z3
 
-from safeloc.backends.compiled import Compiled, Row, compile_system
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.compiled import Compiled, Row, compile_system
+from safeloc.codegen.smt import Unrolling
 from safeloc.errors import InputError
 from safeloc.expr import NumVar, Var
 from safeloc.machine import Any_

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import z3
 
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.smt import Unrolling
 from safeloc.expr import TRUE
 from safeloc.provers.limits import milliseconds
 from safeloc.spec import Goal

@@ -8,9 +8,9 @@ from typing import Any
 
 import z3
 
-from safeloc.backends.smt import Terms, constant
-from safeloc.backends.smtlib import Key, Query, to_smtlib
 from safeloc.cache.answers import keep_proved, keeping, proved_before
+from safeloc.codegen.smt import Terms, constant
+from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.expr import Bool, Var
 from safeloc.nodes import And, Value
 from safeloc.provers.limits import Deadline, deadline, milliseconds

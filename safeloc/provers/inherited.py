@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.composition import lemma_name
 from safeloc.expr import TRUE, Bool, Expr, NumVar, Var, before, was
 from safeloc.provers.facts import Fact, about, heard_by, owed_to, range_of

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
 from safeloc.provers.base import Base, base
 from safeloc.provers.facts import about

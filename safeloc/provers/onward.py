@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import z3
 
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.smt import Unrolling
 from safeloc.expr import BoolVar, Var
 from safeloc.nodes import Value
 from safeloc.provers.evidence import confirmed

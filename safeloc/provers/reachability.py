@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import z3
 
-from safeloc.backends.smt import Unrolling
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smt import Unrolling
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import Bool, Lit, NumVar, before, was
 from safeloc.machine import Machine
 from safeloc.provers.base import Base, base

@@ -12,8 +12,8 @@ from typing import Generic
 
 import cvc5
 
-from safeloc.backends.smtlib import Key, Query, to_smtlib
 from safeloc.cache.answers import keep_proved, proved_before
+from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.errors import EngineError
 from safeloc.provers.limits import Deadline, deadline, milliseconds
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
-from safeloc.backends.smtlib import Key, Query
+from safeloc.codegen.smtlib import Key, Query
 from safeloc.provers.implication import Failure, Undecided, unproved
 from safeloc.provers.limits import Deadline
 from safeloc.provers.recheck import certify

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from safeloc.backends.compiled import compile_system
+from safeloc.codegen.compiled import compile_system
 from safeloc.errors import EngineError
 from safeloc.expr import BoolVar, NumVar, Var
 from safeloc.nodes import Value

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import z3
 
-from safeloc.backends.smt import Terms, constant
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smt import Terms, constant
+from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
 from safeloc.expr import TRUE, Bool, all_of
 from safeloc.provers.base import Base, base

@@ -12,9 +12,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from safeloc.backends.diagram import to_svg
 from safeloc.catalogue import Target
 from safeloc.checks.machine import input_variables
+from safeloc.codegen.diagram import to_svg
 from safeloc.config import derived_figures
 from safeloc.digest import full_digest
 from safeloc.machine import Any_, Machine, Transition

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
-from safeloc.backends.compiled import compile_terms
+from safeloc.codegen.compiled import compile_terms
 from safeloc.expr import Bool, Expr, NumVar, Var
 from safeloc.interpret import Program, evaluate
 from safeloc.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value

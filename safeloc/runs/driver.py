@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from safeloc.backends.compiled import Row, compile_system
+from safeloc.codegen.compiled import Row, compile_system
 from safeloc.expr import BoolVar, Expr, Var
 from safeloc.nodes import Value
 from safeloc.provers.shorten import shortened

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import compress
 
 from safeloc.antecedents import cases, of_states, seen
-from safeloc.backends.compiled import Row
+from safeloc.codegen.compiled import Row
 from safeloc.expr import Bool, Expr, Var
 from safeloc.machine import Initial
 from safeloc.nodes import Past, Value

@@ -41,9 +41,7 @@ class Profile:
         self._missing = {option.value: draw.choice((0.0, 0.02, 0.5, 0.95, 1.0)) for option in system.optionals}
         related = {option.value for option in system.optionals} | {var for var in self._numbers if var.unit is COUNT}
         likes = _likes(system)
-        self._mirrored = {
-            var: likes[var] for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)
-        }
+        self._mirrored = {var: likes[var] for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)}
         self._favourite = draw.randrange(1_000)
         self._coin_for_all = draw.random() < 0.5
         self._flags = {var: draw.choice((0.0, 0.05, 0.5, 1.0)) for var in system.inputs if isinstance(var, BoolVar)}

@@ -9,7 +9,7 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from safeloc.backends.c99_vectors import Run
+from safeloc.codegen.c99_vectors import Run
 from safeloc.expr import Var
 from safeloc.interpret import start, step
 from safeloc.nodes import Value

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.backends.smtlib import Query, to_smtlib
 from safeloc.cache import answers
 from safeloc.cache.answers import keep_proved, keeping, kept_in, proved_before
 from safeloc.cache.store import Store
+from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.expr import Bool, number
 from safeloc.provers import implication, recheck
 from safeloc.provers.implication import Refuted, unproved

@@ -15,7 +15,7 @@ from itertools import product
 import pytest
 import z3
 
-from safeloc.backends.smt import Terms, constant
+from safeloc.codegen.smt import Terms, constant
 from safeloc.provers.base import base
 from safeloc.system import environment
 from tests.checker.evidence import Evidence, refused

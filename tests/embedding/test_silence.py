@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.backends.smtlib import Query
 from safeloc.border import Reason
 from safeloc.catalogue import load_target
+from safeloc.codegen.smtlib import Query
 from safeloc.embedding import Controller, Program
 from safeloc.embedding.period import periods
 from safeloc.errors import InputError

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.backends import compiled
+from safeloc.codegen import compiled
 from safeloc.errors import PropertyError
 from safeloc.expr import TRUE
 from safeloc.interpret import run

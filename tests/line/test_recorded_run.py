@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.border import channels_of
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import StreamError
 from safeloc.line.recorded_run import (
     Columns,

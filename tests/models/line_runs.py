@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.catalogue import ENTRIES, Target
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.expr import Expr, Num
 from safeloc.interpret import run
 from safeloc.line.elements import Balise, BaliseGroup

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer_streams import Journey, simulate
 from safeloc.nodes import Value

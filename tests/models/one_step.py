@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.machine import Machine
 from safeloc.provers.base import ranges_and_lemmas
 from safeloc.provers.implication import unproved

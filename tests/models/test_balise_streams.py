@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.backends.compiled import compile_system
 from safeloc.catalogue import load_target
+from safeloc.codegen.compiled import compile_system
 from safeloc.errors import InputError
 from safeloc.interpret import run
 from safeloc.models import balise

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.expr import FALSE, Bool, Lit, Num, abs_, as_num, between, exact_to, number
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.backends.compiled import compile_system
+from safeloc.codegen.compiled import compile_system
 from safeloc.interpret import run
 from safeloc.machine import Machine
 from safeloc.models import odometry

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from safeloc.backends.compiled import compile_system
+from safeloc.codegen.compiled import compile_system
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig

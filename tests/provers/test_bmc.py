@@ -2,7 +2,7 @@
 
 import pytest
 
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.smt import Unrolling
 from safeloc.errors import EngineError
 from safeloc.provers.bmc import bmc
 from safeloc.provers.limits import Limits

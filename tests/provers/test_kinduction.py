@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.provers import kinduction as module
 from safeloc.provers.base import base
 from safeloc.provers.kinduction import kinduction, queries

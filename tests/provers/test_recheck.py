@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
 from safeloc.expr import NumVar
 from safeloc.provers import kinduction as prover

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.expr import TRUE, Bool
 from safeloc.interpret import holds
 from safeloc.provers import spacer as module

@@ -6,7 +6,7 @@ import pickle
 
 import pytest
 
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.expr import Num
 from safeloc.interpret import evaluate
 from safeloc.provers.base import base, ranges_and_lemmas

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import z3
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
 from safeloc.expr import number, optional
 from safeloc.machine import Machine, Transition, modes

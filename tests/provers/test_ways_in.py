@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from safeloc.backends.batch import simulate
-from safeloc.backends.c_loader import load_c
+from safeloc.codegen.batch import simulate
+from safeloc.codegen.c_loader import load_c
 from safeloc.composition import compose
 from safeloc.errors import InputError, ModelError, PropertyError
 from safeloc.expr import TRUE, Num, as_num, boolean, floor_div, ite, minimum, number, optional, was
