@@ -18,7 +18,7 @@ from safeloc.codegen.batch import compile_batch, simulate
 from safeloc.codegen.c_loader import load_c
 from safeloc.codegen.compiled import compile_system
 from safeloc.codegen.runtime import to_fsm
-from safeloc.interpret import start, step
+from safeloc.language.interpret import start, step
 
 UNIT = "hand-written class"
 BATCH_RUNS = 16384

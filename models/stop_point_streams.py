@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.reflector_streams import FIGURE_2, STOPS_MM, Scene, said, simulate, stopping
 from safeloc.models.stop_point_parts.variables import StopPointConfig
-from safeloc.nodes import Value
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import NM_PER_MM
 from safeloc.streams.steps import Cell

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from enum import Enum
 
 from safeloc.errors import InputError
-from safeloc.expr import Optional
-from safeloc.machine import Machine
+from safeloc.language.expr import Optional
+from safeloc.language.machine import Machine
 
 
 class Reason(Enum):

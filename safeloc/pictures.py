@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from safeloc.language.system import TransitionSystem
 from safeloc.reported import Reported
-from safeloc.system import TransitionSystem
 
 ThingKind = Literal["balise", "reflector", "marker"]
 

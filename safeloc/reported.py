@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 
 Standing = Literal["contained", "WRONG", "INVALID"]
 

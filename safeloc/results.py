@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from safeloc.trace import Trace
-from safeloc.verdict import Result
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Result
 
 Kind = Literal["property", "obligation", "lemma", "test", "replay"]
 

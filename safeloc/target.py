@@ -9,12 +9,12 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from safeloc.machine import Machine
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem
 from safeloc.pictures import Picture
 from safeloc.reported import Reported
-from safeloc.spec import Property
 from safeloc.streams.steps import Cell
-from safeloc.system import TransitionSystem
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,16 +26,16 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from safeloc.antecedents import cases
-from safeloc.monitor import NEVER
+from safeloc.language.antecedents import cases
+from safeloc.language.monitor import NEVER
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Result, Unknown, Vacuous, Violated
 from safeloc.results import Finding
 from safeloc.runs.driver import Driver, Statistics
 from safeloc.runs.lawful import NoFirstStateError, begins
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE
-from safeloc.spec import Property
-from safeloc.system import TransitionSystem, first_without_the_world
-from safeloc.trace import Trace
-from safeloc.verdict import Held, Result, Unknown, Vacuous, Violated
 
 STRETCHES = 8
 PHASES = (Phase.explicit, Phase.generate, Phase.target)

@@ -59,18 +59,7 @@ ROOMS = {
     "shapely": ("safeloc/line/projection.py",),
     "pynmeagps": ("safeloc/guard/nmea.py",),
 }
-OUTSIDE_THE_KERNEL = {
-    "__main__.py": "is the command line",
-    "catalogue.py": "finds machines of models and of users",
-    "target.py": "carries a configuration",
-    "config.py": "pydantic checks figures read from files",
-    "testing.py": "hypothesis draws the streams",
-}
-KERNEL = [
-    path
-    for path in sorted([*ROOT.glob("*.py"), *(ROOT / "checks").glob("*.py")])
-    if path.name not in OUTSIDE_THE_KERNEL
-]
+LANGUAGE = sorted((ROOT / "language").rglob("*.py"))
 ABOVE = {
     "models/": (
         "safeloc.properties",
@@ -164,13 +153,13 @@ def test_imports_go_one_way(place: str) -> None:
             assert wrong == [], name_of(path)
 
 
-@pytest.mark.parametrize("path", KERNEL, ids=name_of)
-def test_the_kernel_needs_nothing_but_python(path: Path) -> None:
-    """What a declaration means is settled by the standard library and the kernel itself, wherever it is imported."""
+@pytest.mark.parametrize("path", LANGUAGE, ids=name_of)
+def test_the_language_needs_nothing_but_python(path: Path) -> None:
+    """What a declaration means is settled by the standard library and the language itself, wherever it is imported."""
     strange = {one.split(".")[0] for one in imports(path)} - sys.stdlib_module_names - {"safeloc"}
     assert strange == set()
-    own = {".".join(one.split(".")[:2]) for one in imports(path) if one.startswith("safeloc.")}
-    assert own <= {f"safeloc.{kernel.stem}" for kernel in KERNEL} | {"safeloc.checks"}
+    own = {".".join(one.split(".")[:2]) for one in imports(path) if one.startswith("safeloc")}
+    assert own <= {"safeloc.language", "safeloc.errors"}
 
 
 def test_imports_are_seen() -> None:

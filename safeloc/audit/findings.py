@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from safeloc.audit.rules import UNBOUNDED, Figures, Rule
+from safeloc.language.nodes import Value
 from safeloc.line.elements import TrackEdge
 from safeloc.line.places import Place, kilometre_text
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.nodes import Value
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import TRUE, Bool, Num, NumVar, Var, boolean, number
-from safeloc.interpret import Program, evaluate
+from safeloc.language.expr import TRUE, Bool, Num, NumVar, Var, boolean, number
+from safeloc.language.interpret import Program, evaluate
+from safeloc.language.nodes import And, Compare, Or, Value
+from safeloc.language.terms import variables
+from safeloc.language.units import COUNT, MM
 from safeloc.models import layout_rules as terms
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.nodes import And, Compare, Or, Value
-from safeloc.terms import variables
-from safeloc.units import COUNT, MM
 
 TURNED = {"<=": ">=", "<": ">", "==": "=="}
 REACH_MM = 10**12

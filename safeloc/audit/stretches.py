@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from safeloc.audit.findings import Ledger
 from safeloc.audit.rules import UNBOUNDED, Rules
-from safeloc.expr import as_num
-from safeloc.interpret import evaluate
+from safeloc.language.expr import as_num
+from safeloc.language.interpret import evaluate
+from safeloc.language.units import MM
 from safeloc.line.elements import BaliseGroup
 from safeloc.line.topology import Run
 from safeloc.line.walk import Reference, Walk, carried
 from safeloc.models.layout_rules import LayoutConfig, longest_stretch_mm
-from safeloc.units import MM
 
 
 @dataclass(frozen=True)

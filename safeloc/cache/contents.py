@@ -17,12 +17,12 @@ from typing import Any, cast
 
 from pydantic import BaseModel
 
-from safeloc.expr import Expr, NumVar, Var
-from safeloc.machine import Any_, Transition
-from safeloc.spec import Property, waiting_for
-from safeloc.system import Part
+from safeloc.language.expr import Expr, NumVar, Var
+from safeloc.language.machine import Any_, Transition
+from safeloc.language.spec import Property, waiting_for
+from safeloc.language.system import Part
+from safeloc.language.terms import in_order
 from safeloc.target import Target
-from safeloc.terms import in_order
 
 PLAIN = (int, str, bytes, float, bool, type(None), Fraction, Enum, Any_)
 NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Property: {"helper"}}

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from safeloc.cache.contents import target_digest
 from safeloc.cache.engine import engine_digest, undisturbed
 from safeloc.cache.store import Store
+from safeloc.language.verdict import Unknown
 from safeloc.results import Finding
 from safeloc.target import Target
-from safeloc.verdict import Unknown
 from safeloc.verification.plain import pack_findings, unpack_findings
 
 KIND = "findings"

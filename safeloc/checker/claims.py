@@ -17,16 +17,16 @@ from safeloc.checker.dag import INT, Dag, Rewriting
 from safeloc.checker.instance import covered
 from safeloc.checker.rules import Speaker, Terms, Theory
 from safeloc.checker.runs import Occurrences
-from safeloc.composition import Composition
 from safeloc.errors import InputError, StreamError
-from safeloc.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before, between, ite, was
-from safeloc.machine import Machine, Transition
-from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv
-from safeloc.ranges import beyond_int64
-from safeloc.spec import Goal, Property, observe, reachable
-from safeloc.system import Part, TransitionSystem, environment, in_range
+from safeloc.language.composition import Composition
+from safeloc.language.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before, between, ite, was
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, FloorDiv
+from safeloc.language.ranges import beyond_int64
+from safeloc.language.spec import Goal, Property, observe, reachable
+from safeloc.language.system import Part, TransitionSystem, environment, in_range
+from safeloc.language.terms import Substitution, in_order, variables
 from safeloc.target import Target
-from safeloc.terms import Substitution, in_order, variables
 
 
 class Goals:

@@ -20,8 +20,8 @@ from safeloc.checker.rules import Theory
 from safeloc.checker.runs import Occurrences
 from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
-from safeloc.digest import full_digest
 from safeloc.errors import InputError, SafelocError
+from safeloc.language.digest import full_digest
 from safeloc.report import certificates, kept
 from safeloc.streams.columns import Runs as KeptRuns
 from safeloc.streams.columns import read_runs

@@ -18,9 +18,9 @@ from itertools import product
 from safeloc.checker.dag import Dag, Rewriting
 from safeloc.checker.terms import Translation
 from safeloc.checker.text import Certificate
-from safeloc.nodes import Var
-from safeloc.spec import Goal
-from safeloc.system import TransitionSystem, environment, in_range
+from safeloc.language.nodes import Var
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem, environment, in_range
 
 Terms = frozenset[int]
 Files = frozenset[str]

@@ -11,16 +11,16 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from safeloc.antecedents import case_name, cases, occurs, occurs_alone
 from safeloc.checker.answer import CONFIRMED, WRONG, Answer, Check, Row, seen
 from safeloc.checker.terms import Translation
 from safeloc.checker.walk import Walk
 from safeloc.errors import InputError
-from safeloc.expr import FALSE, Bool, Lit
-from safeloc.machine import Machine
-from safeloc.spec import Goal, Property, observe, reachable
+from safeloc.language.antecedents import case_name, cases, occurs, occurs_alone
+from safeloc.language.expr import FALSE, Bool, Lit
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Goal, Property, observe, reachable
+from safeloc.language.system import TransitionSystem
 from safeloc.streams.steps import StepStream, read_steps
-from safeloc.system import TransitionSystem
 from safeloc.target import Target
 
 BY_ITSELF = ", by itself"

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import assert_never
 
 from safeloc.checker.dag import BOOL, INT, Dag
-from safeloc.expr import Expr, NumVar, Var
-from safeloc.nodes import (
+from safeloc.language.expr import Expr, NumVar, Var
+from safeloc.language.nodes import (
     Add,
     And,
     BoolVar,
@@ -26,7 +26,7 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
-from safeloc.terms import children, in_order
+from safeloc.language.terms import children, in_order
 
 
 class Translation:

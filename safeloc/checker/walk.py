@@ -10,12 +10,12 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 
 from safeloc.checker.dag import Dag
 from safeloc.checker.terms import Translation
-from safeloc.expr import Var
-from safeloc.interpret import read_inputs, start
-from safeloc.nodes import Value
-from safeloc.spec import Goal, watch
+from safeloc.language.expr import Var
+from safeloc.language.interpret import read_inputs, start
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, watch
+from safeloc.language.system import environment
 from safeloc.streams.steps import Cell
-from safeloc.system import environment
 
 State = tuple[Value, ...]
 Computed = Callable[[Sequence[Value]], tuple[Value, ...]]

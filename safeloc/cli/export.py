@@ -18,12 +18,12 @@ from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.codegen.fmu import to_fmu
 from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
-from safeloc.expr import Bool
+from safeloc.language.expr import Bool
+from safeloc.language.system import without_ghosts
 from safeloc.provers.base import base
 from safeloc.provers.lasting import lasting
 from safeloc.runs.lawful import first_state
 from safeloc.runs.sampled import sampled_runs
-from safeloc.system import without_ghosts
 
 TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),

@@ -11,8 +11,8 @@ import typer
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.errors import InputError
+from safeloc.language.spec import Property
 from safeloc.requirements import Item, Link, traceability
-from safeloc.spec import Property
 
 Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines."""

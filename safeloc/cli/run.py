@@ -16,7 +16,7 @@ from safeloc.cli.files import same_file
 from safeloc.embedding import Program
 from safeloc.embedding.making import period_of
 from safeloc.errors import InputError, SnapshotError
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 from safeloc.service.address import address
 from safeloc.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.service.fleet import Fleet, Ways

@@ -22,13 +22,13 @@ from safeloc.cli.show import Progressing, code, findings_table, result, summed_u
 from safeloc.cli.verifying import Verifying
 from safeloc.cli.watching import WatchOption, beside, watch
 from safeloc.errors import InputError
+from safeloc.language.spec import Property
+from safeloc.language.verdict import word
 from safeloc.provers.limits import Limits
 from safeloc.report.data import report_data
 from safeloc.report.extract import extract
 from safeloc.report.folder import PAGE, cleared, files_of, render_folder, usable, write_folder
 from safeloc.results import Finding
-from safeloc.spec import Property
-from safeloc.verdict import word
 from safeloc.verification.many import in_order, verify_targets
 from safeloc.verification.memory import Memory
 from safeloc.verification.one import Plan, Work, claims, owed

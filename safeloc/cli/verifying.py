@@ -12,7 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
 from safeloc.cli.time_left import TimeLeft
-from safeloc.verdict import WORST_FIRST
+from safeloc.language.verdict import WORST_FIRST
 from safeloc.verification.many import Began, Event, Found, Kept, Over, Phase
 from safeloc.verification.one import expected
 

@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from safeloc.cli.console import err, out
-from safeloc.verdict import WORST_FIRST
+from safeloc.language.verdict import WORST_FIRST
 
 WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
 PACKAGE = Path(__file__).parents[1]

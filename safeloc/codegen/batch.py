@@ -15,11 +15,11 @@ import numpy as np
 from safeloc.codegen.batch_inputs import admitted_inputs, first_states
 from safeloc.codegen.numpy_code import Array, Function, load, to_function
 from safeloc.errors import InputError
-from safeloc.expr import Expr, Num
-from safeloc.nodes import Value
-from safeloc.ranges import beyond_int64
-from safeloc.system import TransitionSystem
-from safeloc.terms import Substitution
+from safeloc.language.expr import Expr, Num
+from safeloc.language.nodes import Value
+from safeloc.language.ranges import beyond_int64
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import Substitution
 
 BLOCK_RUNS = (
     8192  # 64 KiB an array: in the cache, and below the size from which the allocator asks the kernel each time

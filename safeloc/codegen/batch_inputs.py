@@ -8,11 +8,11 @@ import numpy as np
 
 from safeloc.codegen.numpy_code import Array, load, to_function
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Lit, NumVar, Optional, Var
-from safeloc.interpret import start
-from safeloc.machine import Any_
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem, canonical
+from safeloc.language.expr import BoolVar, Lit, NumVar, Optional, Var
+from safeloc.language.interpret import start
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical
 
 
 def admitted_inputs(system: TransitionSystem, inputs: Mapping[str, Array]) -> tuple[list[Array], int, int]:

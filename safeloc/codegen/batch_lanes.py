@@ -24,7 +24,7 @@ from safeloc.codegen.c99_build import build, compiler
 from safeloc.codegen.lanes_code import to_lanes
 from safeloc.codegen.numpy_code import Array
 from safeloc.errors import InputError
-from safeloc.system import TransitionSystem
+from safeloc.language.system import TransitionSystem
 
 NATIVE = "-march=native"
 FLAGS = ("-O1",)  # of straight-line code -O2 makes nothing faster

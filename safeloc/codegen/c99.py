@@ -16,9 +16,9 @@ from safeloc.codegen.c99_layout import Layout, layout_of
 from safeloc.codegen.c99_source import source
 from safeloc.codegen.c99_terms import constant
 from safeloc.codegen.c99_vectors import Run, vectors
-from safeloc.expr import Bool
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem
+from safeloc.language.expr import Bool
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
 
 __all__ = ["STRICT", "Run", "library_texts", "to_c"]
 

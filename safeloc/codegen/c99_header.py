@@ -6,9 +6,9 @@ import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
 from safeloc.codegen.c99_layout import Field, Layout, remark, unit_of
-from safeloc.machine import Machine, Transition
-from safeloc.system import TransitionSystem
-from safeloc.units import Enumeration
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
 
 FIRST_INPUT_STATUS = 16
 

@@ -11,15 +11,15 @@ from typing import Literal
 
 from safeloc.codegen.c99_names import Names, names_of
 from safeloc.codegen.known import Known
-from safeloc.digest import declaration_digest
 from safeloc.errors import InputError
-from safeloc.expr import Bool, Expr, Num, NumVar, Var
-from safeloc.machine import Any_
-from safeloc.nodes import Past
-from safeloc.ranges import beyond_int64, bounds
-from safeloc.system import TransitionSystem, canonical
-from safeloc.terms import in_order
-from safeloc.units import Enumeration
+from safeloc.language.digest import declaration_digest
+from safeloc.language.expr import Bool, Expr, Num, NumVar, Var
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Past
+from safeloc.language.ranges import beyond_int64, bounds
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.terms import in_order
+from safeloc.language.units import Enumeration
 
 CType = Literal["int64_t", "int32_t", "uint8_t"]
 

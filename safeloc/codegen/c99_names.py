@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from safeloc.nodes import Expr, Lit, NumVar, Var
-from safeloc.system import TransitionSystem
-from safeloc.terms import in_order
-from safeloc.units import Enumeration
+from safeloc.language.nodes import Expr, Lit, NumVar, Var
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import in_order
+from safeloc.language.units import Enumeration
 
 KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int long register

@@ -12,9 +12,9 @@ from safeloc.codegen.c99_step import advance, blocks, locals_of, show
 from safeloc.codegen.c99_terms import CEIL_DIV, FLOOR_DIV, constant
 from safeloc.codegen.known import Known
 from safeloc.codegen.live import live
-from safeloc.machine import Any_
-from safeloc.nodes import INT64_MAX, INT64_MIN, Expr, Lit, NumVar, Truth, Var
-from safeloc.terms import Substitution
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, Expr, Lit, NumVar, Truth, Var
+from safeloc.language.terms import Substitution
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 

@@ -20,7 +20,7 @@ from safeloc.codegen.live import live
 from safeloc.codegen.python_blocks import Block, Blocks, End, Test
 from safeloc.codegen.python_cases import moves
 from safeloc.codegen.stages import Stage, at_once, stages
-from safeloc.nodes import Var
+from safeloc.language.nodes import Var
 
 LONGEST = 3  # cases: compilers have most of the work with long functions, and so have readers
 _WORD = re.compile(r"[A-Za-z_]\w*")

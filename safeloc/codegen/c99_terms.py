@@ -11,7 +11,7 @@ from typing import assert_never
 
 from safeloc.codegen.shapes import is_magnitude
 from safeloc.codegen.writing import Writing
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     INT64_MIN,
     Add,
     And,
@@ -35,7 +35,7 @@ from safeloc.nodes import (
     Truth,
     Var,
 )
-from safeloc.units import Enumeration
+from safeloc.language.units import Enumeration
 
 INT32_MAX = 2**31 - 1
 _OPPOSITE = {"<": ">=", "<=": ">", "==": "!="}

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from safeloc.codegen.c99_header import FIRST_INPUT_STATUS
 from safeloc.codegen.c99_layout import Field, Layout
 from safeloc.errors import InputError
-from safeloc.interpret import Values, outputs, read_inputs, start, step
-from safeloc.nodes import INT64_MAX, INT64_MIN, Value
+from safeloc.language.interpret import Values, outputs, read_inputs, start, step
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, Value
 
 REFUSED_EVERY = 7
 INT32_MIN, INT32_MAX, UINT8_MAX = -(2**31), 2**31 - 1, 255

@@ -19,10 +19,10 @@ from safeloc.codegen.c99 import library_texts
 from safeloc.codegen.c99_build import build
 from safeloc.codegen.c99_layout import Field, Layout, layout_of
 from safeloc.errors import InputError
-from safeloc.expr import Bool, BoolVar, Var
-from safeloc.interpret import fired_names, read_inputs, start
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem
+from safeloc.language.expr import Bool, BoolVar, Var
+from safeloc.language.interpret import fired_names, read_inputs, start
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
 
 _CTYPES: Mapping[str, Any] = {"int64_t": ctypes.c_int64, "int32_t": ctypes.c_int32, "uint8_t": ctypes.c_uint8}
 

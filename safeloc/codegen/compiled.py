@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from safeloc.codegen.python_code import terms_to_python, to_python
-from safeloc.interpret import fired_names, read_inputs, start
-from safeloc.nodes import Expr, Value, Var
-from safeloc.system import TransitionSystem
+from safeloc.language.interpret import fired_names, read_inputs, start
+from safeloc.language.nodes import Expr, Value, Var
+from safeloc.language.system import TransitionSystem
 
 __all__ = ["Compiled", "Row", "Tick", "compile_system", "compile_terms", "to_python"]
 

@@ -6,10 +6,10 @@ import html
 import math
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Num
-from safeloc.machine import Machine
-from safeloc.render import infix
-from safeloc.terms import Sharing
+from safeloc.language.expr import Bool, Num
+from safeloc.language.machine import Machine
+from safeloc.language.render import infix
+from safeloc.language.terms import Sharing
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from safeloc.codegen.c99_layout import Layout
 from safeloc.codegen.fmi3_variables import Variable
-from safeloc.units import Enumeration
+from safeloc.language.units import Enumeration
 
 
 def token(layout: Layout) -> str:

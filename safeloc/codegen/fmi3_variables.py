@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from safeloc.codegen.c99_layout import Field, Layout, unit_of
-from safeloc.nodes import Value
-from safeloc.units import Enumeration
+from safeloc.language.nodes import Value
+from safeloc.language.units import Enumeration
 
 Causality = Literal["input", "output", "parameter", "local"]
 PLACES: Mapping[Causality, str] = {"input": "inputs", "output": "outputs", "parameter": "first", "local": "state"}

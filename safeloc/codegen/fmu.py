@@ -19,9 +19,9 @@ from safeloc.codegen.c99_layout import layout_of
 from safeloc.codegen.fmi3_description import build_description, description
 from safeloc.codegen.fmi3_source import unit_source
 from safeloc.codegen.fmi3_variables import variables_of
-from safeloc.expr import Bool
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem
+from safeloc.language.expr import Bool
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same machine gives the same file, whenever it is made
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 from safeloc.codegen.shapes import is_magnitude
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     FALSE,
     TRUE,
     Add,
@@ -35,8 +35,8 @@ from safeloc.nodes import (
     all_of,
     any_of,
 )
-from safeloc.terms import children, rebuilt
-from safeloc.units import Enumeration
+from safeloc.language.terms import children, rebuilt
+from safeloc.language.units import Enumeration
 
 MOST_VALUES = 16
 _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {

@@ -14,8 +14,8 @@ from safeloc.codegen.c99_terms import constant
 from safeloc.codegen.known import Known, work
 from safeloc.codegen.shapes import is_magnitude, merged, operations
 from safeloc.codegen.stages import Stage, at_once, stages
-from safeloc.expr import FALSE, BoolVar, Expr, Lit, Num, NumVar, Var
-from safeloc.nodes import (
+from safeloc.language.expr import FALSE, BoolVar, Expr, Lit, Num, NumVar, Var
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,
@@ -32,8 +32,8 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
-from safeloc.system import TransitionSystem
-from safeloc.terms import variables
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import variables
 
 WORTH = 1 / 8  # a message is looked for where it makes this share of a machine's work
 LEAST_WORK = 50

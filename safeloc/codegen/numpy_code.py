@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from safeloc.codegen.known import Known
 from safeloc.codegen.shapes import is_magnitude, merged, operands, operations
-from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
-from safeloc.nodes import (
+from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from safeloc.codegen.known import Known, implied
 from safeloc.codegen.writing import Writing
-from safeloc.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
+from safeloc.language.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
 
 FEWEST_REASONS = 3
 DEEPEST = 40  # Python itself refuses more than 100 levels of indentation

@@ -18,7 +18,7 @@ from functools import cached_property
 from safeloc.codegen.known import Known, implied, work
 from safeloc.codegen.python_blocks import Block, Blocks, Statement, Targets, Test
 from safeloc.codegen.shapes import chain
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     FALSE,
     TRUE,
     And,
@@ -36,8 +36,8 @@ from safeloc.nodes import (
     Truth,
     any_of,
 )
-from safeloc.system import TransitionSystem
-from safeloc.terms import in_order
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import in_order
 
 WORTH = 1 / 8  # a case must save this share of the work
 LONGEST = 5

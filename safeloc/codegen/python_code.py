@@ -11,9 +11,9 @@ from safeloc.codegen.python_cases import moves
 from safeloc.codegen.python_terms import PythonTerms
 from safeloc.codegen.stages import Stage, stages
 from safeloc.errors import InputError
-from safeloc.nodes import Expr, Past, Var
-from safeloc.system import TransitionSystem
-from safeloc.terms import in_order
+from safeloc.language.nodes import Expr, Past, Var
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import in_order
 
 
 def to_python(system: TransitionSystem) -> str:

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from safeloc.codegen.shapes import is_magnitude
 from safeloc.codegen.writing import Writing
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     Add,
     And,
     Bool,

@@ -19,9 +19,9 @@ from transitions.extensions.asyncio import AsyncMachine
 
 from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.errors import InputError
-from safeloc.machine import Machine
-from safeloc.nodes import Value
-from safeloc.system import lower, without_ghosts
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 
 TRIGGER = "tick"
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     FALSE,
     TRUE,
     Bool,
@@ -33,7 +33,7 @@ from safeloc.nodes import (
     all_of,
     any_of,
 )
-from safeloc.terms import Sharing, children, in_order, rebuilt
+from safeloc.language.terms import Sharing, children, in_order, rebuilt
 
 SHORTEST_TABLE = 3
 

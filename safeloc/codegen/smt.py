@@ -11,8 +11,8 @@ from typing import Any, assert_never
 
 import z3
 
-from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var, all_of
-from safeloc.nodes import (
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var, all_of
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,
@@ -30,8 +30,8 @@ from safeloc.nodes import (
     Truth,
     Value,
 )
-from safeloc.system import TransitionSystem, environment, in_range
-from safeloc.terms import in_order
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import in_order
 
 
 class Terms:

@@ -12,8 +12,8 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar, assert_never
 
-from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
-from safeloc.nodes import (
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,
@@ -30,7 +30,7 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
-from safeloc.terms import in_order
+from safeloc.language.terms import in_order
 
 _TAKEN = re.compile(
     r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"

@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from safeloc.nodes import Expr, Num, NumVar, Var
-from safeloc.system import TransitionSystem
-from safeloc.terms import Substitution, variables
+from safeloc.language.nodes import Expr, Num, NumVar, Var
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from safeloc.codegen.shapes import is_magnitude
-from safeloc.nodes import Expr, Lit, Max, Min, Truth, Var
-from safeloc.terms import children
+from safeloc.language.nodes import Expr, Lit, Max, Min, Truth, Var
+from safeloc.language.terms import children
 
 LONGEST_INLINE = 12
 

@@ -30,7 +30,7 @@ from safeloc.embedding.making import NotCopiedError, a_mapping, as_expected, as_
 from safeloc.embedding.program import Program
 from safeloc.embedding.report import Report
 from safeloc.errors import InputError
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 from safeloc.streams.cycles import Cycle, CycleBuilder
 from safeloc.streams.records import Record, Unusable
 from safeloc.target import Target

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from safeloc.border import Channel
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, NumVar, Var
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem
-from safeloc.units import Enumeration
+from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
 
 Told = Mapping[int, Value]
 """Place in the row -> value: what a step is told. Presence flags follow from it."""

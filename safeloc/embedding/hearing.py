@@ -10,9 +10,9 @@ from safeloc.border import Channel, Fault, Reason
 from safeloc.codegen.compiled import Row
 from safeloc.embedding.entries import Entry, Told, beginnings, entries_of, limits, routes_of
 from safeloc.errors import InputError
-from safeloc.expr import NumVar
+from safeloc.language.expr import NumVar
+from safeloc.language.system import TransitionSystem, canonical, without_ghosts
 from safeloc.streams.cycles import Places
-from safeloc.system import TransitionSystem, canonical, without_ghosts
 from safeloc.target import Target
 
 

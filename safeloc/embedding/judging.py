@@ -8,9 +8,9 @@ from safeloc.border import Fault, Reason
 from safeloc.embedding.entries import Told
 from safeloc.embedding.hearing import Hearing
 from safeloc.errors import InputError
-from safeloc.expr import NumVar, Var
-from safeloc.interpret import admitted
-from safeloc.nodes import Value
+from safeloc.language.expr import NumVar, Var
+from safeloc.language.interpret import admitted
+from safeloc.language.nodes import Value
 from safeloc.streams.records import Record, TruthRecord, Unusable
 
 

@@ -13,8 +13,8 @@ from safeloc.codegen.compiled import Row
 from safeloc.embedding.program import Program
 from safeloc.embedding.snapshot import opened, require_same, sealed
 from safeloc.errors import InputError, SnapshotError
-from safeloc.interpret import admitted
-from safeloc.nodes import Value
+from safeloc.language.interpret import admitted
+from safeloc.language.nodes import Value
 
 Whole = Annotated[int, Field(ge=0)]
 Delivered = Mapping[str, tuple[int, int | None]]

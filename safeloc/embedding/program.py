@@ -12,15 +12,15 @@ from typing import Any
 
 from safeloc.border import Fault
 from safeloc.codegen.compiled import Compiled, Row, compile_system
-from safeloc.digest import declaration_digest
 from safeloc.embedding.hearing import Hearing
 from safeloc.embedding.report import Interval, Move, Report
-from safeloc.expr import Num
-from safeloc.machine import Machine
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem
+from safeloc.language.digest import declaration_digest
+from safeloc.language.expr import Num
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
 from safeloc.target import Target
-from safeloc.units import Enumeration
 
 
 @dataclass(frozen=True, eq=False)

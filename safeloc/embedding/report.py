@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from safeloc.border import Fault
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 from safeloc.reported import Standing
 
 MM_PER_M = 1_000

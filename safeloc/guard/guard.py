@@ -16,11 +16,11 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.tracks import Match, Tracks, Window
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 from safeloc.line.places import Place
 from safeloc.models.guard import build
 from safeloc.models.guard_parts.variables import FARTHEST_OFF_MM, FAULT, JUDGED, NM_PER_MM, GuardConfig, parts
-from safeloc.nodes import Value
-from safeloc.system import lower, without_ghosts
 
 MODES = ("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
 BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}

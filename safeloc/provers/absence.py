@@ -11,9 +11,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import Bool, BoolVar, Expr, Num, NumVar, Optional, Var, all_of, as_num, ite
-from safeloc.folding import Folding
-from safeloc.nodes import FALSE
+from safeloc.language.expr import Bool, BoolVar, Expr, Num, NumVar, Optional, Var, all_of, as_num, ite
+from safeloc.language.folding import Folding
+from safeloc.language.nodes import FALSE
+from safeloc.language.system import TransitionSystem, in_range
+from safeloc.language.terms import Substitution, variables
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.provers.base import Base, base
 from safeloc.provers.facts import about
 from safeloc.provers.implication import Refuted, Undecided, unproved
@@ -23,10 +27,6 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.reachability import happens, without_assumption
 from safeloc.provers.recheck import ENGINE
 from safeloc.provers.settle import UNCONFIRMED, settled
-from safeloc.system import TransitionSystem, in_range
-from safeloc.terms import Substitution, variables
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 TOLD = 3  # readings that stay open are told so many at the most, the others counted
 Reading = tuple[str, str]

@@ -11,10 +11,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from safeloc.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import TRUE, Bool
-from safeloc.interpret import run
+from safeloc.language.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
+from safeloc.language.expr import TRUE, Bool
+from safeloc.language.interpret import run
+from safeloc.language.spec import Goal, Property, watch
+from safeloc.language.system import TransitionSystem, environment, first_without_the_world, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict
 from safeloc.provers.base import base
 from safeloc.provers.implication import unproved
 from safeloc.provers.kinduction import given_facts, kinduction
@@ -26,11 +31,6 @@ from safeloc.provers.recorded import Recording, come_to
 from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import PackedTrace, pack_trace, unpack_trace
 from safeloc.provers.workers import Lost, Task
-from safeloc.spec import Goal, Property, watch
-from safeloc.system import TransitionSystem, environment, first_without_the_world, in_range
-from safeloc.terms import Substitution
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Vacuous, Verdict
 
 __all__ = ["Case", "Found", "antecedents", "found", "remember", "search_task"]
 

@@ -6,8 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import Bool, Expr, Lit, Num, NumVar, all_of, between
-from safeloc.nodes import INT64_MAX, INT64_MIN, FloorDiv, Mul
+from safeloc.language.expr import Bool, Expr, Lit, Num, NumVar, all_of, between
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, FloorDiv, Mul
+from safeloc.language.ranges import beyond_int64
+from safeloc.language.render import infix
+from safeloc.language.spec import Goal, observe, reachable
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import in_order
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.provers.base import Base, base
 from safeloc.provers.facts import about, range_of
 from safeloc.provers.limits import Limits, deadline
@@ -16,12 +22,6 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.reachability import happens, without_assumption
 from safeloc.provers.recheck import ENGINE
 from safeloc.provers.settle import settled, settled_but
-from safeloc.ranges import beyond_int64
-from safeloc.render import infix
-from safeloc.spec import Goal, observe, reachable
-from safeloc.system import TransitionSystem, environment, in_range
-from safeloc.terms import in_order
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 # ------------------------------------------------------------------ ranges
 

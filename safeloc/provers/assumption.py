@@ -14,16 +14,16 @@ from dataclasses import dataclass, replace
 import z3
 
 from safeloc.codegen.smt import Unrolling
-from safeloc.expr import Var
-from safeloc.nodes import Value
+from safeloc.language.expr import Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.provers.dead_ends import LASTS, NO_RUN, lasts
 from safeloc.provers.evidence import admissible_run
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.obligation import Obligation
 from safeloc.provers.recorded import Recording, lasting
-from safeloc.system import TransitionSystem
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 
 ASSUMPTION_STEPS = 5
 RECORDED_STEPS = 65  # of a recorded run that is to show how inputs move

@@ -18,14 +18,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import Bool, NumVar
+from safeloc.language.expr import Bool, NumVar
+from safeloc.language.system import Part, TransitionSystem, environment, first_without_the_world, in_range
+from safeloc.language.terms import Substitution, variables
 from safeloc.provers.facts import Fact, about, range_of
 from safeloc.provers.implication import Failure, Undecided, unproved
 from safeloc.provers.inherited import Alone, inherit
 from safeloc.provers.limits import Deadline, deadline
 from safeloc.provers.recheck import certify
-from safeloc.system import Part, TransitionSystem, environment, first_without_the_world, in_range
-from safeloc.terms import Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import z3
 
 from safeloc.codegen.smt import Unrolling
+from safeloc.language.spec import Goal, Watch
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.limits import Limits
-from safeloc.spec import Goal, Watch
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 
 @dataclass(frozen=True)

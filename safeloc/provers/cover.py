@@ -12,14 +12,14 @@ from enum import Enum
 import z3
 
 from safeloc.codegen.smt import Terms, constant
-from safeloc.expr import Bool, NumVar, Var, all_of, any_of
-from safeloc.interpret import holds
-from safeloc.nodes import Value
+from safeloc.language.expr import Bool, NumVar, Var, all_of, any_of
+from safeloc.language.interpret import holds
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.terms import Substitution, variables
 from safeloc.provers.implication import conjuncts
 from safeloc.provers.limits import Deadline, milliseconds
 from safeloc.provers.witness_functions import Generalisation, Witness, at_rest, constants
-from safeloc.system import TransitionSystem, environment
-from safeloc.terms import Substitution, variables
 
 FIRST_SECONDS = 3.0  # for one question; what takes longer with one seed is often quick with another
 State = Mapping[Var, Value]

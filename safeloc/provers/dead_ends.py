@@ -18,9 +18,12 @@ import z3
 from safeloc.codegen.smt import Unrolling
 from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
-from safeloc.expr import TRUE, Bool, all_of
-from safeloc.interpret import start, step
-from safeloc.nodes import Value
+from safeloc.language.expr import TRUE, Bool, all_of
+from safeloc.language.interpret import start, step
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Property, always, observe
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.provers.base import Base, base, remember
 from safeloc.provers.cover import Cover, Group, Learned, State, cover_facts
 from safeloc.provers.evidence import admissible_run
@@ -32,9 +35,6 @@ from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.recheck import ENGINE, certify, file_name
 from safeloc.provers.recorded import Recording, lawful_part
 from safeloc.provers.spacer import spacer
-from safeloc.spec import Goal, Property, always, observe
-from safeloc.system import TransitionSystem
-from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 
 LASTS = "the assumption can be kept for ever"
 NO_RUN = "no run keeps the assumption: every proof under it would be empty"

@@ -10,16 +10,16 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 
-from safeloc.expr import Var
-from safeloc.interpret import start
-from safeloc.nodes import Value
+from safeloc.language.expr import Var
+from safeloc.language.interpret import start
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, watch
+from safeloc.language.system import environment
+from safeloc.language.trace import Trace
 from safeloc.provers.evidence import confirmed
 from safeloc.runs.allowed import compiled_terms
 from safeloc.runs.lawful import NoFirstStateError, Repair, first_state
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE, Profile
-from safeloc.spec import Goal, watch
-from safeloc.system import environment
-from safeloc.trace import Trace
 
 LENGTHS = (5, 5, 5, 15, 15, 40)
 """Steps of one run after the other, short ones first, so that what comes early is shown by a short run."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.errors import EngineError, InputError
-from safeloc.expr import Var
-from safeloc.interpret import fired_names, holds, outputs, read_inputs, run, start, step
-from safeloc.nodes import Value
-from safeloc.spec import Goal
-from safeloc.system import TransitionSystem, environment
-from safeloc.trace import Step, Trace
+from safeloc.language.expr import Var
+from safeloc.language.interpret import fired_names, holds, outputs, read_inputs, run, start, step
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.trace import Step, Trace
 
 
 def replayed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[str, object]]) -> Trace | None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.composition import contract_text
-from safeloc.expr import NumVar
-from safeloc.system import Part, TransitionSystem
+from safeloc.language.composition import contract_text
+from safeloc.language.expr import NumVar
+from safeloc.language.system import Part, TransitionSystem
 
 
 @dataclass(frozen=True, order=True)

@@ -18,17 +18,17 @@ import z3
 from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.codegen.smt import Unrolling
 from safeloc.errors import InputError
-from safeloc.expr import NumVar, Var
-from safeloc.machine import Any_
-from safeloc.nodes import Value
+from safeloc.language.expr import NumVar, Var
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Unknown, Verdict, Violated
 from safeloc.provers.limits import Deadline, Limits, deadline, milliseconds
 from safeloc.provers.shorten import shortened
 from safeloc.runs.allowed import Slack
 from safeloc.runs.lawful import Repair, first_state
 from safeloc.runs.profiles import Profile
-from safeloc.spec import Goal
-from safeloc.units import Enumeration
-from safeloc.verdict import Unknown, Verdict, Violated
 
 LONGEST = 250
 FINISH_STEPS = 6

@@ -5,10 +5,10 @@ from __future__ import annotations
 import z3
 
 from safeloc.codegen.smt import Unrolling
-from safeloc.expr import TRUE
+from safeloc.language.expr import TRUE
+from safeloc.language.spec import Goal
+from safeloc.language.verdict import Unknown, Vacuous
 from safeloc.provers.limits import milliseconds
-from safeloc.spec import Goal
-from safeloc.verdict import Unknown, Vacuous
 
 EMPTY = "empty: no run keeps what the property is given, so that nothing is said by its proof"
 

@@ -11,11 +11,11 @@ import z3
 from safeloc.cache.answers import keep_proved, keeping, proved_before
 from safeloc.codegen.smt import Terms, constant
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
-from safeloc.expr import Bool, Var
-from safeloc.nodes import And, Value
+from safeloc.language.expr import Bool, Var
+from safeloc.language.nodes import And, Value
+from safeloc.language.terms import variables
+from safeloc.language.trace import shown
 from safeloc.provers.limits import Deadline, deadline, milliseconds
-from safeloc.terms import variables
-from safeloc.trace import shown
 
 
 @dataclass(frozen=True)

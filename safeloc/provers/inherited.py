@@ -16,16 +16,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.codegen.smtlib import Query
-from safeloc.composition import lemma_name
-from safeloc.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.language.composition import lemma_name
+from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.language.spec import Property, always
+from safeloc.language.system import Part, TransitionSystem, environment
+from safeloc.language.terms import Substitution
 from safeloc.provers.facts import Fact, about, heard_by, owed_to, range_of
 from safeloc.provers.implication import Failure, Undecided, conjuncts, unproved
 from safeloc.provers.limits import deadline
 from safeloc.provers.recheck import certify
 from safeloc.provers.relevance import Relevance
-from safeloc.spec import Property, always
-from safeloc.system import Part, TransitionSystem, environment
-from safeloc.terms import Substitution
 
 PATIENCE = 3  # a contract speaks of several machines at once, and without it nothing of its machine is known
 

@@ -10,17 +10,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
+from safeloc.language.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
+from safeloc.language.spec import Goal
+from safeloc.language.system import environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.provers.base import Base, base
 from safeloc.provers.facts import about
 from safeloc.provers.given import nothing_given
 from safeloc.provers.implication import Undecided, conjuncts, unproved
 from safeloc.provers.limits import Limits, deadline
 from safeloc.provers.recheck import ENGINE, certify
-from safeloc.spec import Goal
-from safeloc.system import environment, in_range
-from safeloc.terms import Substitution
-from safeloc.verdict import Proved, Unknown, Verdict
 
 
 def kinduction(goal: Goal, limits: Limits) -> Verdict:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from safeloc.expr import Bool, NumVar
+from safeloc.language.expr import Bool, NumVar
+from safeloc.language.system import TransitionSystem
 from safeloc.provers.base import base
 from safeloc.provers.facts import range_of
-from safeloc.system import TransitionSystem
 
 SECONDS = 120.0
 """For the system, and of a composition for each of its machines; the largest shipped one takes about a minute."""

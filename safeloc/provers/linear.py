@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from safeloc.expr import Expr, Lit, Num, NumVar, Var
-from safeloc.nodes import Add, FloorDiv, Max, Min, Mul, Sub, Truth, Value
-from safeloc.system import canonical
-from safeloc.terms import Substitution
-from safeloc.units import ONE
+from safeloc.language.expr import Expr, Lit, Num, NumVar, Var
+from safeloc.language.nodes import Add, FloorDiv, Max, Min, Mul, Sub, Truth, Value
+from safeloc.language.system import canonical
+from safeloc.language.terms import Substitution
+from safeloc.language.units import ONE
 
 MOST_PAIRS = 400  # of bounds that are set against each other when one input is solved for; more are left out
 

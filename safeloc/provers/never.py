@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from safeloc.language.spec import Goal
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.provers.reachability import first_runs
 from safeloc.provers.spacer import spacer
-from safeloc.spec import Goal
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 
 def never(goal: Goal, why: str, limits: Limits) -> Verdict:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.verdict import Verdict
+from safeloc.language.verdict import Verdict
 
 
 @dataclass(frozen=True, eq=False)

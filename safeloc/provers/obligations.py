@@ -17,7 +17,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-from safeloc.expr import TRUE
+from safeloc.language.expr import TRUE
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.verdict import Unknown
 from safeloc.provers import antecedents
 from safeloc.provers.absence import absence
 from safeloc.provers.arithmetic import division, overflow, ranges
@@ -31,9 +34,6 @@ from safeloc.provers.recorded import Recording
 from safeloc.provers.transfer import Packed, pack, unpack
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
-from safeloc.spec import Property
-from safeloc.system import TransitionSystem, first_without_the_world
-from safeloc.verdict import Unknown
 
 Check = Callable[[TransitionSystem, Limits], Iterator[Obligation]]
 CHECKS: dict[str, Check] = {

@@ -12,15 +12,15 @@ from dataclasses import dataclass, replace
 import z3
 
 from safeloc.codegen.smt import Unrolling
-from safeloc.expr import BoolVar, Var
-from safeloc.nodes import Value
+from safeloc.language.expr import BoolVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
 from safeloc.provers.evidence import confirmed
 from safeloc.provers.limits import Deadline, milliseconds
 from safeloc.provers.recorded import Recording, Replay, known_first
-from safeloc.spec import Goal
-from safeloc.system import TransitionSystem
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
 
 FURTHER = 3
 MOST_STARTS = 80

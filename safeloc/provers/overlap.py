@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import Bool
-from safeloc.machine import Machine, Transition
+from safeloc.language.expr import Bool
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.verdict import Proved, Verdict, Violated
 from safeloc.provers.base import base
 from safeloc.provers.facts import about
 from safeloc.provers.implication import Failure, Refuted
@@ -17,8 +19,6 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.reachability import happens, without_assumption
 from safeloc.provers.recheck import ENGINE
 from safeloc.provers.settle import settled_but
-from safeloc.system import TransitionSystem, environment
-from safeloc.verdict import Proved, Verdict, Violated
 
 Rows = tuple[int, int]
 """Numbers of two rows of a table, from 1."""

@@ -12,9 +12,13 @@ from functools import partial
 from typing import Literal, assert_never
 
 from safeloc.codegen.smtlib import Query
-from safeloc.composition import inherited_term
 from safeloc.errors import PropertyError
-from safeloc.expr import TRUE
+from safeloc.language.composition import inherited_term
+from safeloc.language.expr import TRUE
+from safeloc.language.spec import Goal, Property, always, observe
+from safeloc.language.system import Part, TransitionSystem, in_range
+from safeloc.language.terms import alike, variables
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.provers import antecedents
 from safeloc.provers.base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.provers.bmc import Exhausted, bmc, search
@@ -33,10 +37,6 @@ from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
 from safeloc.provers.workers import Lost, Task, in_processes
 from safeloc.results import Finding
-from safeloc.spec import Goal, Property, always, observe
-from safeloc.system import Part, TransitionSystem, in_range
-from safeloc.terms import alike, variables
-from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 
 GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes

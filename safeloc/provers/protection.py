@@ -13,8 +13,8 @@ from typing import Any
 import z3
 
 from safeloc.errors import EngineError, InputError
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.provers.limits import milliseconds
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 
 def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: int, seconds: float = 10) -> Verdict:

@@ -12,8 +12,13 @@ import z3
 
 from safeloc.codegen.smt import Unrolling
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import Bool, Lit, NumVar, before, was
-from safeloc.machine import Machine
+from safeloc.language.expr import Bool, Lit, NumVar, before, was
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Goal, Watch, observe, reachable, watch
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.provers.base import Base, base
 from safeloc.provers.bmc import run_of
 from safeloc.provers.drawn import drawn
@@ -25,11 +30,6 @@ from safeloc.provers.obligation import Obligation
 from safeloc.provers.recorded import Recording, shown
 from safeloc.provers.relevance import Relevance
 from safeloc.provers.spacer import spacer
-from safeloc.spec import Goal, Watch, observe, reachable, watch
-from safeloc.system import TransitionSystem, environment, in_range
-from safeloc.terms import Substitution
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Verdict, Violated
 
 # ------------------------------------------------------------------ search for many targets at once
 

@@ -10,9 +10,9 @@ from typing import cast
 
 import z3
 
-from safeloc.expr import Bool, Expr, Lit, Num, Var
-from safeloc.nodes import Add, And, Choose, ChooseBool, Compare, FloorDiv, Mul, Or, Sub, Truth
-from safeloc.units import ONE
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var
+from safeloc.language.nodes import Add, And, Choose, ChooseBool, Compare, FloorDiv, Mul, Or, Sub, Truth
+from safeloc.language.units import ONE
 
 
 class UnreadableError(Exception):

@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 from safeloc.errors import EngineError, InputError
-from safeloc.expr import Bool, Var
-from safeloc.interpret import Program, fired_names, holds, outputs, read_inputs, start, step
-from safeloc.nodes import Value
+from safeloc.language.expr import Bool, Var
+from safeloc.language.interpret import Program, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Watch, watch
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.trace import Step, Trace
 from safeloc.provers.limits import Deadline
 from safeloc.runs.allowed import compiled_terms
-from safeloc.spec import Goal, Watch, watch
-from safeloc.system import TransitionSystem, environment
-from safeloc.trace import Step, Trace
 
 Values = Mapping[Var, Value]
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from safeloc.expr import Bool, Expr, Var
-from safeloc.nodes import Node
+from safeloc.language.expr import Bool, Expr, Var
+from safeloc.language.nodes import Node
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import children, in_order
 from safeloc.provers.implication import conjuncts
-from safeloc.system import TransitionSystem
-from safeloc.terms import children, in_order
 
 
 class Relevance:

@@ -10,13 +10,13 @@ from dataclasses import replace
 
 from safeloc.codegen.compiled import compile_system
 from safeloc.errors import EngineError
-from safeloc.expr import BoolVar, NumVar, Var
-from safeloc.nodes import Value
+from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem, canonical, environment
+from safeloc.language.trace import Trace
 from safeloc.provers.evidence import replayed
 from safeloc.provers.limits import Deadline, deadline
-from safeloc.spec import Goal
-from safeloc.system import TransitionSystem, canonical, environment
-from safeloc.trace import Trace
 
 SECONDS = 3.0
 Record = dict[str, Value]

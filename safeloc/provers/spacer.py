@@ -14,7 +14,11 @@ import z3
 from safeloc.codegen.smt import Terms, constant
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.expr import TRUE, Bool, all_of
+from safeloc.language.expr import TRUE, Bool, all_of
+from safeloc.language.spec import Goal
+from safeloc.language.system import environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.provers.base import Base, base
 from safeloc.provers.facts import about
 from safeloc.provers.given import nothing_given
@@ -23,10 +27,6 @@ from safeloc.provers.kinduction import given_facts
 from safeloc.provers.limits import Deadline, Limits, deadline
 from safeloc.provers.reading import UnreadableError, read_bool
 from safeloc.provers.recheck import ENGINE, certify
-from safeloc.spec import Goal
-from safeloc.system import environment, in_range
-from safeloc.terms import Substitution
-from safeloc.verdict import Proved, Unknown, Verdict
 
 
 def spacer(goal: Goal, limits: Limits) -> Verdict:

@@ -10,16 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, assert_never
 
-from safeloc.expr import TRUE, Bool, Expr, Var
-from safeloc.interpret import run
-from safeloc.nodes import Value
+from safeloc.language.expr import TRUE, Bool, Expr, Var
+from safeloc.language.interpret import run
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.terms import in_order
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.provers.base import Base
 from safeloc.provers.facts import Fact
 from safeloc.provers.implication import Failure
-from safeloc.system import TransitionSystem, first_without_the_world
-from safeloc.terms import in_order
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 
 Flat = tuple[Any, ...]
 

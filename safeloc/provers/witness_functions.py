@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
-from safeloc.interpret import evaluate
-from safeloc.nodes import (
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
+from safeloc.language.interpret import evaluate
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,
@@ -29,10 +29,10 @@ from safeloc.nodes import (
     Truth,
     Value,
 )
+from safeloc.language.system import canonical
+from safeloc.language.terms import children, in_order
+from safeloc.language.units import ONE
 from safeloc.provers.linear import Linear, constant_of, solved
-from safeloc.system import canonical
-from safeloc.terms import children, in_order
-from safeloc.units import ONE
 
 Witness = Mapping[Var, Expr]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 from safeloc.pictures import Deviation, Things
 from safeloc.report.drawing import (
     BLUE,

@@ -22,14 +22,14 @@ from jinja2 import UndefinedError
 
 from safeloc.catalogue import Target
 from safeloc.errors import InputError
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 from safeloc.report import certificates, kept
 from safeloc.report.data import SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
 from safeloc.results import Finding
 from safeloc.streams.columns import Shown, runs_file
-from safeloc.trace import Trace
-from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 
 PAGE, JUNIT = "index.html", "junit.xml"
 OWN = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
+from safeloc.language.verdict import Violated
 from safeloc.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
@@ -17,7 +18,6 @@ from safeloc.report.told import Broken, Told
 from safeloc.report.waterfall import waterfall_picture, waterfall_table
 from safeloc.results import Finding, Replayed
 from safeloc.target import Target
-from safeloc.verdict import Violated
 
 
 def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from safeloc.codegen.compiled import compile_terms
-from safeloc.expr import Bool, Expr, NumVar, Var
-from safeloc.interpret import Program, evaluate
-from safeloc.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
-from safeloc.terms import in_order, variables
-from safeloc.units import ONE
+from safeloc.language.expr import Bool, Expr, NumVar, Var
+from safeloc.language.interpret import Program, evaluate
+from safeloc.language.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
+from safeloc.language.terms import in_order, variables
+from safeloc.language.units import ONE
 
 Segment = tuple[int, int]
 

@@ -15,16 +15,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from safeloc.codegen.compiled import Row, compile_system
-from safeloc.expr import BoolVar, Expr, Var
-from safeloc.nodes import Value
+from safeloc.language.expr import BoolVar, Expr, Var
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property, observe, watch
+from safeloc.language.system import TransitionSystem, environment, first_without_the_world
+from safeloc.language.trace import Trace
 from safeloc.provers.shorten import shortened
 from safeloc.runs.allowed import Slack
 from safeloc.runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
 from safeloc.runs.occurring import Key, Occurring
 from safeloc.runs.profiles import Profile
-from safeloc.spec import Property, observe, watch
-from safeloc.system import TransitionSystem, environment, first_without_the_world
-from safeloc.trace import Trace
 
 
 @dataclass

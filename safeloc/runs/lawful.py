@@ -12,12 +12,12 @@ import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Lit, NumVar, Var
-from safeloc.interpret import start
-from safeloc.machine import Any_
-from safeloc.nodes import Value
+from safeloc.language.expr import BoolVar, Lit, NumVar, Var
+from safeloc.language.interpret import start
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical
 from safeloc.runs.allowed import Condition, Segment, common, conjuncts
-from safeloc.system import TransitionSystem, canonical
 
 REPAIRS = 20
 ATTEMPTS = 5

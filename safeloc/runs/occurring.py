@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import compress
 
-from safeloc.antecedents import cases, of_states, seen
 from safeloc.codegen.compiled import Row
-from safeloc.expr import Bool, Expr, Var
-from safeloc.machine import Initial
-from safeloc.nodes import Past, Value
+from safeloc.language.antecedents import cases, of_states, seen
+from safeloc.language.expr import Bool, Expr, Var
+from safeloc.language.machine import Initial
+from safeloc.language.nodes import Past, Value
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import in_order, variables
 from safeloc.runs.allowed import compiled_terms
-from safeloc.spec import Property
-from safeloc.system import TransitionSystem
-from safeloc.terms import in_order, variables
 
 Key = tuple[int, int]
 """Number of the property, and of its case."""

@@ -16,11 +16,11 @@ import weakref
 from collections.abc import Mapping
 from fractions import Fraction
 
-from safeloc.expr import BoolVar, Num, NumVar, Var
-from safeloc.nodes import Value
+from safeloc.language.expr import BoolVar, Num, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.units import COUNT, Enumeration
 from safeloc.runs.lawful import Pick, any_end
-from safeloc.system import TransitionSystem, canonical
-from safeloc.units import COUNT, Enumeration
 
 PLAUSIBLE = ("steady", "steady", "ramp", "standstill", "reversal", "ends", "random")
 FAULTY = ("stuck", "silent", "zero", "scaled", "ends", "random")

@@ -12,13 +12,13 @@ import weakref
 from collections.abc import Iterable, Mapping, Sequence
 
 from safeloc.errors import EngineError
-from safeloc.expr import Expr, Var
-from safeloc.interpret import Program, fired_names, read_inputs, start
-from safeloc.nodes import Value
+from safeloc.language.expr import Expr, Var
+from safeloc.language.interpret import Program, fired_names, read_inputs, start
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import variables
+from safeloc.language.trace import Step, Trace
 from safeloc.runs.allowed import compiled_terms
-from safeloc.system import TransitionSystem
-from safeloc.terms import variables
-from safeloc.trace import Step, Trace
 
 SAMPLED = 50
 

@@ -10,15 +10,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from safeloc.codegen.c99_vectors import Run
-from safeloc.expr import Var
-from safeloc.interpret import start, step
-from safeloc.nodes import Value
+from safeloc.language.expr import Var
+from safeloc.language.interpret import start, step
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.trace import present_inputs
 from safeloc.runs.lawful import Repair, first_state
 from safeloc.runs.profiles import FAULTY, PLAUSIBLE, Profile
 from safeloc.streams.steps import Cell, read_steps
-from safeloc.system import TransitionSystem, without_ghosts
 from safeloc.target import Target
-from safeloc.trace import present_inputs
 
 STRETCH = 12
 

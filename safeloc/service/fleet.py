@@ -10,7 +10,7 @@ from typing import Any, assert_never
 
 from safeloc.embedding import Controller, Program
 from safeloc.errors import SnapshotError
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 from safeloc.service.by_records import RecordsVehicle
 from safeloc.service.by_steps import StepsVehicle
 from safeloc.service.lines import Line

@@ -8,6 +8,7 @@ from functools import partial
 
 from pydantic import BaseModel
 
+from safeloc.language.system import lower
 from safeloc.models import (
     balise,
     reflector,
@@ -36,7 +37,6 @@ from safeloc.properties import turn_off as turn_off_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import recorded, single
 from safeloc.streams.steps import Cell
-from safeloc.system import lower
 from safeloc.target import Entry, Target
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from pydantic import BaseModel
 
+from safeloc.language.spec import Property
 from safeloc.models import (
     satellite,
     satellite_selection,
@@ -18,7 +19,6 @@ from safeloc.properties import satellite_selection as selection_properties
 from safeloc.reported import Reported
 from safeloc.shipped.making import recorded, single
 from safeloc.signals.satellite.channels import satellite_name
-from safeloc.spec import Property
 from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
 

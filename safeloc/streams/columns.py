@@ -23,12 +23,12 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.errors import SafelocError, StreamError
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
+from safeloc.language.trace import Trace, present_inputs
 from safeloc.outside import quoted, refuse_beyond, shortened
 from safeloc.packed import SMALL, packed, read_packed
 from safeloc.streams.files import MOST_CELLS, MOST_ROWS, existing, streaming
 from safeloc.streams.steps import Cell, StepStream
-from safeloc.trace import Trace, present_inputs
 
 SCHEMA = "safeloc-runs/1"
 KINDS = ("inputs", "fired", "state", "outputs")

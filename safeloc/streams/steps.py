@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from safeloc.errors import StreamError
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 from safeloc.outside import quoted, shown, whole_number
 from safeloc.streams.files import (
     bounded,

@@ -22,9 +22,9 @@ from safeloc.cache.store import Store
 from safeloc.cache.targets import Asked, asked, found_before, keep
 from safeloc.catalogue import Target
 from safeloc.errors import EngineError, SafelocError
+from safeloc.language.verdict import word
 from safeloc.provers.slots import Slots, sharing
 from safeloc.results import Finding
-from safeloc.verdict import word
 from safeloc.verification.one import Plan, Work, expected
 from safeloc.verification.plain import Plain, pack_findings, unpack_findings
 

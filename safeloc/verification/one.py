@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from safeloc.catalogue import Target
+from safeloc.language.spec import Property
+from safeloc.language.verdict import Proved
 from safeloc.provers.antecedents import found
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligations import CHECKS, obligations
 from safeloc.provers.portfolio import OnFinding, prove
 from safeloc.provers.recorded import Recording
 from safeloc.results import Finding
-from safeloc.spec import Property
 from safeloc.streams.steps import read_steps
 from safeloc.testing import run_tests
-from safeloc.verdict import Proved
 from safeloc.verification.replay import replay_stream, whole_run
 from safeloc.verification.unasked import nothing_asked
 

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeAlias
 
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.trace import Step, Trace
+from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated
 from safeloc.results import Finding, Replayed
-from safeloc.system import TransitionSystem, without_ghosts
-from safeloc.trace import Step, Trace
-from safeloc.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated
 
 Plain: TypeAlias = dict[str, Any]
 _RESULTS: Mapping[str, type[Result]] = {

@@ -10,13 +10,13 @@ from safeloc.border import Channel, Fault
 from safeloc.catalogue import Target
 from safeloc.embedding.hearing import Hearing
 from safeloc.embedding.judging import judged
-from safeloc.expr import NumVar
-from safeloc.nodes import Value
+from safeloc.language.expr import NumVar
+from safeloc.language.nodes import Value
+from safeloc.language.units import Enumeration
 from safeloc.streams.cycles import Cycle, cycles
 from safeloc.streams.record_files import read_raw
 from safeloc.streams.records import Record, Unusable
 from safeloc.streams.steps import StepStream
-from safeloc.units import Enumeration
 
 
 def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStream, Sequence[Fault]]:

@@ -14,21 +14,21 @@ from pathlib import Path
 from safeloc.border import Fault
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
-from safeloc.expr import Num, Var
-from safeloc.interpret import read_inputs
-from safeloc.monitor import Checks
-from safeloc.nodes import Value
+from safeloc.language.expr import Num, Var
+from safeloc.language.interpret import read_inputs
+from safeloc.language.monitor import Checks
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.terms import variables
+from safeloc.language.trace import Trace, shown
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Held, NotAsked, Result, Violated
 from safeloc.outside import quoted
 from safeloc.results import Finding, Replayed
 from safeloc.runs.quick import Quick, quick_run
-from safeloc.spec import Property
 from safeloc.streams.columns import read_runs
 from safeloc.streams.steps import StepStream, read_steps
-from safeloc.system import TransitionSystem, without_ghosts
-from safeloc.terms import variables
-from safeloc.trace import Trace, shown
-from safeloc.units import Enumeration
-from safeloc.verdict import Held, NotAsked, Result, Violated
 from safeloc.verification.recordings import counted, recorded_steps
 from safeloc.verification.unasked import reason
 

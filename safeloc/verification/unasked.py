@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from safeloc.catalogue import Target
+from safeloc.language.verdict import NotAsked
 from safeloc.results import Finding, Kind
-from safeloc.verdict import NotAsked
 
 SOMETHING = "something of the machine is to be shown"
 NO_PROPERTY = "the target has no property; declare what must hold."

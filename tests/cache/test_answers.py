@@ -11,11 +11,11 @@ from safeloc.cache import answers
 from safeloc.cache.answers import keep_proved, keeping, kept_in, proved_before
 from safeloc.cache.store import Store
 from safeloc.codegen.smtlib import Query, to_smtlib
-from safeloc.expr import Bool, number
+from safeloc.language.expr import Bool, number
+from safeloc.language.units import COUNT
 from safeloc.provers import implication, recheck
 from safeloc.provers.implication import Refuted, unproved
 from safeloc.provers.recheck import certify
-from safeloc.units import COUNT
 
 X = number("x", COUNT, 0, 100)
 

@@ -12,14 +12,14 @@ import pytest
 
 from safeloc.cache.contents import target_digest
 from safeloc.catalogue import ENTRIES, load_target
-from safeloc.expr import number
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.nodes import Lit
+from safeloc.language.expr import number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.nodes import Lit
+from safeloc.language.spec import Property, always, within
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
 from safeloc.reported import Reported
-from safeloc.spec import Property, always, within
-from safeloc.system import lower
 from safeloc.target import Target
-from safeloc.units import COUNT
 
 SLOW, FAST = modes("SLOW", "FAST")
 X, N, START = number("x", COUNT, 0, 100), number("n", COUNT, 0, 100), number("start", COUNT, 0, 9)

@@ -12,11 +12,11 @@ from safeloc.cache.store import Store
 from safeloc.cache.targets import asked, found_before, keep
 from safeloc.catalogue import load_target
 from safeloc.errors import EngineError
+from safeloc.language.verdict import Unknown
 from safeloc.provers.limits import Limits
 from safeloc.report.data import result_data
 from safeloc.results import Finding
 from safeloc.target import Target
-from safeloc.verdict import Unknown
 from safeloc.verification import many
 from safeloc.verification.many import Event, Kept, Over, verify_targets
 from safeloc.verification.one import Plan

@@ -16,8 +16,8 @@ import pytest
 import z3
 
 from safeloc.codegen.smt import Terms, constant
+from safeloc.language.system import environment
 from safeloc.provers.base import base
-from safeloc.system import environment
 from tests.checker.evidence import Evidence, refused
 
 SAMPLE, ALL = 40, 1000

@@ -8,8 +8,8 @@ from safeloc.checker.dag import Dag, Rewriting
 from safeloc.checker.terms import Translation
 from safeloc.checker.text import Certificate, read
 from safeloc.errors import InputError
-from safeloc.expr import all_of, any_of, boolean, floor_div, ite, maximum, minimum, number
-from safeloc.units import ONE
+from safeloc.language.expr import all_of, any_of, boolean, floor_div, ite, maximum, minimum, number
+from safeloc.language.units import ONE
 
 HEAD = "; safeloc-certificate/1\n; system: m\n(set-logic QF_LIA)\n(set-info :status unsat)\n"
 X, Y, P, Q = number("x", ONE, -5, 5), number("t5", ONE, 0, 9), boolean("p"), boolean("and")

@@ -9,11 +9,11 @@ import pytest
 
 from safeloc.checker.unsat import survey
 from safeloc.errors import InputError
+from safeloc.language.verdict import require_proved
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.report.certificates import write_archives
 from safeloc.report.data import SCHEMA
-from safeloc.verdict import require_proved
 from tests.provers.small import LEVEL, counter, goal
 
 

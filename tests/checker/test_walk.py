@@ -10,10 +10,10 @@ from safeloc.catalogue import load_target
 from safeloc.checker.dag import Dag
 from safeloc.checker.terms import Translation
 from safeloc.checker.walk import computed
-from safeloc.expr import BoolVar, Var
-from safeloc.interpret import evaluate
-from safeloc.nodes import Value
-from safeloc.system import environment
+from safeloc.language.expr import BoolVar, Var
+from safeloc.language.interpret import evaluate
+from safeloc.language.nodes import Value
+from safeloc.language.system import environment
 
 
 @pytest.mark.parametrize("name", ["odometry", "fibre_area", "sections"])

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from safeloc.nodes import Value
+from safeloc.language.nodes import Value
 
 
 class Unit:

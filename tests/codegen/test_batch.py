@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from safeloc.codegen.batch import BatchTrace, compile_batch, simulate
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, number, product
-from safeloc.interpret import read_inputs, run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.system import TransitionSystem, lower
-from safeloc.trace import Trace
-from safeloc.units import COUNT, Enumeration
+from safeloc.language.expr import BoolVar, number, product
+from safeloc.language.interpret import read_inputs, run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT, Enumeration
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, records
 

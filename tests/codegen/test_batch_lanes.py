@@ -18,14 +18,14 @@ from safeloc.codegen.batch_lanes import LanesBatch, compile_lanes
 from safeloc.codegen.c99_build import compiler
 from safeloc.codegen.lanes_code import to_lanes
 from safeloc.errors import EngineError, InputError
-from safeloc.expr import Bool, Num, Var, ceil_div, floor_div, ite, maximum, number, product
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import INT64_MAX, INT64_MIN
+from safeloc.language.expr import Bool, Num, Var, ceil_div, floor_div, ite, maximum, number, product
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import INT64_MAX, INT64_MIN
+from safeloc.language.system import TransitionSystem, canonical, lower, without_ghosts
+from safeloc.language.units import COUNT, MM
 from safeloc.runs.sampled import drawn_run, sampled_runs
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, canonical, lower, without_ghosts
-from safeloc.units import COUNT, MM
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.test_batch import (
     ODOMETER,

@@ -15,15 +15,15 @@ from safeloc.codegen.c99 import Run, library_texts, to_c
 from safeloc.codegen.c99_layout import layout_of
 from safeloc.codegen.c_loader import CMachine, load_c
 from safeloc.errors import InputError
-from safeloc.expr import BoolVar, Expr, Var, boolean, floor_div, number, product
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import INT64_MAX, INT64_MIN, Past, Value
+from safeloc.language.expr import BoolVar, Expr, Var, boolean, floor_div, number, product
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, Past, Value
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT, MM, ONE
 from safeloc.runs.sampled import sampled_runs
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import COUNT, MM, ONE
 from tests.codegen.c_folder import exported, make, needs_compiler, replaced, runs_of
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, streams

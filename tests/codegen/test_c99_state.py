@@ -13,15 +13,15 @@ from safeloc.codegen.c99 import library_texts, to_c
 from safeloc.codegen.c99_layout import layout_of
 from safeloc.codegen.c_loader import CMachine, load_c
 from safeloc.errors import InputError
-from safeloc.expr import NumVar, Var, number
-from safeloc.interpret import read_inputs, run, step
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import Value
+from safeloc.language.expr import NumVar, Var, number
+from safeloc.language.interpret import read_inputs, run, step
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.units import MM
 from safeloc.provers.lasting import lasting
 from safeloc.runs.sampled import drawn_run
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.units import MM
 from tests.codegen.c_folder import make, needs_compiler, runs_of, written
 
 pytestmark = needs_compiler

@@ -13,7 +13,7 @@ from safeloc.codegen.c99_build import build, compiler
 from safeloc.codegen.c99_layout import layout_of
 from safeloc.codegen.c_loader import load_c
 from safeloc.errors import EngineError, InputError
-from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from tests.codegen.c_folder import needs_compiler
 from tests.examples import EXAMPLES, build_odometer
 

@@ -13,7 +13,7 @@ from safeloc.codegen import python_cases
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.codegen.python_code import to_python
 from safeloc.errors import InputError
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -36,13 +36,13 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import Past, Value
-from safeloc.system import lower, without_ghosts
-from safeloc.terms import variables
-from safeloc.trace import Trace
-from safeloc.units import COUNT
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import Past, Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.terms import variables
+from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, streams
 

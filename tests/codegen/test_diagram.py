@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 
 from safeloc.codegen.diagram import Row, edges, to_dot, to_mermaid, to_svg, to_table
-from safeloc.expr import boolean, number
-from safeloc.machine import Machine, Transition, modes
+from safeloc.language.expr import boolean, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.units import MM
 from safeloc.models import delocalized, odometry
-from safeloc.units import MM
 from tests.examples import EXAMPLES
 from tests.random_machines import machines
 

@@ -11,13 +11,13 @@ import pytest
 
 from safeloc.cli.export import export
 from safeloc.codegen.c99 import Run
-from safeloc.interpret import run
-from safeloc.nodes import Value
+from safeloc.language.interpret import run
+from safeloc.language.nodes import Value
+from safeloc.language.system import without_ghosts
+from safeloc.language.trace import Step
 from safeloc.runs.lawful import first_state
 from safeloc.runs.sampled import drawn_run, recorded_run
 from safeloc.shipped import ENTRIES
-from safeloc.system import without_ghosts
-from safeloc.trace import Step
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.fmi_unit import Unit, loaded
 

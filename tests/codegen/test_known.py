@@ -9,12 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.codegen.known import Known, implied, work
-from safeloc.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
-from safeloc.interpret import evaluate, read_inputs, start
-from safeloc.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num, Value, Var
-from safeloc.system import lower
-from safeloc.terms import in_order
-from safeloc.units import COUNT
+from safeloc.language.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
+from safeloc.language.interpret import evaluate, read_inputs, start
+from safeloc.language.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num, Value, Var
+from safeloc.language.system import lower
+from safeloc.language.terms import in_order
+from safeloc.language.units import COUNT
 from tests.random_machines import first_states, machines, records
 
 RED, GREEN, BLUE = COLOURS = members("colour", "RED", "GREEN", "BLUE")

@@ -16,14 +16,14 @@ from hypothesis import strategies as st
 
 from safeloc.codegen.runtime import to_async_fsm, to_fsm
 from safeloc.errors import InputError
-from safeloc.interpret import run
-from safeloc.machine import Machine
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.models.odometry_streams import simulate
-from safeloc.nodes import Value
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
 from tests.data.door_controller import machine as door
 from tests.examples import EXAMPLES
 from tests.random_machines import Record, first_states, machines, streams

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.codegen.shapes import is_magnitude, merged
-from safeloc.expr import Expr, Num, abs_, boolean, ite, maximum, number
-from safeloc.interpret import evaluate, read_inputs, start
-from safeloc.system import lower
-from safeloc.units import COUNT
+from safeloc.language.expr import Expr, Num, abs_, boolean, ite, maximum, number
+from safeloc.language.interpret import evaluate, read_inputs, start
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
 from tests.random_machines import first_states, machines, records
 
 X, Y = number("x", COUNT, -9, 9), number("y", COUNT, -9, 9)

@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.codegen.smt import Terms, Unrolling, constant
-from safeloc.expr import Var, boolean, ceil_div, floor_div, number
-from safeloc.interpret import evaluate, read_inputs, run, start
-from safeloc.nodes import Past, Value
-from safeloc.system import TransitionSystem, lower
-from safeloc.trace import Step
-from safeloc.units import COUNT, Enumeration
+from safeloc.language.expr import Var, boolean, ceil_div, floor_div, number
+from safeloc.language.interpret import evaluate, read_inputs, run, start
+from safeloc.language.nodes import Past, Value
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.trace import Step
+from safeloc.language.units import COUNT, Enumeration
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, streams
 

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 
 from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import ModelError
-from safeloc.expr import Bool, Expr, Num, Var, boolean, floor_div, number, product
-from safeloc.interpret import read_inputs, start, step
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import Past, Value
+from safeloc.language.expr import Bool, Expr, Num, Var, boolean, floor_div, number, product
+from safeloc.language.interpret import read_inputs, start, step
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import Past, Value
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
 from safeloc.provers.recheck import decide
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, records
 

@@ -7,15 +7,15 @@ from hypothesis import given
 
 from safeloc.codegen.compiled import compile_system
 from safeloc.codegen.stages import Stage, stages
-from safeloc.composition import Composition, compose
-from safeloc.expr import Expr, Var, before, ite, maximum, minimum, number, optional
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Expr, Var, before, ite, maximum, minimum, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always, observe, once, watch
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.terms import variables
+from safeloc.language.units import MM
 from safeloc.shipped import ENTRIES
-from safeloc.spec import always, observe, once, watch
-from safeloc.system import TransitionSystem, without_ghosts
-from safeloc.terms import variables
-from safeloc.units import MM
 from tests.codegen.test_compiled import assert_same_run
 from tests.random_machines import Record, first_states, streams
 

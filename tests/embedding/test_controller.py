@@ -19,11 +19,11 @@ from safeloc.embedding import EVERY, Controller, Program, Report
 from safeloc.embedding.controller import MOST_RECORDS
 from safeloc.embedding.period import periods
 from safeloc.errors import InputError
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import lower
 from safeloc.streams.cycles import cycles
 from safeloc.streams.records import DistanceRecord, MarkerRecord, TruthRecord, Unusable, ValueRecord
 from safeloc.streams.steps import read_steps
-from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import PERIOD_MS, distances, drive, marker, shipped, trusting

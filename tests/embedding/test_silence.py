@@ -10,13 +10,13 @@ from safeloc.codegen.smtlib import Query
 from safeloc.embedding import Controller, Program
 from safeloc.embedding.period import periods
 from safeloc.errors import InputError
-from safeloc.expr import Expr, Lit, NumVar, Var
-from safeloc.nodes import Truth
+from safeloc.language.expr import Expr, Lit, NumVar, Var
+from safeloc.language.nodes import Truth
+from safeloc.language.system import TransitionSystem, canonical, environment
+from safeloc.language.terms import Substitution
 from safeloc.provers.implication import conjuncts, unproved
 from safeloc.shipped.hosting import SILENT
-from safeloc.system import TransitionSystem, canonical, environment
 from safeloc.target import Target
-from safeloc.terms import Substitution
 from tests.embedding.driving import shipped
 
 PAIRS = [(target, machine) for target, machines in SILENT.items() for machine in machines]

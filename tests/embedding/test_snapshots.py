@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 from safeloc.embedding import Controller, Program
 from safeloc.embedding.snapshot import sealed
 from safeloc.errors import InputError, SnapshotError
+from safeloc.language.system import lower
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.shipped import ENTRIES
 from safeloc.streams.records import ValueRecord
-from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import distances, drive, shipped, trusting

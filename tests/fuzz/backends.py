@@ -18,11 +18,11 @@ from safeloc.codegen.runtime import to_fsm
 from safeloc.codegen.smt import Terms
 from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
-from safeloc.expr import Bool, Lit, Num, NumVar, Var
-from safeloc.interpret import run
-from safeloc.nodes import TRUE
+from safeloc.language.expr import Bool, Lit, Num, NumVar, Var
+from safeloc.language.interpret import run
+from safeloc.language.nodes import TRUE
+from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.provers.recheck import decide
-from safeloc.system import TransitionSystem, without_ghosts
 from tests.fuzz.bounds import fits
 from tests.fuzz.build import Built
 from tests.fuzz.draw import Draw

@@ -8,15 +8,15 @@ import pytest
 
 from safeloc.codegen import compiled
 from safeloc.errors import PropertyError
-from safeloc.expr import TRUE
-from safeloc.interpret import run
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
 from safeloc.provers.antecedents import Never, Open, Outcome, Seen
 from safeloc.provers.base import Base
 from safeloc.provers.limits import Limits
 from safeloc.provers.obligation import Obligation
-from safeloc.spec import Goal
-from safeloc.system import TransitionSystem
-from safeloc.verdict import Proved, Result, Unknown, Vacuous, Violated
 from tests.fuzz import backends, verdicts
 from tests.fuzz.build import build
 from tests.fuzz.case import Case

@@ -14,6 +14,9 @@ import pytest
 from safeloc.border import channels_of
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import StreamError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import Enumeration
 from safeloc.line.recorded_run import (
     Columns,
     OnRoute,
@@ -29,11 +32,8 @@ from safeloc.line.recorded_run import (
 )
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.nodes import Value
 from safeloc.streams.cycles import Cycle, cycles
 from safeloc.streams.records import MarkerRecord
-from safeloc.system import lower, without_ghosts
-from safeloc.units import Enumeration
 from tests.line.recorded import equipped, fixes_of, route_of
 
 PERIOD_MS = 400

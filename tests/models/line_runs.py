@@ -8,8 +8,14 @@ from functools import cache
 
 from safeloc.catalogue import ENTRIES, Target
 from safeloc.codegen.compiled import Compiled, compile_system
-from safeloc.expr import Expr, Num
-from safeloc.interpret import run
+from safeloc.language.expr import Expr, Num
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Held
 from safeloc.line.elements import Balise, BaliseGroup
 from safeloc.line.model import Line
 from safeloc.line.places import Place
@@ -20,12 +26,6 @@ from safeloc.line.walk import Walk
 from safeloc.models.line_configs import LineVehicle
 from safeloc.models.line_drive import Journey, Stream, streams
 from safeloc.models.line_faults import parse
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
-from safeloc.verdict import Held
 from tests.line.made import straight
 
 TRUSTING = LineVehicle(trust_first=True)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from safeloc.codegen.smtlib import Query
-from safeloc.machine import Machine
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property, observe
+from safeloc.language.system import TransitionSystem, environment, in_range, lower
+from safeloc.language.terms import Substitution, variables
 from safeloc.provers.base import ranges_and_lemmas
 from safeloc.provers.implication import unproved
-from safeloc.spec import Property, observe
-from safeloc.system import TransitionSystem, environment, in_range, lower
-from safeloc.terms import Substitution, variables
 from tests.models.spoilt import rebuilt
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
 from safeloc.line.imports.balise_table import read_balise_table
 from safeloc.line.model import Line
 from safeloc.line.routes import Inventory, through_routes

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from safeloc.codegen.compiled import compile_system
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
@@ -27,7 +28,6 @@ from safeloc.simulation.radar import image
 from safeloc.simulation.radar_scene import Clutter, World, seen, world
 from safeloc.simulation.radar_track import Reflector
 from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 RADAR = RadarConfig(installation=Installation(least_radius_mm=3_000_000))
 CONFIG = ReflectorConfig(echo_slots=3, frame_latency_ms=0)

@@ -10,7 +10,9 @@ from functools import cache
 import pytest
 
 from safeloc.border import Reason
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import without_ghosts
+from safeloc.language.verdict import Proved
 from safeloc.line.routes import through_routes
 from safeloc.line.toml_files import find_line
 from safeloc.line.topology import Topology
@@ -26,8 +28,6 @@ from safeloc.signals.satellite.observations import read_observations
 from safeloc.signals.satellite.places import Place
 from safeloc.signals.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.run import SimulatedRun, World, simulate
-from safeloc.system import without_ghosts
-from safeloc.verdict import Proved
 from tests.data_sources import data_file
 from tests.simulation.satellite.sky import ride, sky, straight
 

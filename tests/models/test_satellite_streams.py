@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.interpret import run
+from safeloc.language.interpret import run
 from safeloc.models.satellite_chain import ChainConfig
 from safeloc.models.satellite_parts.variables import FIX, SatelliteConfig
 from safeloc.models.satellite_streams import (

@@ -4,10 +4,10 @@ import pytest
 
 from safeloc.codegen.smt import Unrolling
 from safeloc.errors import EngineError
+from safeloc.language.spec import always, observe, reachable
+from safeloc.language.verdict import Proved, Unknown, Violated
 from safeloc.provers.bmc import bmc
 from safeloc.provers.limits import Limits
-from safeloc.spec import always, observe, reachable
-from safeloc.verdict import Proved, Unknown, Violated
 from tests.provers.small import HIGH, LEVEL, MODE, counter, goal, system
 
 

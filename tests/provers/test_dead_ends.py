@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE, Bool, boolean, minimum, number
-from safeloc.machine import ANY, Machine, Transition, modes
+from safeloc.language.expr import FALSE, TRUE, Bool, boolean, minimum, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import Property, always, observe, reachable
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
 from safeloc.provers import assumption
 from safeloc.provers.assumption import Ended, assumption_kept, comes_round
 from safeloc.provers.dead_ends import lasts
@@ -17,10 +21,6 @@ from safeloc.provers.portfolio import prove, prove_one
 from safeloc.provers.recheck import decide
 from safeloc.provers.recorded import Recording
 from safeloc.provers.spacer import spacer
-from safeloc.spec import Property, always, observe, reachable
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
-from safeloc.verdict import Proved, Unknown, Vacuous, Violated
 from tests.provers.explicit_dead_ends import dead_end, random_system
 from tests.provers.seeded_dead_ends import SEEDS
 

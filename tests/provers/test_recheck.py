@@ -9,14 +9,14 @@ import pytest
 
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.expr import NumVar
+from safeloc.language.expr import NumVar
+from safeloc.language.units import ONE
+from safeloc.language.verdict import Proved, require_proved
 from safeloc.provers import kinduction as prover
 from safeloc.provers import recheck as module
 from safeloc.provers.kinduction import kinduction
 from safeloc.provers.limits import Limits
 from safeloc.provers.recheck import certify, decide, file_name, recheck
-from safeloc.units import ONE
-from safeloc.verdict import Proved, require_proved
 from tests.provers.small import FULL_TOGETHER, LEVEL, SAME, counter, goal, pair
 
 X = NumVar("x", ONE, 0, 9)

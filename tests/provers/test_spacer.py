@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 
 from safeloc.codegen.smtlib import Query
-from safeloc.expr import TRUE, Bool
-from safeloc.interpret import holds
+from safeloc.language.expr import TRUE, Bool
+from safeloc.language.interpret import holds
+from safeloc.language.verdict import Unknown, require_proved
 from safeloc.provers import spacer as module
 from safeloc.provers.limits import Limits
 from safeloc.provers.recheck import Certificate, certify
 from safeloc.provers.spacer import spacer
-from safeloc.verdict import Unknown, require_proved
 from tests.provers.small import FULL_TOGETHER, LEFT, LEVEL, RIGHT, TICK, counter, goal, pair
 
 LIMITS = Limits(seconds=20.0)

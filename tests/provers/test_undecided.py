@@ -12,9 +12,13 @@ import z3
 
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.expr import number, optional
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import FloorDiv, Truth
+from safeloc.language.expr import number, optional
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import FloorDiv, Truth
+from safeloc.language.spec import observe, reachable
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Unknown, Verdict, Violated
 from safeloc.provers import absence, arithmetic, never, overlap, settle
 from safeloc.provers import kinduction as kinduction_module
 from safeloc.provers import spacer as spacer_module
@@ -31,10 +35,6 @@ from safeloc.provers.reading import UnreadableError, read_bool
 from safeloc.provers.spacer import spacer
 from safeloc.provers.transfer import unpack
 from safeloc.provers.workers import in_processes
-from safeloc.spec import observe, reachable
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Unknown, Verdict, Violated
 from tests.provers.small import FULL_TOGETHER, LEVEL, TICK, counter, goal, pair, system
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from safeloc.embedding import Controller, Program
 from safeloc.errors import InputError, SnapshotError
+from safeloc.language.system import lower
 from safeloc.service import messages
 from safeloc.service.feeds import Arrived, Event, Feed, Over
 from safeloc.service.fleet import Fleet, Ways
@@ -20,7 +21,6 @@ from safeloc.service.lines import Line
 from safeloc.service.loop import Loop, Parts
 from safeloc.service.outlets import Outlet
 from safeloc.service.saving import Saver, read_saved
-from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import distances, drive

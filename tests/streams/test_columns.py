@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import StreamError
-from safeloc.interpret import run
+from safeloc.language.interpret import run
 from safeloc.packed import packed, read_packed
 from safeloc.report.data import trace_data
 from safeloc.streams.columns import Shown, read_runs, runs_file

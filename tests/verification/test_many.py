@@ -10,11 +10,11 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.errors import EngineError, StreamError
+from safeloc.language.verdict import word
 from safeloc.provers.limits import Limits
 from safeloc.report.data import result_data
 from safeloc.results import Finding
 from safeloc.target import Target
-from safeloc.verdict import word
 from safeloc.verification.many import Began, Event, Found, Over, in_order, verify_targets
 from safeloc.verification.one import Plan, Work
 from safeloc.verification.plain import pack_findings, unpack_findings

@@ -8,7 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
 from safeloc.models import fibre_area
 from safeloc.models.fibre_parts.picture import loud
 from safeloc.models.fibre_scenes.figures import END_SCENES
@@ -17,9 +20,6 @@ from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENE
 from safeloc.models.train_order import machine as order_machine
 from safeloc.pictures import LoudFibre
 from safeloc.streams.steps import Cell, read_steps
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
 
 STREAMS = Path(fibre_area.__file__).parent / "streams"
 NAMES = [one.name for one in SCENARIOS]

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NoReturn, TypeAlias
 
 from safeloc.errors import ModelError, TruthValueError, UnitError, declared_at
-from safeloc.units import ONE, Enumeration, Unit
+from safeloc.language.units import ONE, Enumeration, Unit
 
 INT64_MIN, INT64_MAX = -(2**63), 2**63 - 1
 
@@ -39,7 +39,7 @@ class _Node:
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:
-        from safeloc.terms import text  # walking needs the nodes first
+        from safeloc.language.terms import text  # walking needs the nodes first
 
         return text(self)  # type: ignore[arg-type] # every node is a Num or a Bool
 

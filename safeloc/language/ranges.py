@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import assert_never
 
-from safeloc.expr import Expr, Lit, Num, NumVar
-from safeloc.nodes import INT64_MAX, INT64_MIN, Add, Choose, FloorDiv, Max, Min, Mul, NumNode, Sub
-from safeloc.terms import in_order
+from safeloc.language.expr import Expr, Lit, Num, NumVar
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, Add, Choose, FloorDiv, Max, Min, Mul, NumNode, Sub
+from safeloc.language.terms import in_order
 
 Bounds = tuple[int, int]
 

@@ -18,15 +18,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from safeloc.checks.properties import Reading, check_property, check_reading, check_watching
-from safeloc.checks.system import check_system
 from safeloc.errors import declared_at
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
-from safeloc.machine import Machine
-from safeloc.nodes import Node, Past, Value
-from safeloc.system import TransitionSystem, first_without_the_world
-from safeloc.terms import Substitution, children, in_order, rebuilt, text, variables
-from safeloc.units import COUNT
+from safeloc.language.checks.properties import Reading, check_property, check_reading, check_watching
+from safeloc.language.checks.system import check_system
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Node, Past, Value
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
+from safeloc.language.units import COUNT
 
 NO_ASSUMPTION = "none: holds for all inputs in range"
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Container, Iterable, Mapping
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, assert_never
 
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     Add,
     And,
     Bool,

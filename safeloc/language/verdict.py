@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import NoReturn, TypeAlias, assert_never
 
 from safeloc.errors import NotProvedError, TruthValueError
-from safeloc.expr import Bool
-from safeloc.trace import Trace
+from safeloc.language.expr import Bool
+from safeloc.language.trace import Trace
 
 
 class _NoTruth:

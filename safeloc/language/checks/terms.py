@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TypeGuard, assert_never, get_args
 
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     INT64_MAX,
     INT64_MIN,
     Add,
@@ -29,8 +29,8 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
-from safeloc.terms import children
-from safeloc.units import Enumeration, Unit
+from safeloc.language.terms import children
+from safeloc.language.units import Enumeration, Unit
 
 PARTS = {"previous": 1, "once": 1, "since": 2}
 KINDS = frozenset(get_args(Node))
@@ -50,7 +50,7 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
             continue
         wrong = _wrong(node)
         if wrong:
-            yield f"{type(node).__name__}: {wrong}; build terms with the functions of safeloc.expr."
+            yield f"{type(node).__name__}: {wrong}; build terms with the functions of safeloc.language.expr."
         else:
             stack.extend(children(node))
 

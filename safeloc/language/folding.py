@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from safeloc.expr import Bool, Expr, Lit, Num, ite
-from safeloc.interpret import Program
-from safeloc.nodes import Choose, ChooseBool, Node, Past, Truth, Var
-from safeloc.terms import children, in_order, rebuilt
+from safeloc.language.expr import Bool, Expr, Lit, Num, ite
+from safeloc.language.interpret import Program
+from safeloc.language.nodes import Choose, ChooseBool, Node, Past, Truth, Var
+from safeloc.language.terms import children, in_order, rebuilt
 
 
 class Folding:

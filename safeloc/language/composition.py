@@ -12,15 +12,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from safeloc.checks.composition import Plan, SharedGhost, check_plan, refuse_ghosts
-from safeloc.checks.system import check_system
 from safeloc.errors import ModelError, declared_at
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
-from safeloc.machine import Any_, Initial, Machine
-from safeloc.nodes import Value
-from safeloc.spec import Property
-from safeloc.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
-from safeloc.terms import Sharing, Substitution, variables
+from safeloc.language.checks.composition import Plan, SharedGhost, check_plan, refuse_ghosts
+from safeloc.language.checks.system import check_system
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
+from safeloc.language.machine import Any_, Initial, Machine
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property
+from safeloc.language.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
+from safeloc.language.terms import Sharing, Substitution, variables
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ def compose(
     owes    machines whose assumption is not assumed of the whole: it is owed by the others, and proved; or a clause of it
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for whatever
-    safeloc.checks.composition and safeloc.checks.system refuse, such as a wire to an unknown input, a wire that reads a
+    safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire that reads a
     machine that is not earlier, and a ghost that something on board would hear.
     """
     lowered = [(machine, lower(machine)) for machine in machines]

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from safeloc.checks.rule import Rule, complaints, every_complaint
-from safeloc.checks.terms import malformed
 from safeloc.errors import ModelError
-from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
-from safeloc.machine import ANY, STAY_NAME, Initial, Machine, Transition
-from safeloc.nodes import Compare, Past
-from safeloc.terms import in_order
-from safeloc.units import Enumeration
+from safeloc.language.checks.rule import Rule, complaints, every_complaint
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
+from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Transition
+from safeloc.language.nodes import Compare, Past
+from safeloc.language.terms import in_order
+from safeloc.language.units import Enumeration
 
 RESERVED = ("mode", "fired")
 LONGEST_NAME = 120

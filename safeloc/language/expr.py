@@ -1,6 +1,6 @@
 """The language machines are written in: declaring variables, and building terms from them.
 
-Two families, `Num` and `Bool`, over whole numbers, enumerations and booleans (safeloc.nodes); their operators are
+Two families, `Num` and `Bool`, over whole numbers, enumerations and booleans (safeloc.language.nodes); their operators are
 `+ - * < <= > >= & | ~`, `eq`, `ne`, `one_of`, `implies`, `iff`. Everything else is a function here.
 """
 
@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import overload
 
 from safeloc.errors import ModelError, UnitError, declared_at
-from safeloc.nodes import (
+from safeloc.language.nodes import (
     FALSE,
     INT64_MAX,
     INT64_MIN,
@@ -38,7 +38,7 @@ from safeloc.nodes import (
     need_same_unit,
     product,
 )
-from safeloc.units import ONE, Enumeration, Unit
+from safeloc.language.units import ONE, Enumeration, Unit
 
 __all__ = [
     "FALSE",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from safeloc.expr import NumVar, Var
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem
-from safeloc.units import Enumeration
+from safeloc.language.expr import NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
 
 
 @dataclass(frozen=True)

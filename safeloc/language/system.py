@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from safeloc.checks.machine import input_variables
-from safeloc.expr import (
+from safeloc.language.checks.machine import input_variables
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -29,10 +29,10 @@ from safeloc.expr import (
     between,
     ite,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition
-from safeloc.nodes import And, ChooseBool
-from safeloc.terms import Sharing, Substitution, variables
-from safeloc.units import Enumeration
+from safeloc.language.machine import ANY, Initial, Machine, Transition
+from safeloc.language.nodes import And, ChooseBool
+from safeloc.language.terms import Sharing, Substitution, variables
+from safeloc.language.units import Enumeration
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,17 +6,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from safeloc.checks.rule import Rule, complaints
-from safeloc.checks.terms import malformed
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, Num, NumVar, Var
-from safeloc.machine import Machine
-from safeloc.nodes import Past
-from safeloc.terms import in_order, variables
+from safeloc.language.checks.rule import Rule, complaints
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Expr, Num, NumVar, Var
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Past
+from safeloc.language.terms import in_order, variables
 
 if TYPE_CHECKING:
-    from safeloc.composition import Clause
-    from safeloc.system import TransitionSystem
+    from safeloc.language.composition import Clause
+    from safeloc.language.system import TransitionSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def _machines_have_distinct_names(plan: Plan) -> Iterator[str]:
 
 def _joined_names_are_distinct(plan: Plan) -> Iterator[str]:
     """Names of the whole are made of two: "a" with "b: c" and "a: b" with "c" would be one lemma."""
-    from safeloc.composition import contract_text, lemma_name
+    from safeloc.language.composition import contract_text, lemma_name
 
     groups: dict[str, list[str]] = {
         "lemma": [lemma_name(machine, name) for machine in plan.machines for name in machine.lemmas],

@@ -11,9 +11,9 @@ from functools import lru_cache
 from typing import Any, assert_never
 
 from safeloc.errors import InputError
-from safeloc.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
-from safeloc.machine import Any_
-from safeloc.nodes import (
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,
@@ -31,10 +31,10 @@ from safeloc.nodes import (
     Truth,
     Value,
 )
-from safeloc.system import TransitionSystem, canonical
-from safeloc.terms import in_order
-from safeloc.trace import Step, Trace
-from safeloc.units import Enumeration
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.terms import in_order
+from safeloc.language.trace import Step, Trace
+from safeloc.language.units import Enumeration
 
 Values = dict[Var, Value]
 

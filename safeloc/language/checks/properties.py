@@ -6,16 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from safeloc.checks.rule import Rule, complaints
-from safeloc.checks.terms import malformed
 from safeloc.errors import PropertyError
-from safeloc.expr import Bool, NumVar, Var
-from safeloc.nodes import INT64_MAX, Past
-from safeloc.terms import in_order, variables
+from safeloc.language.checks.rule import Rule, complaints
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Bool, NumVar, Var
+from safeloc.language.nodes import INT64_MAX, Past
+from safeloc.language.terms import in_order, variables
 
 if TYPE_CHECKING:
-    from safeloc.spec import Goal, Property
-    from safeloc.system import TransitionSystem
+    from safeloc.language.spec import Goal, Property
+    from safeloc.language.system import TransitionSystem
 
 LONGEST_NAME = 120
 KINDS = ("always", "within", "reachable")

@@ -13,15 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from safeloc.composition import inherited_term
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
-from safeloc.folding import settled
-from safeloc.machine import Initial
-from safeloc.nodes import And, Compare, Not, Or
-from safeloc.render import infix
-from safeloc.spec import Goal, Property, always, observe, once, previous, reachable
-from safeloc.system import Part, TransitionSystem
-from safeloc.terms import Substitution, alike, variables
+from safeloc.language.composition import inherited_term
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
+from safeloc.language.folding import settled
+from safeloc.language.machine import Initial
+from safeloc.language.nodes import And, Compare, Not, Or
+from safeloc.language.render import infix
+from safeloc.language.spec import Goal, Property, always, observe, once, previous, reachable
+from safeloc.language.system import Part, TransitionSystem
+from safeloc.language.terms import Substitution, alike, variables
 
 LONGEST = 110
 

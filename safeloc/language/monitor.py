@@ -10,15 +10,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, TypeAlias, assert_never
 
-from safeloc.antecedents import cases, seen
 from safeloc.errors import TruthValueError
-from safeloc.expr import Expr, Var
-from safeloc.interpret import Program, holds, read_inputs, start
-from safeloc.nodes import Value
-from safeloc.spec import Goal, Property, observe, watch
-from safeloc.system import TransitionSystem, environment
-from safeloc.trace import Trace
-from safeloc.verdict import Held, Unknown, Violated
+from safeloc.language.antecedents import cases, seen
+from safeloc.language.expr import Expr, Var
+from safeloc.language.interpret import Program, holds, read_inputs, start
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Property, observe, watch
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Unknown, Violated
 
 NEVER = "never happened"
 """The note of what held on a recording, for the cases that did not occur in it."""

@@ -10,12 +10,12 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Iterator
 
-from safeloc.expr import BoolVar, Expr, Lit, NumVar, Var
-from safeloc.machine import Any_
-from safeloc.nodes import Compare, FloorDiv, Past, Truth
-from safeloc.system import TransitionSystem
-from safeloc.terms import children, in_order
-from safeloc.units import Enumeration
+from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Compare, FloorDiv, Past, Truth
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import children, in_order
+from safeloc.language.units import Enumeration
 
 
 def declaration_digest(system: TransitionSystem) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import assert_never
 
-from safeloc.expr import BoolVar, Expr, Lit, NumVar
-from safeloc.nodes import (
+from safeloc.language.expr import BoolVar, Expr, Lit, NumVar
+from safeloc.language.nodes import (
     Add,
     And,
     Choose,
@@ -23,7 +23,7 @@ from safeloc.nodes import (
     Sub,
     Truth,
 )
-from safeloc.units import ONE, Enumeration
+from safeloc.language.units import ONE, Enumeration
 
 DEEPEST = 7
 

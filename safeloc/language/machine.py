@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
 from safeloc.errors import declared_at
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, members
-from safeloc.nodes import Value
-from safeloc.units import Enumeration
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, members
+from safeloc.language.nodes import Value
+from safeloc.language.units import Enumeration
 
 
 class Any_:
@@ -100,7 +100,7 @@ class Machine:
     fired_name: NumVar = field(init=False)
 
     def __post_init__(self) -> None:
-        from safeloc.checks.machine import check, check_shape
+        from safeloc.language.checks.machine import check, check_shape
 
         check_shape(self)
         modes = Enumeration(f"{self.name}.mode", tuple(lit.label for lit in self.modes))

@@ -7,15 +7,15 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from safeloc.checks.rule import Rule, complaints
-from safeloc.checks.terms import malformed
 from safeloc.errors import ModelError
-from safeloc.expr import Bool, Expr, Num, NumVar, Var
-from safeloc.nodes import Past
-from safeloc.terms import in_order, variables
+from safeloc.language.checks.rule import Rule, complaints
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Bool, Expr, Num, NumVar, Var
+from safeloc.language.nodes import Past
+from safeloc.language.terms import in_order, variables
 
 if TYPE_CHECKING:
-    from safeloc.system import TransitionSystem
+    from safeloc.language.system import TransitionSystem
 
 _FOUND_SOUND: weakref.WeakSet[TransitionSystem] = weakref.WeakSet()
 
