@@ -19,7 +19,7 @@ from pathlib import Path
 
 from safeloc.embedding import Controller, Program, localizer_program
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.runs.sampled import recorded_run
+from safeloc.proof.runs.sampled import recorded_run
 from safeloc.shipped import ENTRIES
 from safeloc.streams.records import DistanceRecord, End, MarkerRecord, Record
 

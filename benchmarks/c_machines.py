@@ -12,7 +12,7 @@ from pathlib import Path
 
 from safeloc.codegen.c_loader import load_c
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.runs.sampled import drawn_run
+from safeloc.proof.runs.sampled import drawn_run
 from safeloc.shipped import ENTRIES
 
 STEPS, TIMES, ROUNDS = 100, 20, 20

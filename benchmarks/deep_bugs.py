@@ -16,9 +16,9 @@ from safeloc.language.spec import Goal, Property, always, observe, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.language.verdict import Verdict, Violated
-from safeloc.provers.bmc import bmc
-from safeloc.provers.falsify import falsify
-from safeloc.provers.limits import Limits
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.limits import Limits
 
 STEP_MM, RATE_PPM = 5_000, 50_000
 PER_STEP_NM = STEP_MM * RATE_PPM

@@ -20,7 +20,7 @@ from safeloc.codegen.numpy_code import Array
 from safeloc.language.expr import BoolVar
 from safeloc.language.interpret import read_inputs
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.runs.sampled import drawn_run, recorded_run
+from safeloc.proof.runs.sampled import drawn_run, recorded_run
 from safeloc.shipped import ENTRIES
 
 ROUNDS, TARGET = 5, 2e6

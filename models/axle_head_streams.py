@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.axle_head import AxleHeadConfig
-from safeloc.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.streams.steps import Cell
 
 US_PER_S = 1_000_000

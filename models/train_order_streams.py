@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.train_order import TrainOrderConfig
-from safeloc.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.streams.steps import Cell
 
 UM_PER_MM = 1_000

@@ -18,8 +18,12 @@ MODULES = sorted(
     + [*(ROOT.parent / "models").rglob("*.py"), *(ROOT.parent / "properties").rglob("*.py")]
 )
 ROOMS = {
-    "z3": ("safeloc/codegen/smt.py", "safeloc/provers/", "safeloc/checker/solve.py"),
-    "cvc5": ("safeloc/provers/recheck.py", "safeloc/checker/solve.py", "safeloc/checker/proofs/solver.py"),
+    "z3": ("safeloc/codegen/smt.py", "safeloc/proof/provers/", "safeloc/proof/checker/solve.py"),
+    "cvc5": (
+        "safeloc/proof/provers/recheck.py",
+        "safeloc/proof/checker/solve.py",
+        "safeloc/proof/checker/proofs/solver.py",
+    ),
     "numpy": (
         "safeloc/codegen/batch",
         "safeloc/codegen/numpy_code.py",
@@ -41,7 +45,7 @@ ROOMS = {
     "scipy": ("safeloc/signals/",),
     "dascore": ("safeloc/signals/fibre/recordings.py",),
     "h5py": ("safeloc/signals/fibre/hdf5_contents.py",),
-    "hypothesis": ("safeloc/testing.py",),
+    "hypothesis": ("safeloc/proof/testing.py",),
     "transitions": ("safeloc/codegen/runtime.py",),
     "typer": ("safeloc/cli/",),
     "rich": ("safeloc/cli/",),
@@ -63,15 +67,21 @@ LANGUAGE = sorted((ROOT / "language").rglob("*.py"))
 ABOVE = {
     "models/": (
         "safeloc.properties",
-        "safeloc.provers",
+        "safeloc.proof.provers",
         "safeloc.cli",
         "safeloc.report",
         "safeloc.catalogue",
         "safeloc.shipped",
     ),
-    "properties/": ("safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue", "safeloc.shipped"),
-    "safeloc/codegen/": ("safeloc.models", "safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report"),
-    "safeloc/provers/": (
+    "properties/": ("safeloc.proof.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue", "safeloc.shipped"),
+    "safeloc/codegen/": (
+        "safeloc.models",
+        "safeloc.properties",
+        "safeloc.proof.provers",
+        "safeloc.cli",
+        "safeloc.report",
+    ),
+    "safeloc/proof/provers/": (
         "safeloc.models",
         "safeloc.properties",
         "safeloc.cli",
@@ -80,11 +90,17 @@ ABOVE = {
         "safeloc.shipped",
     ),
     "safeloc/report/": ("safeloc.cli",),
-    "safeloc/checker/": ("safeloc.provers", "safeloc.codegen", "safeloc.cli"),
-    "safeloc/cache/": ("safeloc.models", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.shipped"),
-    "safeloc/checker/proofs/": (
+    "safeloc/proof/checker/": ("safeloc.proof.provers", "safeloc.codegen", "safeloc.cli"),
+    "safeloc/proof/cache/": (
+        "safeloc.models",
+        "safeloc.proof.provers",
+        "safeloc.cli",
+        "safeloc.report",
+        "safeloc.shipped",
+    ),
+    "safeloc/proof/checker/proofs/": (
         "safeloc.codegen",
-        "safeloc.provers",
+        "safeloc.proof.provers",
         "safeloc.models",
         "safeloc.properties",
         "safeloc.cli",
@@ -92,8 +108,8 @@ ABOVE = {
         "safeloc.catalogue",
         "safeloc.shipped",
     ),
-    "safeloc/embedding/": ("safeloc.service", "safeloc.provers", "safeloc.report", "safeloc.cli"),
-    "safeloc/service/": ("safeloc.models", "safeloc.provers", "safeloc.report", "safeloc.cli"),
+    "safeloc/embedding/": ("safeloc.service", "safeloc.proof.provers", "safeloc.report", "safeloc.cli"),
+    "safeloc/service/": ("safeloc.models", "safeloc.proof.provers", "safeloc.report", "safeloc.cli"),
     "safeloc/line/": (
         "safeloc.models",
         "safeloc.audit",
@@ -104,7 +120,7 @@ ABOVE = {
     ),
     "safeloc/audit/": (
         "safeloc.properties",
-        "safeloc.provers",
+        "safeloc.proof.provers",
         "safeloc.cli",
         "safeloc.report",
         "safeloc.catalogue",

@@ -11,9 +11,9 @@ from safeloc.language.nodes import Node
 from safeloc.language.spec import observe
 from safeloc.language.terms import in_order
 from safeloc.language.verdict import Proved, Violated
-from safeloc.provers.bmc import bmc
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
 from tests.examples import EXAMPLES, Example
 
 LIMITS = Limits(depth=12, seconds=20)

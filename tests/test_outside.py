@@ -28,12 +28,12 @@ from safeloc.outside import (
     refusal,
     whole_number,
 )
+from safeloc.proof.verification.replay import replay_stream
 from safeloc.signals.satellite.android import read_android
 from safeloc.signals.satellite.navigation import read_navigation
 from safeloc.signals.satellite.observations import read_observations
 from safeloc.streams.record_files import read_raw, read_records
 from safeloc.streams.steps import read_steps
-from safeloc.verification.replay import replay_stream
 
 Read = Callable[[Path], object]
 READERS: dict[str, Read] = {

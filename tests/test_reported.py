@@ -10,8 +10,8 @@ import pytest
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError, StreamError
 from safeloc.language.verdict import word
+from safeloc.proof.verification.replay import replay_stream
 from safeloc.reported import Reported, usual_names
-from safeloc.verification.replay import replay_stream
 
 OUTPUTS = {"valid": True, "position_mm": 100, "under_mm": 5, "over_mm": 7}
 

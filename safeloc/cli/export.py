@@ -20,10 +20,10 @@ from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
 from safeloc.language.expr import Bool
 from safeloc.language.system import without_ghosts
-from safeloc.provers.base import base
-from safeloc.provers.lasting import lasting
-from safeloc.runs.lawful import first_state
-from safeloc.runs.sampled import sampled_runs
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.lasting import lasting
+from safeloc.proof.runs.lawful import first_state
+from safeloc.proof.runs.sampled import sampled_runs
 
 TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),

@@ -1,7 +1,7 @@
 """`--watch`: whenever a file is saved, the command is run again, and what changed is shown first.
 
 Each run is a process of its own, which loads what was saved; what the edit is not about is kept from the run before
-(safeloc.cache).
+(safeloc.proof.cache).
 """
 
 from __future__ import annotations

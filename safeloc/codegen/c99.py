@@ -32,7 +32,7 @@ def to_c(
 
     runs   what the self-check replays, at least one step in all
     doc    one paragraph for the header and README
-    kept   what `check_state` asks beside the ranges, as `safeloc.provers.lasting` proves it; None: not known
+    kept   what `check_state` asks beside the ranges, as `safeloc.proof.provers.lasting` proves it; None: not known
 
     InputError where the system cannot run in C (past operators, terms beyond 64 bits), or a run cannot be taken.
     """

@@ -70,7 +70,7 @@ class Layout:
 def layout_of(system: TransitionSystem, kept: Mapping[str, Bool] | None = None) -> Layout:
     """The structures of a system without ghosts. InputError where C cannot run it soundly: past operators, 64 bits.
 
-    kept   as `safeloc.provers.lasting` proves it
+    kept   as `safeloc.proof.provers.lasting` proves it
     """
     terms = [*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init]
     terms += (kept or {}).values()

@@ -40,7 +40,7 @@ def load_c(
     folder  where libraries are kept and found again; a temporary one without
     cc      the C compiler; else $CC, cc, gcc or clang
     first   values of state variables that are open
-    kept    what is asked of a state that is put or restored, beside the ranges; as `safeloc.provers.lasting` proves it
+    kept    what is asked of a state that is put or restored, beside the ranges; as `safeloc.proof.provers.lasting` proves it
 
     EngineError where there is no compiler; InputError where the system cannot run in C, or `first` is refused.
     """

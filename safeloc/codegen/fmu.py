@@ -40,7 +40,7 @@ def to_fmu(
     period_ms  cycle of the machine: communication steps of another length are refused; None: one step is one cycle,
                however long
     first      start values of the parameters that choose open first values
-    kept       what is asked of a state that is restored, beside the ranges; as `safeloc.provers.lasting` proves it
+    kept       what is asked of a state that is restored, beside the ranges; as `safeloc.proof.provers.lasting` proves it
     cc         the C compiler; else $CC, cc, gcc or clang
 
     EngineError where there is no compiler; InputError where the system cannot run in C.

@@ -1,6 +1,6 @@
 """z3 terms of a TransitionSystem, step by step.
 
-The only module besides `provers/` that imports z3. Numbers become mathematical integers (`Int`): the overflow
+The only module besides `safeloc.proof` that imports z3. Numbers become mathematical integers (`Int`): the overflow
 obligation makes that sound for machine words. Sub-terms that several terms share stay shared.
 """
 

@@ -3,7 +3,7 @@
 A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
 
 What a machine assumes of its environment is assumed of the whole, unless it is named in `owes`: then the machines
-before it have to keep it, which is proved together with the lemmas (assume-guarantee, safeloc.provers.inherited).
+before it have to keep it, which is proved together with the lemmas (assume-guarantee, safeloc.proof.provers.inherited).
 A single clause of an assumption can be owed as well; the rest of it is then still assumed of the whole.
 """
 

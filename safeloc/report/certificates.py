@@ -20,8 +20,8 @@ from pathlib import Path
 from safeloc.errors import InputError
 from safeloc.language.verdict import Proved
 from safeloc.packed import QUICK, packed, read_packed
+from safeloc.proof.results import Finding
 from safeloc.report.page import file_names
-from safeloc.results import Finding
 
 FOLDER, SUFFIX = "certificates", ".tar.xz"
 Archives = dict[str, dict[str, str]]

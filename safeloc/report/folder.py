@@ -24,11 +24,11 @@ from safeloc.catalogue import Target
 from safeloc.errors import InputError
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.proof.results import Finding
 from safeloc.report import certificates, kept
 from safeloc.report.data import SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
-from safeloc.results import Finding
 from safeloc.streams.columns import Shown, runs_file
 
 PAGE, JUNIT = "index.html", "junit.xml"

@@ -10,7 +10,7 @@ from typing import assert_never
 from xml.etree import ElementTree
 
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
-from safeloc.results import Finding
+from safeloc.proof.results import Finding
 
 
 def to_junit(findings: Sequence[Finding]) -> str:

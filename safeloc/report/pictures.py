@@ -7,6 +7,7 @@ from typing import Any, assert_never
 
 from safeloc.language.verdict import Violated
 from safeloc.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
+from safeloc.proof.results import Finding, Replayed
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture
@@ -16,7 +17,6 @@ from safeloc.report.standings import standings_picture
 from safeloc.report.stanford import stanford_picture
 from safeloc.report.told import Broken, Told
 from safeloc.report.waterfall import waterfall_picture, waterfall_table
-from safeloc.results import Finding, Replayed
 from safeloc.target import Target
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.cache.contents import target_digest
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.language.expr import number
 from safeloc.language.machine import ANY, Machine, Transition, modes
@@ -18,6 +17,7 @@ from safeloc.language.nodes import Lit
 from safeloc.language.spec import Property, always, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
+from safeloc.proof.cache.contents import target_digest
 from safeloc.reported import Reported
 from safeloc.target import Target
 
@@ -149,7 +149,7 @@ def test_shipped_machines_have_digests_of_their_own() -> None:
 def test_the_digest_is_the_same_in_another_process() -> None:
     """Whatever the order of sets is there."""
     code = (
-        "from safeloc.catalogue import load_target; from safeloc.cache.contents import target_digest;"
+        "from safeloc.catalogue import load_target; from safeloc.proof.cache.contents import target_digest;"
         "print(target_digest(load_target('localizer_sections')))"
     )
     ran = [

@@ -10,7 +10,7 @@ import pytest
 from safeloc.catalogue import load_target
 from safeloc.language.expr import before
 from safeloc.language.spec import always
-from safeloc.provers.portfolio import prove
+from safeloc.proof.provers.portfolio import prove
 from tests.checker.declared import KNOWN, PLACE, TICK
 from tests.checker.evidence import LIMITS, Evidence, kept, refused
 

@@ -8,18 +8,18 @@ from dataclasses import replace
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.checker.claims import Goals
-from safeloc.checker.rules import RefusedError, Theory
-from safeloc.checker.text import read
 from safeloc.language.expr import BoolVar, boolean, number, was
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import Property, observe, within
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import ONE
 from safeloc.language.verdict import Proved
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
+from safeloc.proof.checker.claims import Goals
+from safeloc.proof.checker.rules import RefusedError, Theory
+from safeloc.proof.checker.text import read
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
 from safeloc.target import Target
 from tests.checker.evidence import LIMITS, NAMES, Evidence, kept, refused, removed, solved
 

@@ -26,10 +26,10 @@ from safeloc.language.spec import always, observe, previous, reachable, within
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import ONE
 from safeloc.language.verdict import Proved, Violated
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import CHECKS
-from safeloc.provers.portfolio import prove_one
-from safeloc.provers.reachability import first_runs
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import CHECKS
+from safeloc.proof.provers.portfolio import prove_one
+from safeloc.proof.provers.reachability import first_runs
 
 LIMITS = Limits(depth=4, seconds=10)
 A, B, C = modes("A", "B", "C")

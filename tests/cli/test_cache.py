@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from safeloc.cache.store import Store
 from safeloc.cli import verify as module
+from safeloc.proof.cache.store import Store
 from safeloc.report import folder as folder_module
 from tests.cli.calling import Call, started
 

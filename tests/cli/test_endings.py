@@ -13,7 +13,7 @@ from safeloc.cli import main as commands
 from safeloc.cli import show, verify
 from safeloc.cli.show import Progressing
 from safeloc.language.verdict import Held
-from safeloc.results import Finding
+from safeloc.proof.results import Finding
 from tests.cli.calling import DOOR, Call
 
 ROOT = Path(__file__).parents[2]

@@ -15,10 +15,10 @@ from safeloc.language.interpret import read_inputs
 from safeloc.language.system import without_ghosts
 from safeloc.models.localizer_recordings import FOLDER, RUNS
 from safeloc.packed import read_packed
+from safeloc.proof.verification.recordings import counted, recorded_steps
 from safeloc.streams.record_files import write_records
 from safeloc.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, ValueRecord
 from safeloc.streams.steps import Cell, read_steps
-from safeloc.verification.recordings import counted, recorded_steps
 from tests.cli.calling import Call
 
 PERIOD_MS = 100

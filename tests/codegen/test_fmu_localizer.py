@@ -15,8 +15,8 @@ from safeloc.language.interpret import run
 from safeloc.language.nodes import Value
 from safeloc.language.system import without_ghosts
 from safeloc.language.trace import Step
-from safeloc.runs.lawful import first_state
-from safeloc.runs.sampled import drawn_run, recorded_run
+from safeloc.proof.runs.lawful import first_state
+from safeloc.proof.runs.sampled import drawn_run, recorded_run
 from safeloc.shipped import ENTRIES
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.fmi_unit import Unit, loaded

@@ -14,7 +14,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import Past, Value
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
-from safeloc.provers.recheck import decide
+from safeloc.proof.provers.recheck import decide
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, records
 

@@ -14,7 +14,7 @@ from safeloc.language.expr import Expr, Lit, NumVar, Var
 from safeloc.language.nodes import Truth
 from safeloc.language.system import TransitionSystem, canonical, environment
 from safeloc.language.terms import Substitution
-from safeloc.provers.implication import conjuncts, unproved
+from safeloc.proof.provers.implication import conjuncts, unproved
 from safeloc.shipped.hosting import SILENT
 from safeloc.target import Target
 from tests.embedding.driving import shipped

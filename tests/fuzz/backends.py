@@ -22,7 +22,7 @@ from safeloc.language.expr import Bool, Lit, Num, NumVar, Var
 from safeloc.language.interpret import run
 from safeloc.language.nodes import TRUE
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.provers.recheck import decide
+from safeloc.proof.provers.recheck import decide
 from tests.fuzz.bounds import fits
 from tests.fuzz.build import Built
 from tests.fuzz.draw import Draw

@@ -8,8 +8,8 @@ from itertools import combinations
 
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
-from safeloc.provers.obligation import Obligation
-from safeloc.provers.obligations import CHECKS
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.obligations import CHECKS
 from tests.fuzz.case import Case
 from tests.fuzz.explore import Edge, Space, anyhow, lawful, search
 from tests.fuzz.replay import NotARunError, again, row_of

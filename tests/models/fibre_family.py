@@ -11,9 +11,9 @@ from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import word
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.provers.recorded import Recording
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.recorded import Recording
 from safeloc.streams.steps import Cell, read_steps
 
 REMARK = "truth_mm"

@@ -17,10 +17,10 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Vacuous
 from safeloc.models import arbitration
 from safeloc.models.arbitration import SOURCES, Arbitration, ArbitrationConfig
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.arbitration import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
 from tests.models.one_step import changed, not_kept, without
 
 SUBSETS = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]

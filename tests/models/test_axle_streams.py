@@ -23,11 +23,11 @@ from safeloc.models import (
     train_order_streams,
 )
 from safeloc.models.emitter import EmitterConfig
-from safeloc.provers.evidence import admissible_run
+from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.verification.replay import replay_stream
 from safeloc.shipped.making import STREAMS
 from safeloc.streams.steps import read_steps
 from safeloc.target import Target
-from safeloc.verification.replay import replay_stream
 from tests.models.fibre_family import labels, mode_labels
 
 STREAMS_OF: Mapping[str, ModuleType] = {

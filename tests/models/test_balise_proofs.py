@@ -20,10 +20,10 @@ from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.telegram import PASSED
 from safeloc.models.balise_parts.variables import BaliseConfig, parts
 from safeloc.models.odometry_parts.error_law import EDDY_CURRENT, RADAR
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.balise import properties
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 
 Table = Sequence[Transition]
 Breaking = Callable[[Balise], Table]

@@ -11,9 +11,9 @@ from safeloc.models import satellite
 from safeloc.models.satellite_parts import law
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.provers.dead_ends import lasts
-from safeloc.provers.limits import Limits
-from safeloc.provers.recorded import Recording
+from safeloc.proof.provers.dead_ends import lasts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recorded import Recording
 from safeloc.shipped import ENTRIES
 from safeloc.streams.steps import read_steps
 

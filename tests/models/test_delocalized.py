@@ -17,9 +17,9 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Held, Proved, Violated
 from safeloc.models.delocalized import DelocalizedConfig, machine
 from safeloc.models.odometry_parts.variables import REASON
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
 from safeloc.properties.delocalized import properties
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
 
 REASONS = [one.label for one in REASON]
 CONFIG = DelocalizedConfig(tolerance_mm=1_000)

@@ -28,11 +28,11 @@ from safeloc.models.fibre_area_parts.entry import Entry, entry
 from safeloc.models.fibre_area_streams import REMARK, Journey, first_state, simulate_journey
 from safeloc.models.sections import SectionsConfig, section
 from safeloc.models.verification import Verification, VerificationConfig
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_area import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import Cell
-from safeloc.testing import run_tests
 from tests.models.fibre_family import labels, recordings_of
 from tests.models.one_step import changed, not_kept_by
 

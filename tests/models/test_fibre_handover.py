@@ -20,11 +20,11 @@ from safeloc.models.fibre_area_parts.speaker import speaker
 from safeloc.models.fibre_handover import FibreHandover, FibreHandoverConfig, compose_machines, joined
 from safeloc.models.fibre_streams import Stay, simulate_stay
 from safeloc.models.verification import build, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_handover import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import Cell
-from safeloc.testing import run_tests
 from tests.models.one_step import changed, not_kept_by
 
 CONFIG = FibreHandoverConfig()

@@ -21,9 +21,9 @@ from safeloc.models.guard import Guard, build
 from safeloc.models.guard_parts import box
 from safeloc.models.guard_parts.variables import FAULT, JUDGED, GuardConfig, parts
 from safeloc.models.guard_streams import FIRST_TRUTH, simulate
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import read_steps
 from tests.models.one_step import changed, not_kept, without
 from tests.models.spoilt import rebuilt

@@ -12,8 +12,8 @@ from safeloc.language.expr import FALSE, Bool, Lit, Num, abs_, as_num, between, 
 from safeloc.language.units import MM, NM, PPM
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.provers.implication import Refuted, unproved
-from safeloc.provers.recheck import recheck
+from safeloc.proof.provers.implication import Refuted, unproved
+from safeloc.proof.provers.recheck import recheck
 
 LAYOUTS = {
     "default": LayoutConfig(),

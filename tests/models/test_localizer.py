@@ -16,11 +16,11 @@ from safeloc.language.units import MM
 from safeloc.language.verdict import Proved
 from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties import arbitration
 from safeloc.properties.localizer import properties
-from safeloc.provers.base import base
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from tests.provers.small import told as names
 
 SOURCES: tuple[SourceName, ...] = get_args(SourceName)

@@ -23,12 +23,12 @@ from safeloc.models.localizer_sections import LocalizerSections, LocalizerSectio
 from safeloc.models.localizer_sections_streams import ENDS, FOLDER, SCENES, SECTION, first_state, simulate, write
 from safeloc.models.localizer_streams import NM_PER_MM
 from safeloc.models.sections import SectionsConfig
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.localizer_sections import properties
-from safeloc.provers.base import base
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.testing import run_tests
 from tests.models.one_step import changed
 from tests.provers.small import told
 

@@ -20,8 +20,8 @@ from safeloc.models import odometry
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
 from safeloc.models.odometry_streams import simulate
+from safeloc.proof.runs.driver import Driver
 from safeloc.properties.odometry import properties
-from safeloc.runs.driver import Driver
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
 from tests.data_sources import log_steps_mm, rows

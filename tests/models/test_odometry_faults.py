@@ -14,10 +14,10 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.odometry_faults import containment, properties
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 
 SAFE = OdometryConfig(single_fault_safe=True)
 

@@ -24,9 +24,9 @@ from safeloc.models.reflector_parts.echo import (
     WEAK,
 )
 from safeloc.models.reflector_parts.variables import ReflectorConfig, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from tests.models.one_step import changed, not_kept, without
 
 ONE_SLOT = ReflectorConfig(echo_slots=1)

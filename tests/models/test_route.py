@@ -20,9 +20,9 @@ from safeloc.line.topology import Topology
 from safeloc.models import route
 from safeloc.models.route_parts.variables import RouteConfig, parts
 from safeloc.models.route_streams import Steps, Way, answers, quiet, simulate, way
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.route import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from safeloc.simulation.motion import Leg
 from tests.models.spoilt import rebuilt
 

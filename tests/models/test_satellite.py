@@ -28,10 +28,10 @@ from safeloc.models.satellite_parts.variables import (
 )
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.models.satellite_streams import STREET, first_of, simulate
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.testing import run_tests
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
 MACHINE = build(parts(CONFIG))

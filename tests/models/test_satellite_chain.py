@@ -20,7 +20,7 @@ from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite_parts.variables import FIX, MISSING, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.provers.protection import protected
+from safeloc.proof.provers.protection import protected
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, received
 from safeloc.signals.satellite.line_track import LineTrack
 from safeloc.signals.satellite.navigation import Navigation, read_navigation

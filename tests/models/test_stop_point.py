@@ -18,10 +18,10 @@ from safeloc.language.verdict import Violated, word
 from safeloc.models.stop_point import MODES, StopPoint, build, machine
 from safeloc.models.stop_point_parts.variables import StopPointConfig, parts
 from safeloc.models.stop_point_streams import IN_PLACE, OVERRUN, SHORT, Stop, simulate_stop
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.stop_point import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 

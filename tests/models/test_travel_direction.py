@@ -14,10 +14,10 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import word
 from safeloc.models.travel_direction import TravelDirection, build, machine, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.travel_direction import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 

@@ -12,10 +12,10 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import word
 from safeloc.models.turn_off import TurnOff, TurnOffConfig, build, machine, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.turn_off import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 

@@ -14,9 +14,9 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated, word
 from safeloc.models.fibre_streams import Stay, simulate_stay
 from safeloc.models.verification import Verification, VerificationConfig, build, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.verification import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
 from safeloc.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept

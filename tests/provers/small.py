@@ -9,7 +9,7 @@ from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.spec import Goal, always, observe
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
-from safeloc.provers.facts import Fact
+from safeloc.proof.provers.facts import Fact
 
 LOW, HIGH = modes("LOW", "HIGH")
 MODE = current_mode((LOW, HIGH))

@@ -10,8 +10,8 @@ from safeloc.language.spec import Goal, observe, reachable
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held
-from safeloc.provers.drawn import drawn
-from safeloc.provers.reachability import without_assumption
+from safeloc.proof.provers.drawn import drawn
+from safeloc.proof.provers.reachability import without_assumption
 
 SLOW, FAST, BROKEN = modes("SLOW", "FAST", "BROKEN")
 X = number("x", COUNT, 0, 1000)

@@ -15,10 +15,10 @@ from safeloc.language.monitor import check
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import MM
 from safeloc.language.verdict import Held, Proved, Violated
-from safeloc.provers.base import Base, remember
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.results import Finding
+from safeloc.proof.provers.base import Base, remember
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.results import Finding
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 

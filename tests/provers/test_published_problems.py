@@ -34,9 +34,9 @@ from safeloc.language.spec import Goal, always, never, observe
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Violated, word
-from safeloc.provers.bmc import bmc
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove_one
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove_one
 
 RUN = modes("RUN")[0]
 Var = NumVar | BoolVar

@@ -10,8 +10,8 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import Goal, always, observe
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT, MM
-from safeloc.provers.evidence import replayed
-from safeloc.provers.shorten import shortened
+from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.shorten import shortened
 
 (ON,) = modes("ON")
 PRESS, NOISE, N = boolean("press"), number("noise_mm", MM, -9, 9), number("n", COUNT, 0, 90)

@@ -23,13 +23,13 @@ from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import ONE
 from safeloc.language.verdict import Proved, Unknown, Violated, word
-from safeloc.provers import reachability
-from safeloc.provers.evidence import replayed
-from safeloc.provers.falsify import falsify
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove, prove_one
-from safeloc.results import Finding
+from safeloc.proof.provers import reachability
+from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.results import Finding
 
 LIMITS = Limits(depth=12, seconds=10)
 (S,), (T,) = modes("S"), modes("T")

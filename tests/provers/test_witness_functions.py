@@ -23,10 +23,10 @@ from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved
-from safeloc.provers.cover import Cover, Group, Learned, cover_facts
-from safeloc.provers.dead_ends import lasts
-from safeloc.provers.limits import Limits, deadline
-from safeloc.provers.witness_functions import Generalisation, at_rest
+from safeloc.proof.provers.cover import Cover, Group, Learned, cover_facts
+from safeloc.proof.provers.dead_ends import lasts
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.witness_functions import Generalisation, at_rest
 from tests.provers.seeded_dead_ends import SEEDS
 
 S, T = number("s", COUNT, -50, 50), number("t", COUNT, -50, 50)

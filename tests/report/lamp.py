@@ -11,9 +11,9 @@ from safeloc.language.spec import Property, always, never
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Unknown
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.results import Finding
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.results import Finding
 
 DOC = "<script>alert('doc')</script> & more"
 DARK, LIT = modes("DARK", "LIT")

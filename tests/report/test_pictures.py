@@ -18,11 +18,11 @@ from safeloc.errors import InputError
 from safeloc.language.verdict import Violated
 from safeloc.packed import read_packed
 from safeloc.pictures import Approach, Deviation, Recognition, unreadable
+from safeloc.proof.verification.replay import replay_stream
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
 from safeloc.streams.steps import read_steps, write_steps
-from safeloc.verification.replay import replay_stream
 from tests.report.reading import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
 

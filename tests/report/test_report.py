@@ -22,6 +22,7 @@ from safeloc.errors import InputError
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check_all
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, word
+from safeloc.proof.results import Finding
 from safeloc.report.certificates import read_archives
 from safeloc.report.data import report_data, schema
 from safeloc.report.extract import extract
@@ -29,7 +30,6 @@ from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.junit import to_junit
 from safeloc.report.page import file_names, to_html
 from safeloc.report.plot import line_chart
-from safeloc.results import Finding
 from safeloc.streams.columns import read_runs
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 

@@ -11,8 +11,8 @@ from safeloc.language.spec import always, within
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import word
-from safeloc.runs.driver import Driver
-from safeloc.testing import run_tests
+from safeloc.proof.runs.driver import Driver
+from safeloc.proof.testing import run_tests
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")

@@ -15,8 +15,8 @@ from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, environment, lower
 from safeloc.language.units import MM, NM
 from safeloc.models import odometry
-from safeloc.runs.lawful import Repair, first_state
-from safeloc.runs.profiles import PLAUSIBLE, Profile
+from safeloc.proof.runs.lawful import Repair, first_state
+from safeloc.proof.runs.profiles import PLAUSIBLE, Profile
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")

@@ -14,9 +14,9 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, Result, Unknown, Vacuous
-from safeloc.runs.driver import Driver
-from safeloc.runs.lawful import NoFirstStateError
-from safeloc.testing import run_tests
+from safeloc.proof.runs.driver import Driver
+from safeloc.proof.runs.lawful import NoFirstStateError
+from safeloc.proof.testing import run_tests
 
 (ON,) = modes("ON")
 P, N = boolean("p"), number("n", COUNT, 0, 50)

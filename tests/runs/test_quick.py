@@ -10,8 +10,8 @@ from safeloc.language.expr import NumVar
 from safeloc.language.interpret import run
 from safeloc.language.monitor import Checks, check_all
 from safeloc.language.units import ONE
-from safeloc.runs import quick
-from safeloc.runs.quick import SAMPLED, Quick, quick_run
+from safeloc.proof.runs import quick
+from safeloc.proof.runs.quick import SAMPLED, Quick, quick_run
 from safeloc.streams.steps import read_steps
 
 TARGET = load_target("stop_point")
