@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from safeloc.language.system import without_ghosts
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
-from safeloc.streams.steps import read_steps
 
 STEP_MM, MARKER_EVERY = 120, 200
 UNITS = (("front", "wheel"), ("front", "radar"), ("rear", "wheel"), ("rear", "radar"))

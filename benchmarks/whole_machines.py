@@ -18,7 +18,7 @@ from safeloc.language.nodes import BoolVar, Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.models import localizer, localizer_recordings, odometry, odometry_streams
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams.steps import read_steps
 
 UNIT = "generated Python, tick"
 BATCH_STEPS, BATCH_RUNS, C_RUNS = 20, 8_192, 200

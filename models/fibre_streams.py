@@ -18,7 +18,7 @@ from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.code import Symbol, make_code
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig
 from safeloc.models.verification_parts.variables import VerificationConfig
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 RAISED_CDB, NOISE_CDB = 1_200, 150

@@ -35,11 +35,11 @@ from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_streams import Platform, simulate_platform
 from safeloc.models.turn_off import TurnOffConfig
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import ReaderFault
 from safeloc.simulation.sensors import Fault
 from safeloc.simulation.speed_profile import Halt, drive
-from safeloc.streams.steps import Cell
 
 STAND_S, REDUCED_MM_S = 4.0, 600
 OVERRUN_MM, SHORT_MM = 3_000, 2_000

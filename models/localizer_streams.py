@@ -27,10 +27,10 @@ from safeloc.models.motion_streams import Measured, measured_by
 from safeloc.models.reflector_streams import Disturbance, Scene
 from safeloc.models.running.unit_check import ODOMETER_LAWFUL
 from safeloc.models.verification import VerificationConfig
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.reader_faults import ReaderFault
 from safeloc.simulation.sensors import Fault, FaultKind
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 NM_PER_MM = 1_000_000

@@ -21,9 +21,9 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
-from safeloc.streams.steps import Cell
 
 CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""

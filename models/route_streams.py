@@ -20,9 +20,9 @@ from safeloc.line.elements import Reflector
 from safeloc.line.routes import Route
 from safeloc.models.route import machine
 from safeloc.models.route_parts.variables import RouteConfig
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 

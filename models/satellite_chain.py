@@ -30,7 +30,6 @@ from typing import Literal
 
 from pydantic import Field
 
-from safeloc.border import Fault, Reason
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
@@ -43,6 +42,7 @@ from safeloc.models.satellite_parts.sighting import Sighting, Track, sighted, tr
 from safeloc.models.satellite_parts.trusted_inputs import Reference, Run, told
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import STANDING
+from safeloc.runtime.border import Fault, Reason
 from safeloc.signals.satellite.channels import Channels, Heard
 from safeloc.signals.satellite.epochs import Epoch
 from safeloc.signals.satellite.navigation import Navigation

@@ -18,9 +18,9 @@ from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.reflector_streams import Scene, said
 from safeloc.models.reflector_streams import simulate as simulate_reflectors
 from safeloc.models.turn_off import TurnOffConfig, machine
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import NM_PER_MM
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 OTHER = {"STRAIGHT": "LEFT", "LEFT": "STRAIGHT", "RIGHT": "STRAIGHT"}

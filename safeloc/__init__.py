@@ -42,6 +42,7 @@ from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import always, never, once, previous, reachable, since, within
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, require_proved
+from safeloc.moved import refuse_old_names as _refuse_old_names
 
 __all__ = [
     "ANY",
@@ -94,3 +95,5 @@ __all__ = [
     "within",
     "without_ghosts",
 ]
+
+_refuse_old_names()

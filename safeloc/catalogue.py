@@ -27,9 +27,9 @@ from safeloc.language.composition import Composition
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
-from safeloc.outside import read_bytes
 from safeloc.pictures import Picture, unreadable
-from safeloc.reported import Reported, usual_names
+from safeloc.runtime.outside import read_bytes
+from safeloc.runtime.reported import Reported, usual_names
 from safeloc.shipped import ENTRIES
 from safeloc.target import Entry, Target
 

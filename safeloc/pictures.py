@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from safeloc.language.system import TransitionSystem
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 
 ThingKind = Literal["balise", "reflector", "marker"]
 

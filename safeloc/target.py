@@ -13,8 +13,8 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem
 from safeloc.pictures import Picture
-from safeloc.reported import Reported
-from safeloc.streams.steps import Cell
+from safeloc.runtime.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 
 
 @dataclass(frozen=True, eq=False)

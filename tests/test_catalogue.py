@@ -48,7 +48,7 @@ WRONG_PROPERTIES = """
 properties = ["light"]
 """
 INTERVAL = """
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 reported = Reported(position="somewhere")
 """
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 from safeloc.line.elements import BaliseGroup
 from safeloc.line.routes import Inventory, Met, Route
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 Orientation = Literal["UNKNOWN", "NOMINAL", "REVERSE"]
 Reaction = Literal["NONE", "SERVICE_BRAKE", "TRAIN_TRIP"]

@@ -8,7 +8,7 @@ from safeloc.language.nodes import Value
 from safeloc.models.fibre_parts.code import PositionCode, Symbol, Word
 from safeloc.models.fibre_parts.variables import SYMBOLS, FibreConfig
 from safeloc.models.fibre_scenes.scene import Section
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 NOWHERE = Section(0, 0, Symbol(False, False))
 

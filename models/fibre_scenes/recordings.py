@@ -17,7 +17,7 @@ from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ORDER_SCENES, Are
 from safeloc.models.fibre_scenes.scene import listen
 from safeloc.models.fibre_scenes.stay import first_state, stayed
 from safeloc.models.fibre_scenes.waterfall import waterfall
-from safeloc.streams.steps import write_steps
+from safeloc.runtime.streams.steps import write_steps
 
 BLOCKS_PER_S = 2
 

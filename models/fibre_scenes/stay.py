@@ -17,9 +17,9 @@ from safeloc.models.fibre_scenes.ends import EndHost, Followed, Side
 from safeloc.models.fibre_scenes.order import order_of
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
 from safeloc.models.sections import SectionsConfig
+from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.fibre.features import TrainSeen
 from safeloc.simulation.fibre.trains import Train
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 UM_PER_MM = 1_000

@@ -16,7 +16,6 @@ from safeloc.codegen.c99 import to_c
 from safeloc.codegen.compiled import to_python
 from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table
 from safeloc.codegen.fmu import to_fmu
-from safeloc.embedding.period import configured_period_ms
 from safeloc.errors import InputError
 from safeloc.language.expr import Bool
 from safeloc.language.system import without_ghosts
@@ -24,6 +23,7 @@ from safeloc.proof.provers.base import base
 from safeloc.proof.provers.lasting import lasting
 from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import sampled_runs
+from safeloc.runtime.embedding.period import configured_period_ms
 
 TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),

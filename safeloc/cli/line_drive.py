@@ -29,7 +29,7 @@ from safeloc.line.recorded_run import (
 from safeloc.line.routes import Route
 from safeloc.line.toml_files import load_line
 from safeloc.line.topology import Topology
-from safeloc.streams.record_files import write_records
+from safeloc.runtime.streams.record_files import write_records
 
 FIRST_FIX_IDENTITY = 500_000
 """Fixes as virtual markers are numbered from here on, beyond every NID_BG."""

@@ -11,7 +11,7 @@ from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import err, out
 from safeloc.errors import InputError
 from safeloc.line.toml_files import shipped_lines
-from safeloc.streams.steps import write_steps
+from safeloc.runtime.streams.steps import write_steps
 
 
 def simulate(

@@ -23,8 +23,8 @@ from safeloc.models.line_configs import LineVehicle
 from safeloc.models.line_drive import Journey, Stream, streams
 from safeloc.models.line_faults import MACHINES, Asked, parse
 from safeloc.models.line_streams import balise_groups
+from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.vehicles import load_vehicle
-from safeloc.streams.steps import write_steps
 
 SCHEMA = "safeloc-runs/1"
 BY_GROUPS = ("odometry", "balise")

@@ -10,7 +10,7 @@ from decimal import Decimal
 
 from safeloc.errors import InputError
 from safeloc.guard.deliveries import SPEED_UNITS, Delivery
-from safeloc.outside import quoted, refusal
+from safeloc.runtime.outside import quoted, refusal
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 TIME_UNITS = {"ms": 1, "s": 1_000}
@@ -68,7 +68,7 @@ def delivery(number: int, fields: Mapping[str, object], columns: Columns) -> Del
     """A line's fields as a delivery; what cannot be understood is told in `wrong`."""
     try:
         return _delivery(number, fields, columns)
-    except Exception as error:  # the rule of every border (safeloc.outside)
+    except Exception as error:  # the rule of every border (safeloc.runtime.outside)
         return Delivery(number, wrong=refusal(error))
 
 

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.border import Deliveries, Raw, Reason
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.guard.deliveries import Delivery
@@ -21,6 +20,7 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.line.places import Place
 from safeloc.models.guard import build
 from safeloc.models.guard_parts.variables import FARTHEST_OFF_MM, FAULT, JUDGED, NM_PER_MM, GuardConfig, parts
+from safeloc.runtime.border import Deliveries, Raw, Reason
 
 MODES = ("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
 BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}

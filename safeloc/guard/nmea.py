@@ -13,7 +13,7 @@ from typing import Any
 from safeloc.errors import EngineError, InputError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.fields import milliseconds_of, speed_mm_s
-from safeloc.outside import shortened
+from safeloc.runtime.outside import shortened
 
 SENTENCES = ("RMC", "GGA", "GNS", "GLL")
 LONGEST_SENTENCE = 1_000

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from safeloc.errors import StreamError
 from safeloc.guard.deliveries import Delivery
 from safeloc.guard.fields import Columns, delivery
-from safeloc.outside import shortened
+from safeloc.runtime.outside import shortened
 
 LONGEST_LINE = 100_000
 

@@ -22,9 +22,9 @@ from safeloc.errors import StreamError
 from safeloc.line.elements import BaliseGroup
 from safeloc.line.projection import WGS84, Projector
 from safeloc.line.routes import Route
-from safeloc.outside import quoted
-from safeloc.streams.files import bounded, csv_rows, streaming
-from safeloc.streams.records import NM_PER_MM, DistanceRecord, End, MarkerRecord, Record, TruthRecord
+from safeloc.runtime.outside import quoted
+from safeloc.runtime.streams.files import bounded, csv_rows, streaming
+from safeloc.runtime.streams.records import NM_PER_MM, DistanceRecord, End, MarkerRecord, Record, TruthRecord
 
 ENDS: tuple[End, End] = ("front", "rear")
 

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from safeloc.errors import InputError
 from safeloc.line.model import Line
 from safeloc.line.toml_place import line_of
-from safeloc.outside import quoted, read_text, reading, refuse_beyond, shortened
+from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
 
 LARGEST_TEXT = 50_000_000
 """Bytes of a line as TOML or JSON: a hundred thousand edges."""

@@ -19,9 +19,9 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.language.verdict import Proved
-from safeloc.packed import QUICK, packed, read_packed
 from safeloc.proof.results import Finding
 from safeloc.report.page import file_names
+from safeloc.runtime.packed import QUICK, packed, read_packed
 
 FOLDER, SUFFIX = "certificates", ".tar.xz"
 Archives = dict[str, dict[str, str]]

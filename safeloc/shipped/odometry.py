@@ -18,7 +18,7 @@ from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import supervised_odometry as supervised_properties
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from safeloc.shipped.making import recorded
 from safeloc.target import Entry, Target
 

@@ -18,7 +18,7 @@ from safeloc.language.spec import Property, always, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.proof.cache.contents import target_digest
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from safeloc.target import Target
 
 SLOW, FAST = modes("SLOW", "FAST")

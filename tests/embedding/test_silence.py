@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.catalogue import load_target
 from safeloc.codegen.smtlib import Query
-from safeloc.embedding import Controller, Program
-from safeloc.embedding.period import periods
 from safeloc.errors import InputError
 from safeloc.language.expr import Expr, Lit, NumVar, Var
 from safeloc.language.nodes import Truth
 from safeloc.language.system import TransitionSystem, canonical, environment
 from safeloc.language.terms import Substitution
 from safeloc.proof.provers.implication import conjuncts, unproved
+from safeloc.runtime.border import Reason
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.period import periods
 from safeloc.shipped.hosting import SILENT
 from safeloc.target import Target
 from tests.embedding.driving import shipped

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.border import channels_of
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import StreamError
 from safeloc.language.nodes import Value
@@ -32,8 +31,9 @@ from safeloc.line.recorded_run import (
 )
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.streams.cycles import Cycle, cycles
-from safeloc.streams.records import MarkerRecord
+from safeloc.runtime.border import channels_of
+from safeloc.runtime.streams.cycles import Cycle, cycles
+from safeloc.runtime.streams.records import MarkerRecord
 from tests.line.recorded import equipped, fixes_of, route_of
 
 PERIOD_MS = 400

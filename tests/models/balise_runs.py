@@ -14,7 +14,7 @@ from safeloc.models import balise
 from safeloc.models.balise_parts.groups import Group, announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.odometry_parts.error_law import ErrorLaw
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 PLAIN = BaliseConfig(
     odometer=ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000),

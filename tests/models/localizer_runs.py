@@ -12,7 +12,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import without_ghosts
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer_streams import Journey, simulate
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 
 CONFIG = LocalizerConfig()
 REPORTED = Reported(

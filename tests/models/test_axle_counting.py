@@ -20,7 +20,7 @@ from safeloc.models.axle_section import AxleSection, AxleSectionConfig
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, unproved_of
 from tests.models.one_step import changed, not_kept
 

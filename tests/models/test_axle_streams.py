@@ -25,8 +25,8 @@ from safeloc.models import (
 from safeloc.models.emitter import EmitterConfig
 from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped.making import STREAMS
-from safeloc.streams.steps import read_steps
 from safeloc.target import Target
 from tests.models.fibre_family import labels, mode_labels
 

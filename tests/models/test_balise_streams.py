@@ -21,9 +21,9 @@ from safeloc.models.balise_parts.variables import BaliseConfig, parts
 from safeloc.models.balise_streams import GroupFault, RouteSet, line, simulate
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.properties.balise import properties
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
-from safeloc.streams.steps import Cell
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
 
 

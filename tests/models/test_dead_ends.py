@@ -14,8 +14,8 @@ from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.dead_ends import lasts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.recorded import Recording
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
-from safeloc.streams.steps import read_steps
 
 SLOW = {"localizer", "localizer_sections", "fibre_area", "guard", "odometry", "supervised_odometry", "reflector"}
 SYSTEMS = [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in ENTRIES]

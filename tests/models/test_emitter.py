@@ -14,7 +14,7 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.models.emitter import Emitter, EmitterConfig, build, parts
 from safeloc.properties.emitter import properties
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, unproved_of
 from tests.models.one_step import changed, not_kept
 

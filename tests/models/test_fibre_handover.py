@@ -24,7 +24,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_handover import properties
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept_by
 
 CONFIG = FibreHandoverConfig()

@@ -24,7 +24,7 @@ from safeloc.models.guard_streams import FIRST_TRUTH, simulate
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams.steps import read_steps
 from tests.models.one_step import changed, not_kept, without
 from tests.models.spoilt import rebuilt
 

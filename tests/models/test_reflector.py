@@ -34,8 +34,8 @@ from safeloc.models.reflector_streams import (
     stopping,
 )
 from safeloc.properties.reflector import properties
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion
-from safeloc.streams.steps import Cell
 
 PLAIN = ReflectorConfig(
     odometer=ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000),

@@ -9,7 +9,6 @@ from functools import cache
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
 from safeloc.language.verdict import Proved
@@ -21,6 +20,7 @@ from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outco
 from safeloc.models.satellite_parts.variables import FIX, MISSING, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.protection import protected
+from safeloc.runtime.border import Reason
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, received
 from safeloc.signals.satellite.line_track import LineTrack
 from safeloc.signals.satellite.navigation import Navigation, read_navigation

@@ -22,7 +22,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.stop_point import properties
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 
 CONFIG = StopPointConfig()

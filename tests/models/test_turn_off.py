@@ -16,7 +16,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.turn_off import properties
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 
 ON_BOARD = without_ghosts(lower(machine()))

@@ -17,7 +17,7 @@ from safeloc.models.verification import Verification, VerificationConfig, build,
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.verification import properties
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept
 

@@ -13,7 +13,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT, MM
 from safeloc.pictures import Deviation, Things
 from safeloc.report.told import Broken, Told
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 
 MODEL = members("gauge_model", "NONE", "A", "B")
 SILENT, TELLING = modes("SILENT", "TELLING")

@@ -23,7 +23,7 @@ from safeloc.report.data import report_data, versions
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.report.page import to_html
 from safeloc.report.traces import shown_value, trace_charts
-from safeloc.streams.columns import read_runs
+from safeloc.runtime.streams.columns import read_runs
 
 DOOR = f"{Path(__file__).parents[1] / 'data' / 'door_controller.py'}:machine"
 

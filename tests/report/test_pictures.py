@@ -16,13 +16,13 @@ from safeloc.catalogue import load_target
 from safeloc.cli.entry import app
 from safeloc.errors import InputError
 from safeloc.language.verdict import Violated
-from safeloc.packed import read_packed
 from safeloc.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
-from safeloc.streams.steps import read_steps, write_steps
+from safeloc.runtime.packed import read_packed
+from safeloc.runtime.streams.steps import read_steps, write_steps
 from tests.report.reading import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
 
@@ -161,7 +161,7 @@ OWN = """
 from safeloc.language.expr import number
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.pictures import Deviation
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from safeloc.language.units import MM
 
 (ON,) = modes("ON")

@@ -30,7 +30,7 @@ from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.junit import to_junit
 from safeloc.report.page import file_names, to_html
 from safeloc.report.plot import line_chart
-from safeloc.streams.columns import read_runs
+from safeloc.runtime.streams.columns import read_runs
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"

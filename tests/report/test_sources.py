@@ -13,7 +13,7 @@ from safeloc.pictures import Interval, Refusals, Sources, unreadable
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
 from safeloc.report.told import Told
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from tests.report.reading import drawing, kinds, words
 
 VERDICT = members("verdict", "NONE", "TOO_LATE", "CONTRADICTION")

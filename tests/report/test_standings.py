@@ -14,7 +14,7 @@ from safeloc.language.units import COUNT
 from safeloc.pictures import Standing, Standings, unreadable
 from safeloc.report.standings import standings_picture
 from safeloc.report.told import Broken, Told
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from tests.report.reading import across, begin, drawing, end, kinds, words
 
 STATE = members("seat", "FREE", "TAKEN", "BROKEN")

@@ -13,7 +13,7 @@ from safeloc.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, 
 from safeloc.report.png import SIGNATURE
 from safeloc.report.told import Told
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from tests.report.gauge import drive, system
 from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import picture

@@ -12,7 +12,7 @@ from safeloc.language.monitor import Checks, check_all
 from safeloc.language.units import ONE
 from safeloc.proof.runs import quick
 from safeloc.proof.runs.quick import SAMPLED, Quick, quick_run
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams.steps import read_steps
 
 TARGET = load_target("stop_point")
 STREAM = read_steps(TARGET.streams[0])

@@ -19,7 +19,7 @@ from safeloc.line.imports.lengths import decimal, millimetres
 from safeloc.line.imports.notes import Imported, Note
 from safeloc.line.imports.spreadsheet import Sheet, read_sheet
 from safeloc.line.model import Line
-from safeloc.outside import quoted
+from safeloc.runtime.outside import quoted
 
 COLUMNS = ("NID_C", "NID_BG", "Lint", "Km", "Or BG", "Or Lint", "Spoornr")
 MARGIN_MM = 1_000

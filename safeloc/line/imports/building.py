@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from safeloc.errors import EngineError, InputError
-from safeloc.outside import quoted, read_bytes, reading_file
+from safeloc.runtime.outside import quoted, read_bytes, reading_file
 
 LARGEST_MAP = 200_000_000
 """Bytes of a map file: a country's micro topology."""
@@ -38,7 +38,7 @@ def missing(package: str, purpose: str) -> EngineError:
 
 @contextmanager
 def within(path: Path) -> Iterator[None]:
-    """The rule of the border (`safeloc.outside`) for maps; errors about what is in the file name the file."""
+    """The rule of the border (`safeloc.runtime.outside`) for maps; errors about what is in the file name the file."""
     with reading_file(path):
         yield
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from safeloc.errors import InputError
 from safeloc.line.imports.building import content
-from safeloc.outside import decoded, quoted, refuse_beyond, shortened
+from safeloc.runtime.outside import decoded, quoted, refuse_beyond, shortened
 
 MOST_VALUES = 10_000_000
 """Numbers, texts, lists and objects in one file; an empty list of three bytes takes seventy in memory."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import ROUND_HALF_EVEN, Decimal, InvalidOperation
 
 from safeloc.errors import InputError
-from safeloc.outside import MOST_DIGITS, quoted
+from safeloc.runtime.outside import MOST_DIGITS, quoted
 
 MM_PER_M = 1000
 BEYOND_ALL = Decimal(10) ** 15

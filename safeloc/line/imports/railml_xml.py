@@ -14,7 +14,7 @@ from typing import Any
 from safeloc.errors import InputError
 from safeloc.line.imports.building import content, missing
 from safeloc.line.imports.xml_prolog import DOCUMENT_TYPE, refuse_document_type
-from safeloc.outside import refuse_beyond
+from safeloc.runtime.outside import refuse_beyond
 
 MOST_ELEMENTS = 2_000_000
 MOST_ATTRIBUTES = 10_000_000

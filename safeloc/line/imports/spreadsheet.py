@@ -15,7 +15,7 @@ from zlib import error as ZlibError  # noqa: N812 - lower case there
 from safeloc.errors import InputError
 from safeloc.line.imports.building import content, missing
 from safeloc.line.imports.workbook_parts import refuse_unsafe
-from safeloc.outside import refuse_beyond, shortened
+from safeloc.runtime.outside import refuse_beyond, shortened
 
 MOST_COLUMNS = 200
 LAST_ROW = 1_048_576

@@ -14,7 +14,7 @@ from zipfile import ZipFile
 
 from safeloc.errors import InputError
 from safeloc.line.imports.xml_prolog import DOCUMENT_TYPE
-from safeloc.outside import number, quoted, refuse_beyond
+from safeloc.runtime.outside import number, quoted, refuse_beyond
 
 LARGEST_PART = 100_000_000
 """Bytes of one part, and of all of them, unpacked."""

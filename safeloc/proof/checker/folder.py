@@ -23,9 +23,9 @@ from safeloc.proof.checker.runs import Occurrences
 from safeloc.proof.checker.solve import NONE, Opinion, Opinions
 from safeloc.proof.checker.text import Certificate, read
 from safeloc.report import certificates, kept
-from safeloc.streams.columns import Runs as KeptRuns
-from safeloc.streams.columns import read_runs
-from safeloc.streams.steps import StepStream
+from safeloc.runtime.streams.columns import Runs as KeptRuns
+from safeloc.runtime.streams.columns import read_runs
+from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target
 
 BATCH = 1_000_000  # letters of certificates that one process reads before it takes others

@@ -20,7 +20,7 @@ from safeloc.language.system import TransitionSystem
 from safeloc.proof.checker.answer import CONFIRMED, WRONG, Answer, Check, Row, seen
 from safeloc.proof.checker.terms import Translation
 from safeloc.proof.checker.walk import Walk
-from safeloc.streams.steps import StepStream, read_steps
+from safeloc.runtime.streams.steps import StepStream, read_steps
 from safeloc.target import Target
 
 BY_ITSELF = ", by itself"

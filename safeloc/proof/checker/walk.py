@@ -15,7 +15,7 @@ from safeloc.language.spec import Goal, watch
 from safeloc.language.system import environment
 from safeloc.proof.checker.dag import Dag
 from safeloc.proof.checker.terms import Translation
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 State = tuple[Value, ...]
 Computed = Callable[[Sequence[Value]], tuple[Value, ...]]

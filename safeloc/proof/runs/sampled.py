@@ -17,7 +17,7 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import present_inputs
 from safeloc.proof.runs.lawful import Repair, first_state
 from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
-from safeloc.streams.steps import Cell, read_steps
+from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.target import Target
 
 STRETCH = 12

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 Config_ = TypeVar("Config_", contravariant=True)
 Steps = list[dict[str, Cell]]

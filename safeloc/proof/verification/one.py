@@ -17,7 +17,7 @@ from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 from safeloc.proof.verification.replay import replay_stream, whole_run
 from safeloc.proof.verification.unasked import nothing_asked
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams.steps import read_steps
 
 OnPhase = Callable[[str, int], None]
 """Hears what begins, in words, and how many findings are expected of it."""

@@ -6,17 +6,17 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from safeloc.border import Channel, Fault
 from safeloc.catalogue import Target
-from safeloc.embedding.hearing import Hearing
-from safeloc.embedding.judging import judged
 from safeloc.language.expr import NumVar
 from safeloc.language.nodes import Value
 from safeloc.language.units import Enumeration
-from safeloc.streams.cycles import Cycle, cycles
-from safeloc.streams.record_files import read_raw
-from safeloc.streams.records import Record, Unusable
-from safeloc.streams.steps import StepStream
+from safeloc.runtime.border import Channel, Fault
+from safeloc.runtime.embedding.hearing import Hearing
+from safeloc.runtime.embedding.judging import judged
+from safeloc.runtime.streams.cycles import Cycle, cycles
+from safeloc.runtime.streams.record_files import read_raw
+from safeloc.runtime.streams.records import Record, Unusable
+from safeloc.runtime.streams.steps import StepStream
 
 
 def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStream, Sequence[Fault]]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
-from safeloc.border import Fault
 from safeloc.catalogue import Target
 from safeloc.errors import InputError, StreamError
 from safeloc.language.expr import Num, Var
@@ -24,13 +23,14 @@ from safeloc.language.terms import variables
 from safeloc.language.trace import Trace, shown
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Held, NotAsked, Result, Violated
-from safeloc.outside import quoted
 from safeloc.proof.results import Finding, Replayed
 from safeloc.proof.runs.quick import Quick, quick_run
 from safeloc.proof.verification.recordings import counted, recorded_steps
 from safeloc.proof.verification.unasked import reason
-from safeloc.streams.columns import read_runs
-from safeloc.streams.steps import StepStream, read_steps
+from safeloc.runtime.border import Fault
+from safeloc.runtime.outside import quoted
+from safeloc.runtime.streams.columns import read_runs
+from safeloc.runtime.streams.steps import StepStream, read_steps
 
 
 @dataclass(frozen=True)
