@@ -11,8 +11,6 @@ from dataclasses import dataclass, field, replace
 
 from safeloc.config import Config
 from safeloc.errors import InputError
-from safeloc.line.routes import Route
-from safeloc.line.walk import Walk
 from safeloc.models import balise_streams, odometry_streams, reflector_streams, route_streams, turn_off_streams
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.line_configs import SPEED_SHARE, LineVehicle, fitting
@@ -35,6 +33,8 @@ from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_streams import Platform, simulate_platform
 from safeloc.models.turn_off import TurnOffConfig
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.walk import Walk
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import ReaderFault

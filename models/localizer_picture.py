@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.pictures import Interval, Refusals, Sources, Things
+from safeloc.railway.pictures import Interval, Refusals, Sources, Things
 from safeloc.runtime.reported import Reported
 
 PASSED_ON = Reported(

@@ -12,13 +12,13 @@ from functools import cache
 
 import numpy as np
 
-from safeloc.line.model import Line
-from safeloc.line.routes import through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.satellite.channels import identity
 from safeloc.signals.satellite.line_track import LineTrack

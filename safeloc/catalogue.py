@@ -27,7 +27,7 @@ from safeloc.language.composition import Composition
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
-from safeloc.pictures import Picture, unreadable
+from safeloc.railway.pictures import Picture, unreadable
 from safeloc.runtime.outside import read_bytes
 from safeloc.runtime.reported import Reported, usual_names
 from safeloc.shipped import ENTRIES

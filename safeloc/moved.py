@@ -9,6 +9,7 @@ from types import ModuleType
 
 MOVED = {
     "safeloc.antecedents": "safeloc.language.antecedents",
+    "safeloc.audit": "safeloc.railway.audit",
     "safeloc.backends": "safeloc.codegen",
     "safeloc.border": "safeloc.runtime.border",
     "safeloc.cache": "safeloc.proof.cache",
@@ -19,12 +20,15 @@ MOVED = {
     "safeloc.embedding": "safeloc.runtime.embedding",
     "safeloc.expr": "safeloc.language.expr",
     "safeloc.folding": "safeloc.language.folding",
+    "safeloc.guard": "safeloc.railway.guard",
     "safeloc.interpret": "safeloc.language.interpret",
+    "safeloc.line": "safeloc.railway.map",
     "safeloc.machine": "safeloc.language.machine",
     "safeloc.monitor": "safeloc.language.monitor",
     "safeloc.nodes": "safeloc.language.nodes",
     "safeloc.outside": "safeloc.runtime.outside",
     "safeloc.packed": "safeloc.runtime.packed",
+    "safeloc.pictures": "safeloc.railway.pictures",
     "safeloc.provers": "safeloc.proof.provers",
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem
-from safeloc.pictures import Picture
+from safeloc.railway.pictures import Picture
 from safeloc.runtime.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 

@@ -51,17 +51,17 @@ ROOMS = {
     "rich": ("safeloc/cli/",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/runtime/streams/",),
-    "networkx": ("safeloc/line/", "safeloc/audit/"),
-    "tomli_w": ("safeloc/line/toml_files.py",),
-    "lxml": ("safeloc/line/imports/railml_xml.py",),
-    "openpyxl": ("safeloc/line/imports/spreadsheet.py",),
+    "networkx": ("safeloc/railway/map/", "safeloc/railway/audit/"),
+    "tomli_w": ("safeloc/railway/map/toml_files.py",),
+    "lxml": ("safeloc/railway/map/imports/railml_xml.py",),
+    "openpyxl": ("safeloc/railway/map/imports/spreadsheet.py",),
     "pyproj": (
-        "safeloc/line/imports/geojson.py",
-        "safeloc/line/projection.py",
+        "safeloc/railway/map/imports/geojson.py",
+        "safeloc/railway/map/projection.py",
         "safeloc/signals/satellite/line_track.py",
     ),
-    "shapely": ("safeloc/line/projection.py",),
-    "pynmeagps": ("safeloc/guard/nmea.py",),
+    "shapely": ("safeloc/railway/map/projection.py",),
+    "pynmeagps": ("safeloc/railway/guard/nmea.py",),
 }
 LANGUAGE = sorted((ROOT / "language").rglob("*.py"))
 ABOVE = {
@@ -110,15 +110,15 @@ ABOVE = {
     ),
     "safeloc/runtime/embedding/": ("safeloc.runtime.service", "safeloc.proof.provers", "safeloc.report", "safeloc.cli"),
     "safeloc/runtime/service/": ("safeloc.models", "safeloc.proof.provers", "safeloc.report", "safeloc.cli"),
-    "safeloc/line/": (
+    "safeloc/railway/map/": (
         "safeloc.models",
-        "safeloc.audit",
+        "safeloc.railway.audit",
         "safeloc.cli",
         "safeloc.report",
         "safeloc.catalogue",
         "safeloc.shipped",
     ),
-    "safeloc/audit/": (
+    "safeloc/railway/audit/": (
         "safeloc.properties",
         "safeloc.proof.provers",
         "safeloc.cli",

@@ -11,13 +11,13 @@ import pytest
 
 from safeloc.catalogue import load_target, read_config
 from safeloc.errors import InputError, StreamError, UnforeseenError
-from safeloc.guard.fields import Columns, delivery
-from safeloc.guard.nmea import nmea_deliveries
-from safeloc.line.imports.formats import FORMATS
-from safeloc.line.recorded_run import read_fixes
-from safeloc.line.toml_files import load_line
 from safeloc.models.guard_parts.variables import GuardConfig
 from safeloc.proof.verification.replay import replay_stream
+from safeloc.railway.guard.fields import Columns, delivery
+from safeloc.railway.guard.nmea import nmea_deliveries
+from safeloc.railway.map.imports.formats import FORMATS
+from safeloc.railway.map.recorded_run import read_fixes
+from safeloc.railway.map.toml_files import load_line
 from safeloc.runtime.outside import (
     MOST_DIGITS,
     number,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.pictures import Deviation, Things
+from safeloc.railway.pictures import Deviation, Things
 from safeloc.runtime.reported import Reported
 
 STATION = {180_000: "204", 360_000: "205", 410_000: "208"}

@@ -10,7 +10,7 @@ import typer
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import err, out
 from safeloc.errors import InputError
-from safeloc.line.toml_files import shipped_lines
+from safeloc.railway.map.toml_files import shipped_lines
 from safeloc.runtime.streams.steps import write_steps
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
 from safeloc.language.verdict import Violated
-from safeloc.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
 from safeloc.proof.results import Finding, Replayed
+from safeloc.railway.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture

@@ -13,9 +13,9 @@ from safeloc.models import (
     satellite_selection,
 )
 from safeloc.models.satellite_parts.variables import SatelliteConfig
-from safeloc.pictures import Deviation, Picture, Standing, Standings, Stanford
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
+from safeloc.railway.pictures import Deviation, Picture, Standing, Standings, Stanford
 from safeloc.runtime.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single

@@ -17,12 +17,12 @@ from pathlib import Path
 
 from safeloc.catalogue import load_target
 from safeloc.errors import InputError, SnapshotError, UnforeseenError
-from safeloc.guard.fields import Columns
-from safeloc.guard.nmea import nmea_deliveries
-from safeloc.guard.streams import csv_deliveries, jsonl_deliveries
-from safeloc.line.imports.formats import FORMATS
-from safeloc.line.recorded_run import read_fixes
-from safeloc.line.toml_files import load_line, shipped_lines
+from safeloc.railway.guard.fields import Columns
+from safeloc.railway.guard.nmea import nmea_deliveries
+from safeloc.railway.guard.streams import csv_deliveries, jsonl_deliveries
+from safeloc.railway.map.imports.formats import FORMATS
+from safeloc.railway.map.recorded_run import read_fixes
+from safeloc.railway.map.toml_files import load_line, shipped_lines
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.outside import UNFORESEEN
 from safeloc.runtime.service.lines import LineCutter

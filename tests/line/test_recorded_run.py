@@ -16,7 +16,9 @@ from safeloc.errors import StreamError
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.units import Enumeration
-from safeloc.line.recorded_run import (
+from safeloc.models import odometry
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.railway.map.recorded_run import (
     Columns,
     OnRoute,
     Reading,
@@ -29,8 +31,6 @@ from safeloc.line.recorded_run import (
     trusted_times,
     truth_records,
 )
-from safeloc.models import odometry
-from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.runtime.border import channels_of
 from safeloc.runtime.streams.cycles import Cycle, cycles
 from safeloc.runtime.streams.records import MarkerRecord

@@ -14,15 +14,15 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, Proved
-from safeloc.line.routes import through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
 from safeloc.models import route
 from safeloc.models.route_parts.variables import RouteConfig, parts
 from safeloc.models.route_streams import Steps, Way, answers, quiet, simulate, way
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.route import properties
+from safeloc.railway.map.routes import through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 from safeloc.simulation.motion import Leg
 from tests.models.spoilt import rebuilt
 

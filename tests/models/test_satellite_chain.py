@@ -12,14 +12,14 @@ import pytest
 from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
 from safeloc.language.verdict import Proved
-from safeloc.line.routes import through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
 from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite_parts.variables import FIX, MISSING, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.protection import protected
+from safeloc.railway.map.routes import through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 from safeloc.runtime.border import Reason
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, received
 from safeloc.signals.satellite.line_track import LineTrack

@@ -11,7 +11,7 @@ from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT, MM
-from safeloc.pictures import Deviation, Things
+from safeloc.railway.pictures import Deviation, Things
 from safeloc.report.told import Broken, Told
 from safeloc.runtime.reported import Reported
 

@@ -16,8 +16,8 @@ from safeloc.catalogue import load_target
 from safeloc.cli.entry import app
 from safeloc.errors import InputError
 from safeloc.language.verdict import Violated
-from safeloc.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.proof.verification.replay import replay_stream
+from safeloc.railway.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
@@ -160,7 +160,7 @@ def test_a_wrong_name_is_told_before_anything_runs() -> None:
 OWN = """
 from safeloc.language.expr import number
 from safeloc.language.machine import Machine, Transition, modes
-from safeloc.pictures import Deviation
+from safeloc.railway.pictures import Deviation
 from safeloc.runtime.reported import Reported
 from safeloc.language.units import MM
 

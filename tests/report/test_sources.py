@@ -9,7 +9,7 @@ from safeloc.language.interpret import run
 from safeloc.language.machine import Any_, Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import MM
-from safeloc.pictures import Interval, Refusals, Sources, unreadable
+from safeloc.railway.pictures import Interval, Refusals, Sources, unreadable
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
 from safeloc.report.told import Told

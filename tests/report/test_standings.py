@@ -11,7 +11,7 @@ from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
-from safeloc.pictures import Standing, Standings, unreadable
+from safeloc.railway.pictures import Standing, Standings, unreadable
 from safeloc.report.standings import standings_picture
 from safeloc.report.told import Broken, Told
 from safeloc.runtime.reported import Reported

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.pictures import Stanford, unreadable
+from safeloc.railway.pictures import Stanford, unreadable
 from safeloc.report.stanford import REGIONS, Region, region, stanford_picture
 from safeloc.report.told import Broken, Told
 from safeloc.runtime.reported import Reported

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, unreadable
+from safeloc.railway.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, unreadable
 from safeloc.report.png import SIGNATURE
 from safeloc.report.told import Told
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table

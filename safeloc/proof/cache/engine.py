@@ -13,7 +13,16 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2]
 DECLARING = ("models", "properties", "shipped")
 """Folders that declare what is decided: a target's own digest covers what comes of them."""
-SHOWING = ("audit", "proof/checker", "cli", "guard", "line", "report", "runtime/service", "simulation")
+SHOWING = (
+    "cli",
+    "proof/checker",
+    "railway/audit",
+    "railway/guard",
+    "railway/map",
+    "report",
+    "runtime/service",
+    "simulation",
+)
 """Folders that show, check, host or simulate: no finding of `verify` comes through them."""
 LONGEST_START_S = 10.0
 DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")

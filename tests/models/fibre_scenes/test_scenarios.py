@@ -18,7 +18,7 @@ from safeloc.models.fibre_scenes.figures import END_SCENES
 from safeloc.models.fibre_scenes.recordings import Recording, recorded_order, recorded_stay
 from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENES, SCENARIOS, SPLIT_S, VERIFIED_20_KM
 from safeloc.models.train_order import machine as order_machine
-from safeloc.pictures import LoudFibre
+from safeloc.railway.pictures import LoudFibre
 from safeloc.runtime.streams.steps import Cell, read_steps
 
 STREAMS = Path(fibre_area.__file__).parent / "streams"
