@@ -36,6 +36,7 @@ MOVED = {
     "safeloc.results": "safeloc.proof.results",
     "safeloc.runs": "safeloc.proof.runs",
     "safeloc.service": "safeloc.runtime.service",
+    "safeloc.signals": "safeloc.sensing",
     "safeloc.spec": "safeloc.language.spec",
     "safeloc.streams": "safeloc.runtime.streams",
     "safeloc.system": "safeloc.language.system",

@@ -31,9 +31,9 @@ from safeloc.runtime.outside import (
 )
 from safeloc.runtime.streams.record_files import read_raw, read_records
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.signals.satellite.android import read_android
-from safeloc.signals.satellite.navigation import read_navigation
-from safeloc.signals.satellite.observations import read_observations
+from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.navigation import read_navigation
+from safeloc.sensing.satellite.observations import read_observations
 
 Read = Callable[[Path], object]
 READERS: dict[str, Read] = {

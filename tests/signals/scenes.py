@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from safeloc.signals.figures import RadarConfig
-from safeloc.signals.images import RadarImage
-from safeloc.signals.radar import Frame, read
-from safeloc.signals.signature import Model
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.images import RadarImage
+from safeloc.sensing.radar import Frame, read
+from safeloc.sensing.signature import Model
 from safeloc.simulation.radar import Bias, Points, image
 from safeloc.simulation.radar_scene import Clutter, World, seen, world
 from safeloc.simulation.radar_track import Reflector

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.signals.along_track import Delay, along_track, distance_now, lateral
-from safeloc.signals.echoes import Echo
-from safeloc.signals.figures import Installation, RadarConfig
-from safeloc.signals.rounding import Interval
-from safeloc.signals.signature import Model
+from safeloc.sensing.along_track import Delay, along_track, distance_now, lateral
+from safeloc.sensing.echoes import Echo
+from safeloc.sensing.figures import Installation, RadarConfig
+from safeloc.sensing.rounding import Interval
+from safeloc.sensing.signature import Model
 from safeloc.simulation.radar_track import Arc, pose, seen_from
 from tests.signals.scenes import CONFIG
 

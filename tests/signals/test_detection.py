@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from safeloc.signals.detection import background, peaks
+from safeloc.sensing.detection import background, peaks
 from tests.signals.scenes import CONFIG
 
 SHAPE = CONFIG.sensor.shape
@@ -68,7 +68,7 @@ def test_nothing_on_the_rim_or_in_the_blind_range() -> None:
 
 def test_without_scipy_the_message_says_what_to_install() -> None:
     """The extra is named where the import fails."""
-    code = "import sys; sys.modules['scipy'] = None; import safeloc.signals.detection"
+    code = "import sys; sys.modules['scipy'] = None; import safeloc.sensing.detection"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "EngineError: radar images are read with scipy: pip install 'safeloc[signals]'." in done.stderr

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from safeloc.runtime.border import Reason
-from safeloc.signals.images import NoFrame, Order, RadarImage, Refusal, admitted, floor_cdb, in_cdb
+from safeloc.sensing.images import NoFrame, Order, RadarImage, Refusal, admitted, floor_cdb, in_cdb
 from tests.signals.scenes import CONFIG
 
 SENSOR = CONFIG.sensor

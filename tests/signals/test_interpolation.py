@@ -8,8 +8,8 @@ import z3
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.signals.detection import Peaks
-from safeloc.signals.interpolation import hann, leakage, points, side_lobes
+from safeloc.sensing.detection import Peaks
+from safeloc.sensing.interpolation import hann, leakage, points, side_lobes
 from tests.signals.scenes import CONFIG
 
 SAMPLES, ANTENNAS = CONFIG.sensor.samples, CONFIG.sensor.antennas

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from safeloc.runtime.border import Reason
-from safeloc.signals.echoes import Echo
-from safeloc.signals.figures import Detection, RadarConfig, Reflectors, Sensor
-from safeloc.signals.images import NoFrame, RadarImage, Refusal
-from safeloc.signals.radar import Frame, FrontEnd, read
-from safeloc.signals.signature import MARKS, Doubt, Model
+from safeloc.sensing.echoes import Echo
+from safeloc.sensing.figures import Detection, RadarConfig, Reflectors, Sensor
+from safeloc.sensing.images import NoFrame, RadarImage, Refusal
+from safeloc.sensing.radar import Frame, FrontEnd, read
+from safeloc.sensing.signature import MARKS, Doubt, Model
 from safeloc.simulation.radar import Bias, image, points
 from safeloc.simulation.radar_scene import World, seen, slant_mm, world
 from safeloc.simulation.radar_track import Arc, Reflector

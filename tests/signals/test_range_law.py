@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.signals.range_law import is_lawful, loss_cdb, section_cdbsm
+from safeloc.sensing.range_law import is_lawful, loss_cdb, section_cdbsm
 from tests.signals.scenes import CONFIG
 
 NOMINAL = CONFIG.reflectors.section_cdbsm(CONFIG.sensor.carrier_mhz)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.along_track import Delay
-from safeloc.signals.echoes import Echo
-from safeloc.signals.figures import Installation
-from safeloc.signals.images import NoFrame, Refusal
-from safeloc.signals.radar import Frame
-from safeloc.signals.reflector_inputs import step_inputs
-from safeloc.signals.signature import Doubt, Model
+from safeloc.sensing.along_track import Delay
+from safeloc.sensing.echoes import Echo
+from safeloc.sensing.figures import Installation
+from safeloc.sensing.images import NoFrame, Refusal
+from safeloc.sensing.radar import Frame
+from safeloc.sensing.reflector_inputs import step_inputs
+from safeloc.sensing.signature import Doubt, Model
 from tests.signals.scenes import CONFIG
 
 STRAIGHT = CONFIG.model_copy(update={"installation": Installation(least_radius_mm=3_000_000)})

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.signals.rounding import Interval, hull, outward
+from safeloc.sensing.rounding import Interval, hull, outward
 
 LOW, HIGH = z3.Reals("low high")
 FLOOR, CEIL = z3.ToInt(LOW), -z3.ToInt(-HIGH)

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.signals.detection import Peaks
-from safeloc.signals.figures import Sensor
-from safeloc.signals.interpolation import Places, Points
-from safeloc.signals.sensor_errors import ground_nm, range_nm, sine_ppb
+from safeloc.sensing.detection import Peaks
+from safeloc.sensing.figures import Sensor
+from safeloc.sensing.interpolation import Places, Points
+from safeloc.sensing.sensor_errors import ground_nm, range_nm, sine_ppb
 
 PERFECT = Sensor(scale_error_ppm=0, offset_error_mm=0, angle_error_urad=0, ground_reflection_percent=0)
 PARTS = st.floats(-1.0, 2.0)

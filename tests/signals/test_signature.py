@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.signals.range_law import REFERENCE_MM
-from safeloc.signals.signature import MARKS, Doubt, Group, Model, Spots, groups, seen_at
+from safeloc.sensing.range_law import REFERENCE_MM
+from safeloc.sensing.signature import MARKS, Doubt, Group, Model, Spots, groups, seen_at
 from tests.signals.scenes import CONFIG
 
 UNIT = CONFIG.reflectors.unit_mm

@@ -28,8 +28,8 @@ from safeloc.railway.map.imports.railml import read_railml
 from safeloc.railway.map.imports.ttobench import read_ttobench
 from safeloc.railway.map.toml_files import load_line
 from safeloc.railway.map.topology import Topology
-from safeloc.signals.fibre import recordings
-from safeloc.signals.satellite import log_lines
+from safeloc.sensing.fibre import recordings
+from safeloc.sensing.satellite import log_lines
 from tests.line.imports.documents import RAILML, STATION
 
 SHEET = "xl/worksheets/sheet1.xml"

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from safeloc.signals.fibre.features import FibreFrame, TrainSeen
-from safeloc.signals.fibre.figures import Detection, FibreConfig, Interrogator
-from safeloc.signals.fibre.front_end import FrontEnd, Outcome
+from safeloc.sensing.fibre.features import FibreFrame, TrainSeen
+from safeloc.sensing.fibre.figures import Detection, FibreConfig, Interrogator
+from safeloc.sensing.fibre.front_end import FrontEnd, Outcome
 from safeloc.simulation.fibre.cable import Section, cable
 from safeloc.simulation.fibre.scene import Fault, Shot, World, shots
 from safeloc.simulation.fibre.trains import COACH, Course, Train

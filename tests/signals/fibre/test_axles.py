@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.fibre.axles import Count, Counter, clusters
-from safeloc.signals.fibre.figures import Counting, FibreConfig, Interrogator
+from safeloc.sensing.fibre.axles import Count, Counter, clusters
+from safeloc.sensing.fibre.figures import Counting, FibreConfig, Interrogator
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=6_000_000))
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from safeloc.runtime.border import Reason
-from safeloc.signals.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, admitted, unusable
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator
+from safeloc.sensing.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, admitted, unusable
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=500_000))
 SHAPE = (CONFIG.band.block_frames, CONFIG.interrogator.channels)

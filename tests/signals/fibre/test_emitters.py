@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.fibre.emitters import Heard, Listener
-from safeloc.signals.fibre.figures import Emission, Emitter, FibreConfig, Interrogator
+from safeloc.sensing.fibre.emitters import Heard, Listener
+from safeloc.sensing.fibre.figures import Emission, Emitter, FibreConfig, Interrogator
 
 BITS = {"E1": "1100101011110001", "E2": "1011011100010101"}
 PLACES = {"E1": 500_000, "E2": 1_500_000}

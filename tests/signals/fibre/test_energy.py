@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.fibre.energy import Analyser, Quiet, Smoother
-from safeloc.signals.fibre.figures import Detection, Emission, Emitter, FibreConfig, Interrogator
+from safeloc.sensing.fibre.energy import Analyser, Quiet, Smoother
+from safeloc.sensing.fibre.figures import Detection, Emission, Emitter, FibreConfig, Interrogator
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=1_000_000))
 FRAMES, CHANNELS = CONFIG.band.block_frames, CONFIG.interrogator.channels

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from safeloc.errors import InputError
 from safeloc.railway.map.elements import Fibre, FibrePoint, Stretch
-from safeloc.signals.fibre.fibre_map import FibreMap, from_line, one_to_one, place_of
-from safeloc.signals.rounding import Interval
+from safeloc.sensing.fibre.fibre_map import FibreMap, from_line, one_to_one, place_of
+from safeloc.sensing.rounding import Interval
 
 MAP = FibreMap(((0, 0), (1_000, 980), (1_050, 980), (3_000, 2_900)), error_mm=10)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from safeloc.signals.fibre.figures import (
+from safeloc.sensing.fibre.figures import (
     Band,
     Emission,
     Emitter,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from safeloc.runtime.border import Reason
-from safeloc.signals.fibre.blocks import NoFibre, Refusal
-from safeloc.signals.fibre.features import FibreFrame, Trouble
-from safeloc.signals.fibre.figures import (
+from safeloc.sensing.fibre.blocks import NoFibre, Refusal
+from safeloc.sensing.fibre.features import FibreFrame, Trouble
+from safeloc.sensing.fibre.figures import (
     Band,
     Detection,
     Emission,
@@ -21,9 +21,9 @@ from safeloc.signals.fibre.figures import (
     PointPlace,
     SectionPlace,
 )
-from safeloc.signals.fibre.front_end import FrontEnd, Outcome, read_all
-from safeloc.signals.fibre.recordings import blocks, read_array
-from safeloc.signals.fibre.sections import Edge, Effect
+from safeloc.sensing.fibre.front_end import FrontEnd, Outcome, read_all
+from safeloc.sensing.fibre.recordings import blocks, read_array
+from safeloc.sensing.fibre.sections import Edge, Effect
 from safeloc.simulation.fibre.cable import Section
 from safeloc.simulation.fibre.emitters import Sounding
 from safeloc.simulation.fibre.ground import Car

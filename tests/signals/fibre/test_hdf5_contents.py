@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from safeloc.errors import EngineError, SafelocError, StreamError
-from safeloc.signals.fibre.hdf5_contents import MOST_ATTRIBUTES, MOST_OBJECTS, require_harmless
-from safeloc.signals.fibre.recordings import LARGEST_RECORDING, read_das
+from safeloc.sensing.fibre.hdf5_contents import MOST_ATTRIBUTES, MOST_OBJECTS, require_harmless
+from safeloc.sensing.fibre.recordings import LARGEST_RECORDING, read_das
 
 h5py = pytest.importorskip("h5py")
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from safeloc.errors import EngineError, InputError, StreamError
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator
-from safeloc.signals.fibre.recordings import Recording, blocks, read_array, read_das
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
+from safeloc.sensing.fibre.recordings import Recording, blocks, read_array, read_das
 from tests.data_sources import data_file
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=200_000))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator, PointPlace
-from safeloc.signals.fibre.reflections import Reflections, coincident, reflections
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator, PointPlace
+from safeloc.sensing.fibre.reflections import Reflections, coincident, reflections
 
 POINTS = (PointPlace(id="P1", fibre_mm=1_000_000), PointPlace(id="P2", fibre_mm=2_000_000))
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=3_000_000, pulse_ns=100), point_places=POINTS)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from safeloc.signals.fibre.features import Bounds, End, TrainSeen
-from safeloc.signals.fibre.figures import FibreConfig
-from safeloc.signals.fibre.run_meter import RunMeter
+from safeloc.sensing.fibre.features import Bounds, End, TrainSeen
+from safeloc.sensing.fibre.figures import FibreConfig
+from safeloc.sensing.fibre.run_meter import RunMeter
 
 CONFIG = FibreConfig()
 BLOCK_MS = 500

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator
-from safeloc.signals.fibre.runs import Run, runs
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
+from safeloc.sensing.fibre.runs import Run, runs
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=3_000_000))
 CHANNELS = CONFIG.interrogator.channels

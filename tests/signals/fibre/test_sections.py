@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator, Sections
-from safeloc.signals.fibre.sections import Change, Edge, Effect, Watcher, amplitude
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator, Sections
+from safeloc.sensing.fibre.sections import Change, Edge, Effect, Watcher, amplitude
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=3_000_000))
 

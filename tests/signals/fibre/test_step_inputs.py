@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from safeloc.language.expr import Optional
 from safeloc.models.fibre import FibreConfig, parts
-from safeloc.signals.fibre.features import Bounds, End
-from safeloc.signals.fibre.step_inputs import step_inputs
+from safeloc.sensing.fibre.features import Bounds, End
+from safeloc.sensing.fibre.step_inputs import step_inputs
 from tests.signals.fibre.scenes import coaches, seen, told, world
 
 END = End(Bounds(1_000, 3_000), Bounds(900, 3_100), Bounds(10, 30), ("P1",), 1_180)

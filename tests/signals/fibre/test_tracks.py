@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator
-from safeloc.signals.fibre.runs import Run
-from safeloc.signals.fibre.tracks import Follower, Track
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
+from safeloc.sensing.fibre.runs import Run
+from safeloc.sensing.fibre.tracks import Follower, Track
 
 CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=10_000_000))
 WINDOW_MS = 50.0

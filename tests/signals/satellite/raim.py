@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from safeloc.signals.satellite.epochs import Epoch
-from safeloc.signals.satellite.figures import EARTH_RATE_RAD_PER_S, LIGHT_M_PER_S
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.orbits import satellite_state
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.residuals import residuals
+from safeloc.sensing.satellite.epochs import Epoch
+from safeloc.sensing.satellite.figures import EARTH_RATE_RAD_PER_S, LIGHT_M_PER_S
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.orbits import satellite_state
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.residuals import residuals
 
 STILL = (0.0, 0.0, 0.0)
 

@@ -6,8 +6,8 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.runtime.border import Reason
-from safeloc.signals.satellite.channels import Channels, Heard, identity, satellite_name
-from safeloc.signals.satellite.residuals import Residuals
+from safeloc.sensing.satellite.channels import Channels, Heard, identity, satellite_name
+from safeloc.sensing.satellite.residuals import Residuals
 
 NONE: frozenset[str] = frozenset()
 

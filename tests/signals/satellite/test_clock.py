@@ -8,7 +8,7 @@ import pytest
 import z3
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.clock import common_part, without_clock
+from safeloc.sensing.satellite.clock import common_part, without_clock
 
 
 def test_fewer_than_half_faulty_stay_visible() -> None:

@@ -12,9 +12,9 @@ from safeloc.errors import InputError
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.routes import Route, through_routes
 from safeloc.railway.map.topology import Run, Topology
-from safeloc.signals.satellite.line_track import LineTrack
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.sensing.satellite.line_track import LineTrack
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.track_prediction import Portion
 
 pytest.importorskip("pyproj")
 

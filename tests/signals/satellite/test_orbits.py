@@ -8,12 +8,12 @@ from dataclasses import asdict, replace
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.ephemeris import Ephemeris
-from safeloc.signals.satellite.figures import EARTH_GRAVITY_M3_PER_S2, EARTH_RATE_RAD_PER_S, L1_HZ, L1_WAVELENGTH_M
-from safeloc.signals.satellite.navigation import read_navigation
-from safeloc.signals.satellite.orbits import satellite_state
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.predicted import predicted, rate_of_doppler
+from safeloc.sensing.satellite.ephemeris import Ephemeris
+from safeloc.sensing.satellite.figures import EARTH_GRAVITY_M3_PER_S2, EARTH_RATE_RAD_PER_S, L1_HZ, L1_WAVELENGTH_M
+from safeloc.sensing.satellite.navigation import read_navigation
+from safeloc.sensing.satellite.orbits import satellite_state
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.predicted import predicted, rate_of_doppler
 from tests.data_sources import data_file
 
 CIRCLE = Ephemeris(

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.places import Place
+from safeloc.sensing.satellite.places import Place
 
 
 @pytest.mark.parametrize("degrees", [(35.1, 137.0, 104.9), (-62.0, -10.0, -28.0), (0.0, 180.0, 0.0), (89.9, 5.0, 4e3)])

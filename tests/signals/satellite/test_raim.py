@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from benchmarks.satellite_recorded import Recording, geodetic, told, truth
-from safeloc.signals.satellite.residuals import Residuals
+from safeloc.sensing.satellite.residuals import Residuals
 from safeloc.simulation.satellite.disturbing import Disturbance, disturb
 from tests.data_sources import data_file
 from tests.signals.satellite.raim import excluded_by_raim, told_of_frame

@@ -10,11 +10,11 @@ import pytest
 
 from safeloc.errors import InputError, StreamError
 from safeloc.runtime.border import Reason
-from safeloc.signals.satellite import log_lines
-from safeloc.signals.satellite.android import read_android
-from safeloc.signals.satellite.epochs import Epoch, Measured, Row, in_order, received
-from safeloc.signals.satellite.navigation import read_navigation
-from safeloc.signals.satellite.observations import read_observations
+from safeloc.sensing.satellite import log_lines
+from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.epochs import Epoch, Measured, Row, in_order, received
+from safeloc.sensing.satellite.navigation import read_navigation
+from safeloc.sensing.satellite.observations import read_observations
 from tests.data_sources import data_file
 
 NMEA = "$GPGGA,082000.00,3508.08,N,13658.65,E,1,12,0.7,66.0,M,38.0,M,,*55\n"

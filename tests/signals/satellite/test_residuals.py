@@ -8,15 +8,15 @@ from collections.abc import Iterable
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.android import read_android
-from safeloc.signals.satellite.ephemeris import usable
-from safeloc.signals.satellite.epochs import Epoch, Measured
-from safeloc.signals.satellite.figures import LIGHT_M_PER_S
-from safeloc.signals.satellite.navigation import Navigation, read_navigation
-from safeloc.signals.satellite.observations import read_observations
-from safeloc.signals.satellite.orbits import satellite_state
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.residuals import residuals
+from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.ephemeris import usable
+from safeloc.sensing.satellite.epochs import Epoch, Measured
+from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
+from safeloc.sensing.satellite.navigation import Navigation, read_navigation
+from safeloc.sensing.satellite.observations import read_observations
+from safeloc.sensing.satellite.orbits import satellite_state
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.residuals import residuals
 from tests.data_sources import data_file
 
 STILL = (0.0, 0.0, 0.0)

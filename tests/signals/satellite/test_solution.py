@@ -10,12 +10,12 @@ from fractions import Fraction
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.rounding import Interval
-from safeloc.signals.satellite.places import Vector
-from safeloc.signals.satellite.predicted import Predicted
-from safeloc.signals.satellite.solution import Bounds, Estimate, Look, Solution, solve
-from safeloc.signals.satellite.track_fit import NoSolution
-from safeloc.signals.satellite.track_prediction import OnTrack, Portion, TrackState, on_portion
+from safeloc.sensing.rounding import Interval
+from safeloc.sensing.satellite.places import Vector
+from safeloc.sensing.satellite.predicted import Predicted
+from safeloc.sensing.satellite.solution import Bounds, Estimate, Look, Solution, solve
+from safeloc.sensing.satellite.track_fit import NoSolution
+from safeloc.sensing.satellite.track_prediction import OnTrack, Portion, TrackState, on_portion
 
 RADIUS_M, FAR_M = 400.0, 2.2e7
 THRESHOLD = Bounds(5_000, 800)

@@ -9,7 +9,7 @@ import pytest
 import z3
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.track_fit import Sight, TrackFit, fit
+from safeloc.sensing.satellite.track_fit import Sight, TrackFit, fit
 
 SLOPES = {"G05": -350_000, "G13": 120_000, "G15": 480_000, "G20": -610_000, "G29": 900_000}
 MIXED = {"G01": -400_000, "G02": 300_000, "E01": 700_000, "E02": -100_000}

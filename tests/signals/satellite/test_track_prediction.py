@@ -7,8 +7,8 @@ import math
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.places import Vector
-from safeloc.signals.satellite.track_prediction import Portion, TrackState, on_portion
+from safeloc.sensing.satellite.places import Vector
+from safeloc.sensing.satellite.track_prediction import Portion, TrackState, on_portion
 
 RADIUS_M = 500.0
 

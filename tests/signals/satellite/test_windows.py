@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.windows import Window
+from safeloc.sensing.satellite.windows import Window
 
 
 def test_no_figure_before_the_window_is_full() -> None:
