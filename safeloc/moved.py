@@ -33,6 +33,7 @@ MOVED = {
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",
     "safeloc.reported": "safeloc.runtime.reported",
+    "safeloc.requirements": "safeloc.assurance.requirements",
     "safeloc.results": "safeloc.proof.results",
     "safeloc.runs": "safeloc.proof.runs",
     "safeloc.service": "safeloc.runtime.service",

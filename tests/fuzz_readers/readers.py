@@ -34,9 +34,9 @@ from safeloc.sensing.fibre.recordings import read_array
 from safeloc.sensing.satellite.android import read_android
 from safeloc.sensing.satellite.navigation import read_navigation
 from safeloc.sensing.satellite.observations import read_observations
-from tests.line.imports.documents import STATION
-from tests.line.imports.test_geojson import SWITCH
-from tests.line.imports.test_ttobench import TRACK
+from tests.railway.map.imports.documents import STATION
+from tests.railway.map.imports.test_geojson import SWITCH
+from tests.railway.map.imports.test_ttobench import TRACK
 
 
 @dataclass(frozen=True)
