@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.service import loop
+from safeloc.runtime.service import loop
 from tests.cli.calling import Call, caller
-from tests.service.processes import lines, ran, read, running, wait_for
+from tests.runtime.service.processes import lines, ran, read, running, wait_for
 
 
 @pytest.fixture

@@ -1,0 +1,150 @@
+"""The project's requirements: one entry a claim, or a statement that a claim leans on, with its source.
+
+`requirements.toml` beside this file holds them; transitions and properties carry their ids in `trace`. `traceability`
+links them both ways: from a requirement to what carries and what shows it, and from a transition or property back.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Literal, Protocol
+
+from safeloc.errors import ModelError
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+
+FILE = Path(__file__).with_name("requirements.toml")
+STATUSES = ("done", "planned")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """One requirement. `carried_by` says what answers for it beside transitions and properties (a named test)."""
+
+    id: str
+    kind: str
+    machine: str
+    status: str
+    text: str
+    source: str
+    carried_by: str = ""
+
+
+@cache
+def requirements() -> tuple[Requirement, ...]:
+    """All requirements in order; ModelError where the file is wrong."""
+    content = tomllib.loads(FILE.read_text(encoding="utf-8"))
+    sources = {key: value["publication"] for key, value in content["sources"].items()}
+    found = []
+    for row in content["requirement"]:
+        family = row["id"].partition("-")[0]
+        if family not in sources or row["status"] not in STATUSES or not row["text"].strip():
+            raise ModelError(f"{FILE.name}: requirement {row['id']} has no source, an unknown status or no text.")
+        found.append(Requirement(source=sources[family], **row))
+    names = [one.id for one in found]
+    if len(set(names)) != len(names):
+        raise ModelError(f"{FILE.name}: ids are not distinct.")
+    return tuple(found)
+
+
+def requirement(name: str) -> Requirement:
+    """One requirement by id; KeyError for an unknown one."""
+    for one in requirements():
+        if one.id == name:
+            return one
+    raise KeyError(f"no requirement {name!r} in {FILE.name}")
+
+
+class Traced(Protocol):
+    """What is traced: a target of the catalogue, or anything with a name, machines and properties."""
+
+    @property
+    def name(self) -> str:
+        """The name its properties stand under."""
+        ...
+
+    @property
+    def machines(self) -> Sequence[Machine]:
+        """Whose transitions carry requirements."""
+        ...
+
+    @property
+    def properties(self) -> Sequence[Property]:
+        """What shows them."""
+        ...
+
+
+@dataclass(frozen=True)
+class Item:
+    """A transition or a property, and the requirements it names."""
+
+    kind: Literal["transition", "property"]
+    machine: str
+    name: str
+    requirements: tuple[str, ...]
+
+    @property
+    def label(self) -> str:
+        """For a reader."""
+        return f"{self.machine}: {self.name}"
+
+
+@dataclass(frozen=True)
+class Link:
+    """A requirement with the transitions that carry it and the properties that show it."""
+
+    requirement: Requirement
+    transitions: tuple[str, ...]
+    properties: tuple[str, ...]
+
+    @property
+    def gaps(self) -> tuple[str, ...]:
+        """What is missing of a requirement that is called done; a named test stands for both."""
+        if self.requirement.status != "done" or self.requirement.carried_by:
+            return ()
+        wanted = {"no transition carries it": self.transitions, "no property shows it": self.properties}
+        return tuple(f"{self.requirement.id}: {gap}" for gap, there in wanted.items() if not there)
+
+
+@dataclass(frozen=True)
+class Traceability:
+    """Both ways: `links` from every requirement, `items` back from every transition and property."""
+
+    links: tuple[Link, ...]
+    items: tuple[Item, ...]
+
+    @property
+    def gaps(self) -> tuple[str, ...]:
+        """Done requirements that nothing carries or shows; items that name none, an unknown one or a planned one."""
+        status = {link.requirement.id: link.requirement.status for link in self.links}
+        wrong = [gap for link in self.links for gap in link.gaps]
+        for item in self.items:
+            if not item.requirements:
+                wrong.append(f"{item.kind} {item.label}: names no requirement")
+            wrong += [
+                f"{item.kind} {item.label}: {name} is {status.get(name, 'no requirement')}"
+                for name in item.requirements
+                if status.get(name) != "done"
+            ]
+        return tuple(wrong)
+
+
+def traceability(traced: Iterable[Traced]) -> Traceability:
+    """Requirements and these machines and properties, linked; a machine that stands in two targets counts once."""
+    targets = list(traced)
+    items = dict.fromkeys(
+        [Item("transition", m.name, t.name, t.trace) for one in targets for m in one.machines for t in m.transitions]
+        + [Item("property", one.name, prop.name, prop.trace) for one in targets for prop in one.properties]
+    )
+    links = [
+        Link(one, _naming(items, "transition", one.id), _naming(items, "property", one.id)) for one in requirements()
+    ]
+    return Traceability(tuple(links), tuple(items))
+
+
+def _naming(items: Iterable[Item], kind: str, name: str) -> tuple[str, ...]:
+    return tuple(item.label for item in items if item.kind == kind and name in item.requirements)

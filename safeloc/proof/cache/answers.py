@@ -1,0 +1,76 @@
+"""What solvers have answered before: that every goal of a query is proved, and never anything else.
+
+The key is the text of the query (hypotheses and goals), who answered, and the engine; a machine that was edited asks anew
+only what the edit is about.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+from safeloc.proof.cache.engine import engine_digest, undisturbed
+from safeloc.proof.cache.store import Store, utc_now
+
+Solver = Literal["z3", "cvc5"]
+KIND, PROVED = "answers", b"proved"
+BEGINS = "(set-logic "
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where answers are kept, and since when they count (UTC)."""
+
+    store: Store
+    since: str
+
+
+_PLACES: list[_Place] = []
+
+
+@contextmanager
+def kept_in(store: Store | None, *, fresh: bool = False) -> Iterator[None]:
+    """Within, answers are looked up and kept in this store; in processes that are forked meanwhile as well.
+
+    Nowhere, if the engine's files were written since it was loaded.
+
+    fresh  look up only what was answered since now: a question that is asked twice in a run is answered once
+    """
+    if store is None or not undisturbed():
+        yield
+        return
+    engine_digest()  # here, so that processes which begin later do not read what was written meanwhile
+    _PLACES.append(_Place(store, utc_now() if fresh else ""))
+    try:
+        yield
+    finally:
+        _PLACES.pop()
+
+
+def keeping() -> bool:
+    """Whether answers are kept at all."""
+    return bool(_PLACES)
+
+
+def proved_before(solver: Solver, text: str) -> bool:
+    """Whether this solver has proved every goal of this text."""
+    if not _PLACES:
+        return False
+    place = _PLACES[-1]
+    entry = place.store.get(KIND, _key(solver, text))
+    return entry is not None and entry.data == PROVED and entry.since >= place.since
+
+
+def keep_proved(solver: Solver, text: str) -> None:
+    """Keep that this solver has proved every goal of this text."""
+    if _PLACES:
+        _PLACES[-1].store.put(KIND, _key(solver, text), PROVED)
+
+
+def _key(solver: Solver, text: str) -> str:
+    """Of the text what is decided: its head names other certificates, and says nothing to a solver."""
+    body = text[text.index(BEGINS) :]
+    return hashlib.sha256("\0".join([engine_digest(), solver, body]).encode()).hexdigest()

@@ -1,0 +1,204 @@
+"""Composition: what an earlier machine computes acts in the same step; a wrong wire is refused."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+
+from safeloc.errors import ModelError
+from safeloc.language.composition import compose
+from safeloc.language.expr import Expr, NumVar, Var, boolean, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.units import MM, MS
+
+IDLE, BUSY = modes("IDLE", "BUSY")
+
+
+class Pair:
+    """A counter of millimetres, and an alarm that reads it."""
+
+    def __init__(self) -> None:
+        self.step, self.sum = number("step", MM, 0, 10), number("sum", MM, 0, 1000)
+        self.counter = Machine(
+            name="counter",
+            modes=(IDLE, BUSY),
+            inputs=[self.step],
+            state={self.sum: 0},
+            outputs={"sum": self.sum, "high": self.sum > 15},
+            transitions=[Transition("add", IDLE, IDLE, self.step > 0, {self.sum: self.sum + self.step})],
+        )
+        self.level, self.time, self.quiet = number("level", MM, 0, 2000), number("t", MS, 0, 9), boolean("quiet")
+        self.extra = optional("extra", MM, 0, 9)
+        self.alarm = Machine(
+            name="alarm",
+            modes=(IDLE, BUSY),
+            inputs=[self.level, self.time, self.quiet, self.extra],
+            state={},
+            outputs={},
+            transitions=[Transition("ring", IDLE, BUSY, (self.level > 15) & ~self.quiet)],
+        )
+
+
+def test_a_wire_acts_in_the_same_step() -> None:
+    """The alarm rings in the very step in which the sum passes the level, and names carry their machine."""
+    pair = Pair()
+    whole = compose("both", (pair.counter, pair.alarm), {pair.level: pair.counter.output("sum")}).system
+    calm = {"alarm.t": 0, "alarm.quiet": False}
+    trace = run(whole, [{"counter.step": 10, **calm}, {"counter.step": 6, **calm}])
+    assert [step.fired for step in trace.steps] == [
+        {"counter.fired": "add", "alarm.fired": "(stay)"},
+        {"counter.fired": "add", "alarm.fired": "ring"},
+    ]
+    assert trace.steps[-1].outputs["counter.sum"] == 16
+    assert [var.name for var in whole.inputs] == [
+        "counter.step",
+        "alarm.t",
+        "alarm.quiet",
+        "alarm.extra.present",
+        "alarm.extra",
+    ]
+
+
+def test_terms_of_a_part_are_terms_of_the_whole() -> None:
+    """`of` rewrites a machine's own term; the rewritten variable is one of the whole's."""
+    pair = Pair()
+    both = compose("both", (pair.counter, pair.alarm), {pair.level: pair.counter.output("sum")})
+    assert both.of(pair.counter)(pair.sum) is both.system.variable("counter.sum")
+
+
+def test_a_wired_input_is_read_in_a_property() -> None:
+    """`of` turns a wired input into what the wire tells in the step: the sum after it."""
+    pair = Pair()
+    both = compose("both", (pair.counter, pair.alarm), {pair.level: pair.counter.output("sum")})
+    assert both.of(pair.alarm)(pair.level) is both.system.variable("counter.sum")
+
+
+def test_a_shared_input_is_kept_once() -> None:
+    """A variable that both declare as the same object is one input, under its own name."""
+    pair = Pair()
+    twin = Machine("twin", (IDLE, BUSY), [pair.step], {}, {}, [Transition("go", IDLE, BUSY, pair.step > 3)])
+    whole = compose("both", (pair.counter, twin), {}, shared=[pair.step]).system
+    assert [var.name for var in whole.inputs] == ["step"]
+    assert run(whole, [{"step": 4}]).steps[0].fired == {"counter.fired": "add", "twin.fired": "go"}
+
+
+def without_place(error: BaseException) -> str:
+    """The message without the file and line that it names; there has to be one."""
+    text, places = re.subn(r" \(\S+test_composition\.py:\d+\)", "", str(error), count=1)
+    assert places == 1, text
+    return text
+
+
+def test_a_wired_optional_input_is_no_longer_absent() -> None:
+    """Where value and presence are wired, no optional input is left to the stream."""
+    pair = Pair()
+    wires: dict[Var, Expr] = {pair.extra.value: pair.step, pair.extra.present: pair.step > 0}
+    whole = compose("both", (pair.counter, pair.alarm), wires).system
+    assert whole.optionals == ()
+    assert "alarm.extra" not in [var.name for var in whole.inputs]
+
+
+WRONG: dict[str, tuple[Callable[[Pair], dict[Var, Expr]], str]] = {
+    "unknown input": (
+        lambda pair: {boolean("gone"): pair.step > 0},
+        "composition 'both': wires lead to ['gone'], which are no inputs of ['counter', 'alarm'].",
+    ),
+    "kind": (
+        lambda pair: {pair.level: pair.step > 0},
+        "composition 'both': the wire to 'level' mixes a number and a truth value.",
+    ),
+    "unit": (
+        lambda pair: {pair.time: pair.sum},
+        "composition 'both': the wire to 't' carries mm, not ms.",
+    ),
+    "reads itself": (
+        lambda pair: {pair.quiet: pair.level > 3},
+        "composition 'both': the wire to 'quiet' reads ['level'], which no earlier machine has.",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_wire_is_refused(name: str) -> None:
+    """Unknown input, kind, unit, and a machine that is not earlier: the message names wire and remedy."""
+    pair = Pair()
+    wires, message = WRONG[name]
+    with pytest.raises(ModelError) as caught:
+        compose("both", (pair.counter, pair.alarm), wires(pair))
+    assert without_place(caught.value) == message
+
+
+def test_names_must_differ() -> None:
+    """The same machine twice would give two variables one name."""
+    pair = Pair()
+    with pytest.raises(ModelError, match=r"machines \['counter', 'counter'\] must have distinct names"):
+        compose("both", (pair.counter, pair.counter), {})
+
+
+def bucket(name: str, held: NumVar, poured: NumVar, start: int = 0) -> Machine:
+    """A machine that holds what was poured last; several may be made of the same variables."""
+    (only,) = table = modes("ONLY")
+    pour = Transition("pour", only, only, set={held: poured})
+    return Machine(name, table, [poured], {held: start}, {"held": held}, [pour])
+
+
+HELD, POURED = number("held", MM, 0, 9), number("poured", MM, 0, 9)
+
+
+def test_machines_of_the_same_variables_stay_apart() -> None:
+    """Two machines built from the very same variables have each their own state, first value and inputs."""
+    whole = compose("both", [bucket("left", HELD, POURED), bucket("right", HELD, POURED, start=3)], {}).system
+    trace = run(whole, [{"left.poured": 1, "right.poured": 5}])
+    assert (0, 3) == (trace.initial["left.held"], trace.initial["right.held"])
+    assert (1, 5) == (trace.steps[0].state["left.held"], trace.steps[0].state["right.held"])
+
+
+def test_a_wire_from_an_unclear_variable_is_refused() -> None:
+    """Where two earlier machines hold one variable, a wire cannot say whose it reads."""
+    pair = Pair()
+    earlier = [bucket("left", HELD, POURED), bucket("right", HELD, POURED)]
+    with pytest.raises(ModelError) as caught:
+        compose("all", [*earlier, pair.alarm], {pair.level: HELD})
+    assert without_place(caught.value) == (
+        "composition 'all': the wire to 'level' reads ['held'], which several earlier machines have; "
+        "declare one for each machine."
+    )
+    whole = compose("one", [earlier[0], pair.alarm], {pair.level: HELD}).system
+    assert "alarm.level" not in [var.name for var in whole.inputs]
+
+
+def test_state_cannot_be_shared() -> None:
+    """Two machines that both write one variable would lose the update of one of them."""
+    with pytest.raises(ModelError) as caught:
+        compose("both", [bucket("left", HELD, POURED), bucket("right", HELD, POURED)], {}, shared=[HELD])
+    assert (
+        without_place(caught.value)
+        == "composition 'both': 'held' is state of 'left'; only inputs and ghosts can be shared."
+    )
+
+
+TRUTH, PUSH = number("truth", MM, 0, 99), number("push", MM, 0, 9)
+
+
+def walker(name: str, *, start: int = 0, by: int = 0) -> Machine:
+    """A machine in a world with one truth, which is pushed on in each step."""
+    world = {"ghosts": {TRUTH: start}, "ghost_inputs": [PUSH], "ghost_moves": {TRUTH: TRUTH + (PUSH + by)}}
+    return Machine(name, modes("ONLY"), [], {}, {}, [], **world)  # type: ignore[arg-type]
+
+
+def test_a_shared_ghost_is_one_truth() -> None:
+    """Both machines see the same truth, which moves once in a step."""
+    whole = compose("both", [walker("left"), walker("right")], {}, shared=[TRUTH, PUSH]).system
+    assert ["left.mode", "truth", "right.mode"] == [var.name for var in whole.state]
+    assert 7 == run(whole, [{"push": 3}, {"push": 4}]).steps[-1].state["truth"]
+
+
+@pytest.mark.parametrize(("changes", "verb"), [({"by": 1}, "moves"), ({"start": 1}, "starts")])
+def test_a_shared_ghost_is_alike_everywhere(changes: dict[str, int], verb: str) -> None:
+    """One truth cannot start at two places or move in two ways; no machine's word is dropped in silence."""
+    with pytest.raises(ModelError) as caught:
+        compose("both", [walker("left"), walker("right", **changes)], {}, shared=[TRUTH, PUSH])
+    assert without_place(caught.value) == f"composition 'both': the shared ghost 'truth' {verb} otherwise in 'right'."

@@ -1,0 +1,56 @@
+"""What is left of terms where constants decide parts of them."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, Var, as_num, boolean, ceil_div, ite, maximum, number
+from safeloc.language.folding import settled
+from safeloc.language.spec import once
+from safeloc.language.terms import Substitution, in_order
+from safeloc.language.units import COUNT
+
+P, Q, TOLD, SAID = (boolean(name) for name in ("p", "q", "told", "said"))
+X, HEARD = number("x", COUNT, 0, 10), number("heard", COUNT, 0, 10)
+WIRES: dict[Var, Expr] = {HEARD: as_num(3, COUNT), TOLD: TRUE, SAID: FALSE}
+
+
+def left(term: Bool) -> Bool:
+    """What is left where wires tell 3, true and false."""
+    return settled(Substitution(WIRES).bool(term))
+
+
+@pytest.mark.parametrize(
+    ("term", "expected"),
+    [
+        (HEARD.eq(3), "true"),
+        (ceil_div(HEARD, 2) - HEARD > 2, "false"),
+        (P | (maximum(HEARD, 5) < 5), "p"),
+        (ite(P, HEARD.eq(3), Q), "(or p q)"),
+        (ite(P, Q, HEARD.ne(3)), "(and p q)"),
+        (ite(HEARD.eq(3), P, Q), "p"),
+        (ite(HEARD.eq(2), X, HEARD).eq(3), "true"),
+        (ite(P, X, HEARD).eq(3), "(== (ite p x 3) 3)"),
+        (TOLD.implies(P) & SAID.implies(Q), "p"),
+        (TOLD.iff(P), "p"),
+        (SAID.iff(P), "(not p)"),
+        (HEARD + X < 5, "(< (+ 3 x) 5)"),
+        (once(SAID) | P, "(or (once false) p)"),
+    ],
+)
+def test_what_no_variable_decides_is_worked_out(term: Bool, expected: str) -> None:
+    """Comparisons of constants, choices by them and between them, and connectives; the past is left as it is."""
+    assert expected == repr(left(term))
+
+
+def test_what_variables_decide_stays_the_same_node() -> None:
+    """So that terms stay shared."""
+    term = ite(P, X, as_num(3, COUNT)).eq(4) | (X < 5)
+    assert term is settled(term)
+
+
+def test_constants_keep_their_unit() -> None:
+    """What is worked out can be compared as before."""
+    term = left(X < HEARD + HEARD)
+    assert "(< x 6)" == repr(term)
+    assert [COUNT] == [node.unit for node in in_order([term]) if isinstance(node, Lit)]

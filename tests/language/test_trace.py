@@ -1,0 +1,54 @@
+"""Traces: what is recorded can be replayed, and reads as a table."""
+
+from __future__ import annotations
+
+from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.trace import shown
+from safeloc.language.units import MM
+
+IDLE, SEEN = modes("IDLE", "SEEN")
+COLOURS = members("colour", "red", "green")
+SIGNAL = choice("signal", enumeration(COLOURS))
+DISTANCE, LAST = optional("distance", MM, 3, 90), number("last", MM, 0, 90)
+MACHINE = Machine(
+    name="eye",
+    modes=(IDLE, SEEN),
+    inputs=[SIGNAL, DISTANCE],
+    state={LAST: 0},
+    outputs={},
+    transitions=[Transition("see", (IDLE, SEEN), SEEN, DISTANCE.present, {LAST: DISTANCE.value})],
+)
+SYSTEM = lower(MACHINE)
+STREAM = [{"signal": "green"}, {"signal": "red", "distance": 40}]
+
+
+def test_a_trace_reads_as_a_table() -> None:
+    """Labels instead of numbers; what was absent is not shown."""
+    assert run(SYSTEM, STREAM).table() == (
+        "   0  start  mode=IDLE last=0\n"
+        "   1  (stay)  [signal=green]  mode=IDLE last=0\n"
+        "   2  see  [distance=40 signal=red]  mode=SEEN last=40"
+    )
+
+
+def test_a_long_table_keeps_start_and_end() -> None:
+    """The first state and the last steps are what explains a violation."""
+    lines = run(SYSTEM, STREAM * 50).table(limit=2).splitlines()
+    assert [line.split()[0] for line in lines] == ["0", "99", "100"]
+
+
+def test_a_trace_is_a_stream_again() -> None:
+    """The stream of a trace, run again, gives the same trace."""
+    trace = run(SYSTEM, STREAM)
+    assert trace.stream() == [{"signal": 1}, {"signal": 0, "distance": 40}]
+    again = run(SYSTEM, trace.stream())
+    assert again.steps == trace.steps
+    assert again.initial == trace.initial
+
+
+def test_values_as_a_person_reads_them() -> None:
+    """Members by label, truth values in lower case, numbers as they are."""
+    assert [shown(SIGNAL, 0), shown(boolean("p"), True), shown(LAST, 7)] == ["red", "true", "7"]

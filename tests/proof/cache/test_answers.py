@@ -1,0 +1,124 @@
+"""What solvers have proved is looked up by the whole text; what was not proved is never kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from safeloc.codegen.smtlib import Query, to_smtlib
+from safeloc.language.expr import Bool, number
+from safeloc.language.units import COUNT
+from safeloc.proof.cache import answers
+from safeloc.proof.cache import store as store_module
+from safeloc.proof.cache.answers import keep_proved, keeping, kept_in, proved_before
+from safeloc.proof.cache.store import Store
+from safeloc.proof.provers import implication, recheck
+from safeloc.proof.provers.implication import Refuted, unproved
+from safeloc.proof.provers.recheck import certify
+
+X = number("x", COUNT, 0, 100)
+
+
+def query(given: Bool, goal: Bool) -> Query[str]:
+    """One goal from one hypothesis."""
+    return Query("q", [given], {"goal": goal})
+
+
+TRUE_ONE, FALSE_ONE = query(X > 5, X > 4), query(X > 5, X > 6)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    """A store that answers are kept in."""
+    made = Store(tmp_path)
+    with kept_in(made):
+        yield made
+    assert not keeping()
+
+
+def test_a_proof_is_kept_and_a_refutation_is_not(store: Store) -> None:
+    """Neither z3's nor cvc5's."""
+    assert {} == unproved(TRUE_ONE, 10)
+    assert isinstance(unproved(FALSE_ONE, 10)["goal"], Refuted)
+    assert () == certify(TRUE_ONE, seconds=10).undecided
+    assert proved_before("z3", to_smtlib(TRUE_ONE)) and proved_before("cvc5", to_smtlib(TRUE_ONE))
+    assert not proved_before("z3", to_smtlib(FALSE_ONE)) and not proved_before("cvc5", to_smtlib(FALSE_ONE))
+    assert 2 == len(list(store.entries()))
+
+
+def test_what_is_undecided_is_not_kept(store: Store) -> None:
+    """No time, no proof."""
+    assert {"goal"} == set(unproved(TRUE_ONE, 0))
+    assert not proved_before("z3", to_smtlib(TRUE_ONE))
+    assert [] == list(store.entries())
+
+
+@pytest.mark.usefixtures("store")
+def test_what_is_kept_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The certificate is the same, text and name."""
+    first = certify(TRUE_ONE, seconds=10)
+    unproved(TRUE_ONE, 10)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a solver was asked")
+
+    monkeypatch.setattr(recheck, "recheck", refuse)
+    monkeypatch.setattr(implication, "_failures", refuse)
+    again = certify(TRUE_ONE, seconds=10)
+    assert (first.file, first.text, first.undecided) == (again.file, again.text, again.undecided)
+    assert {} == unproved(TRUE_ONE, 10)
+    with pytest.raises(AssertionError, match="a solver was asked"):
+        unproved(query(X > 5, X > 3), 10)
+    with pytest.raises(AssertionError, match="a solver was asked"):
+        certify(query(X > 6, X > 4), seconds=10)
+
+
+@pytest.mark.usefixtures("store")
+def test_one_solver_does_not_speak_for_the_other() -> None:
+    """What z3 has proved cvc5 still has to confirm."""
+    keep_proved("z3", to_smtlib(FALSE_ONE))
+    assert not proved_before("cvc5", to_smtlib(FALSE_ONE))
+
+
+def test_nothing_is_kept_without_a_store() -> None:
+    """As in a test, or a library call."""
+    with kept_in(None):
+        assert not keeping()
+        assert {} == unproved(TRUE_ONE, 10)
+        assert not proved_before("z3", to_smtlib(TRUE_ONE))
+
+
+@pytest.mark.usefixtures("store")
+def test_the_head_of_a_certificate_is_not_part_of_the_question() -> None:
+    """It names other certificates, which say nothing to a solver."""
+    keep_proved("cvc5", to_smtlib(TRUE_ONE, ["one.smt2"]))
+    assert proved_before("cvc5", to_smtlib(TRUE_ONE, ["other.smt2"]))
+
+
+def test_nothing_is_kept_of_an_engine_that_was_edited_meanwhile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its digest would be that of another one."""
+    monkeypatch.setattr(answers, "undisturbed", lambda: False)
+    with kept_in(Store(tmp_path)):
+        assert not keeping()
+        unproved(TRUE_ONE, 10)
+    assert [] == list(Store(tmp_path).entries())
+
+
+def test_a_fresh_run_uses_no_answer_of_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And answers of its own it does use: what is asked twice is decided once."""
+    made, text = Store(tmp_path), to_smtlib(TRUE_ONE)
+    monkeypatch.setattr(store_module, "utc_now", lambda: "2026-01-01T00:00:00Z")
+    with kept_in(made):
+        keep_proved("z3", text)
+    monkeypatch.setattr(store_module, "utc_now", lambda: "2026-01-01T00:00:01Z")
+    monkeypatch.setattr(answers, "utc_now", lambda: "2026-01-01T00:00:01Z")
+    with kept_in(made):
+        assert proved_before("z3", text)
+    with kept_in(made, fresh=True):
+        assert not proved_before("z3", text)
+        keep_proved("z3", text)
+        assert proved_before("z3", text)

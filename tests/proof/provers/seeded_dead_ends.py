@@ -1,0 +1,249 @@
+"""Small machines whose assumption leads into a dead end after so many steps, each with a twin in which it is mended.
+
+A declaration gets `mended` and returns the system; broken and mended differ in one term or range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE, Bool, abs_, between, boolean, floor_div, ite, maximum, minimum, number, optional
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+
+(S,) = modes("S")
+A, B, C = modes("A", "B", "C")
+TWO = modes("FIRST", "SECOND")
+GO, K = boolean("i"), number("k", COUNT, 0, 3)
+
+
+@dataclass(frozen=True)
+class Seed:
+    """The number of steps of the shortest run into the dead end, and the declaration."""
+
+    depth: int
+    make: Callable[[bool], TransitionSystem]
+
+
+def counter(last: int, allowed: int) -> TransitionSystem:
+    """Counts every step, up to `last`; assumed is that it stays within `allowed`."""
+    x = number("x", COUNT, 0, 200)
+    up = Transition("up", S, S, TRUE, {x: minimum(x + 1, last)})
+    return lower(Machine("counter", (S,), [GO], {x: 0}, {}, [up], assumption=x <= allowed))
+
+
+def late(mended: bool) -> TransitionSystem:
+    """Nothing is lawful once 80 is reached."""
+    return counter(79 if mended else 200, 79)
+
+
+def soon(mended: bool) -> TransitionSystem:
+    """Nothing is lawful once 5 is reached."""
+    return counter(4 if mended else 5, 4)
+
+
+def very_late(mended: bool) -> TransitionSystem:
+    """Nothing is lawful once 100 is reached."""
+    return counter(99 if mended else 100, 99)
+
+
+def mode(mended: bool) -> TransitionSystem:
+    """In the second mode more is asked of an input than its range has."""
+    now = current_mode(TWO)
+    asked = now.eq(TWO[1]).implies(K + K > (5 if mended else 6))
+    return lower(Machine("mode", TWO, [K], {}, {}, [Transition("on", *TWO)], mode_variable=now, assumption=asked))
+
+
+def third_mode(mended: bool) -> TransitionSystem:
+    """What is asked in the third mode contradicts itself."""
+    now, x = current_mode((A, B, C)), number("x", COUNT, 0, 9)
+    rows = [Transition("on", A, B, GO), Transition("count", B, B, x < 4, {x: x + 1}), Transition("off", B, C, rank=1)]
+    asked = now.eq(C).implies(K.eq(3) & (GO if mended else K < 2))
+    return lower(Machine("third", (A, B, C), [GO, K], {x: 0}, {}, rows, mode_variable=now, assumption=asked))
+
+
+def error(mended: bool) -> TransitionSystem:
+    """An error that grows in every step and must stay within 100."""
+    e, total = number("e", COUNT, 0 if mended else 1, 3), number("total", COUNT, 0, 100)
+    rows = [Transition("add", S, S, TRUE, {total: total + e})]
+    return lower(Machine("error", (S,), [e], {total: 0}, {}, rows, assumption=total + e <= 100))
+
+
+def apart(mended: bool) -> TransitionSystem:
+    """Two sums that must stay near each other, of which one always gains on the other."""
+    u, v = number("u", COUNT, 1, 2), number("v", COUNT, 0, 2 if mended else 0)
+    gap = number("gap", COUNT, -10, 10)
+    rows = [Transition("add", S, S, TRUE, {gap: gap + u - v})]
+    return lower(Machine("apart", (S,), [u, v], {gap: 0}, {}, rows, assumption=abs_(gap + u - v) <= 10))
+
+
+def battery(mended: bool) -> TransitionSystem:
+    """Something is told at least every third step, and each time costs one of five charges."""
+    o, gap, charge = optional("o", COUNT, 1, 9), number("gap", COUNT, 0, 3), number("charge", COUNT, 0, 5)
+    spent = charge if mended else charge - 1
+    rows = [
+        Transition("told", S, S, o.present, {gap: 0, charge: maximum(spent, 0)}),
+        Transition("silent", S, S, ~o.present, {gap: minimum(gap + 1, 3)}),
+    ]
+    asked = (o.present | (gap < 2)) & (~o.present | (charge > 0))
+    return lower(Machine("battery", (S,), [o], {gap: 0, charge: 5}, {}, rows, assumption=asked))
+
+
+def rising(mended: bool) -> TransitionSystem:
+    """Every value told is above the last one."""
+    o, last = optional("o", COUNT, 0, 9), number("last", COUNT, 0, 9)
+    rows = [Transition("told", S, S, o.present, {last: o.value})]
+    above = o.value >= last if mended else o.value > last
+    return lower(Machine("rising", (S,), [o], {last: 0}, {}, rows, assumption=o.present & above))
+
+
+def end_of_line(mended: bool) -> TransitionSystem:
+    """A train that cannot stand still, on a line that ends."""
+    step, truth = number("step", COUNT, 0 if mended else 10, 20), number("truth", COUNT, 0, 100)
+    return lower(
+        Machine(
+            "line", (S,), [GO], {}, {}, [], ghosts={truth: 0}, ghost_inputs=[step], ghost_moves={truth: truth + step},
+            assumption=truth + step <= 100,
+        )
+    )  # fmt: skip
+
+
+def brakes(mended: bool) -> TransitionSystem:
+    """A train that may run so fast that it cannot stop before the end of the line."""
+    speed, faster, truth = number("speed", COUNT, 0, 5), number("next", COUNT, 0, 5), number("truth", COUNT, 0, 30)
+    can_stop: Bool = truth + faster + faster * 5 <= 30 if mended else truth + faster <= 30
+    return lower(
+        Machine(
+            "brakes", (S,), [GO], {}, {}, [], ghosts={truth: 0, speed: 0}, ghost_inputs=[faster],
+            ghost_moves={truth: truth + faster, speed: faster}, assumption=(abs_(faster - speed) <= 1) & can_stop,
+        )
+    )  # fmt: skip
+
+
+def one_way(mended: bool) -> TransitionSystem:
+    """What moves by one in every step, and never turns, comes to the end of its range."""
+    y, d, held = number("y", COUNT, -20, 20), number("d", COUNT, -1, 1), number("held", COUNT, -1, 1)
+    rows = [Transition("move", S, S, TRUE, {y: y + d, held: d})]
+    moves = d.ne(0) & (held.eq(0) | d.eq(held))
+    onward = TRUE if mended else moves
+    return lower(Machine("way", (S,), [d], {y: 0, held: 0}, {}, rows, assumption=between(-20, y + d, 20) & onward))
+
+
+def rounded(mended: bool) -> TransitionSystem:
+    """An input has to be above a tenth of a counter."""
+    x = number("x", COUNT, 0, 100)
+    tenth = floor_div(x, 10)
+    rows = [Transition("up", S, S, TRUE, {x: minimum(x + 1, 100)})]
+    return lower(
+        Machine("rounded", (S,), [K], {x: 0}, {}, rows, assumption=minimum(tenth, 3) <= K if mended else tenth <= K)
+    )
+
+
+def window(mended: bool) -> TransitionSystem:
+    """An input has to be inside a window that moves out of its range."""
+    x = number("x", COUNT, 0, 100)
+    low = maximum(x - 30, 0)
+    rows = [Transition("up", S, S, TRUE, {x: minimum(x + 1, 100)})]
+    return lower(Machine("window", (S,), [K], {x: 0}, {}, rows, assumption=(minimum(low, 2) if mended else low) <= K))
+
+
+def parity(mended: bool) -> TransitionSystem:
+    """A flag has to tell both whether a count is even and whether it is a third one."""
+    two, three = number("two", COUNT, 0, 1), number("three", COUNT, 0, 2)
+    rows = [
+        Transition("count", S, S, TRUE, {two: ite(two.eq(1), 0 * two, two + 1), three: ite(three.eq(2), 0 * three, three + 1)})
+    ]  # fmt: skip
+    told = GO.iff(two.eq(0)) & (TRUE if mended else GO.iff(three.eq(0)))
+    return lower(Machine("parity", (S,), [GO], {two: 0, three: 0}, {}, rows, assumption=told))
+
+
+def doomed_early(mended: bool) -> TransitionSystem:
+    """What is chosen in the first step is forbidden 50 steps later."""
+    x, y = number("x", COUNT, 0, 50), number("y", COUNT, 0, 3)
+    rows = [
+        Transition("choose", S, S, x.eq(0), {x: 1 + 0 * x, y: K}),
+        Transition("wait", S, S, x > 0, {x: minimum(x + 1, 50)}),
+    ]
+    asked = (x >= 50).implies(y <= 3 if mended else y <= 0)
+    return lower(Machine("doomed", (S,), [K], {x: 0, y: 0}, {}, rows, assumption=asked))
+
+
+def nested(mended: bool) -> TransitionSystem:
+    """A slow counter behind a fast one runs out."""
+    fast, slow = number("fast", COUNT, 0, 7), number("slow", COUNT, 0, 20)
+    rows = [
+        Transition("carry", S, S, fast.eq(7), {fast: 0 * fast, slow: minimum(slow + 1, 8)}),
+        Transition("count", S, S, fast < 7, {fast: fast + 1}),
+    ]
+    asked = slow <= 8 if mended else slow < 8
+    return lower(Machine("nested", (S,), [GO], {fast: 0, slow: 0}, {}, rows, assumption=asked))
+
+
+def wired(mended: bool) -> TransitionSystem:
+    """What a later machine assumes of an earlier one that nobody makes keep it."""
+    a, q, b, j = number("a", COUNT, 0, 9), number("q", COUNT, 0, 9), number("b", COUNT, 0, 9), boolean("j")
+    first = Machine(
+        "first", (S,), [GO], {a: 0}, {}, [Transition("up", S, S, TRUE, {a: minimum(a + 1, 3 if mended else 9)})]
+    )
+    second = Machine("second", (S,), [q, j], {b: 0}, {}, [Transition("take", S, S, j, {b: q})], assumption=q <= 3)
+    return compose("wired", [first, second], {q: a}).system
+
+
+def owing(mended: bool) -> TransitionSystem:
+    """The later machine is owed what it assumes; the earlier one's own assumption ends."""
+    a, q, b = number("a", COUNT, 0, 20), number("q", COUNT, 0, 20), number("b", COUNT, 0, 20)
+    step = number("step", COUNT, 0 if mended else 1, 2)
+    add = Transition("add", S, S, TRUE, {a: a + step})
+    first = Machine("first", (S,), [step], {a: 0}, {}, [add], assumption=a + step <= 20)
+    second = Machine("second", (S,), [q], {b: 0}, {}, [Transition("take", S, S, TRUE, {b: q})], assumption=q <= 20)
+    return compose("owing", [first, second], {q: a}, owes=[second]).system
+
+
+def at_odds(mended: bool) -> TransitionSystem:
+    """Two machines that ask opposite things of a movement that they share, from the fifteenth step on."""
+    step, x, j = number("step", COUNT, -5, 5), number("x", COUNT, 0, 15), boolean("j")
+    g = number("g", COUNT, 0, 1)
+    more: Mapping[str, object] = {"ghosts": {g: 0}, "ghost_inputs": [step], "ghost_moves": {g: g}}
+    up = Transition("up", S, S, TRUE, {x: minimum(x + 1, 15)})
+    one = Machine("one", (S,), [GO], {x: 0}, {}, [up], assumption=(x >= 15).implies(step >= 1), **more)  # type: ignore[arg-type]
+    other = Machine("other", (S,), [j], {}, {}, [], assumption=step <= (1 if mended else 0), **more)  # type: ignore[arg-type]
+    return compose("odds", [one, other], {}, shared=[step, g]).system
+
+
+def open_start(mended: bool) -> TransitionSystem:
+    """A first state may be chosen from which the end is near."""
+    y = number("y", COUNT, 0, 100)
+    rows = [Transition("up", S, S, TRUE, {y: minimum(y + 1, 100)})]
+    asked = TRUE if mended else y < 40
+    return lower(Machine("start", (S,), [GO], {y: ANY}, {}, rows, assumption=asked, initially=y <= 10))
+
+
+SEEDS: Mapping[str, Seed] = {
+    make.__name__: Seed(depth, make)
+    for depth, make in (
+        (1, mode),
+        (1, rising),
+        (2, parity),
+        (3, wired),
+        (5, soon),
+        (5, end_of_line),
+        (5, apart),
+        (6, third_mode),
+        (7, battery),
+        (8, brakes),
+        (10, owing),
+        (15, at_odds),
+        (20, one_way),
+        (30, open_start),
+        (34, window),
+        (34, error),
+        (40, rounded),
+        (50, doomed_early),
+        (64, nested),
+        (80, late),
+        (100, very_late),
+    )
+}

@@ -1,0 +1,110 @@
+"""What is proved of nothing is not called proved: contradictory givens, assumptions that end, misdeclared properties."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.errors import PropertyError, UnitError
+from safeloc.language.expr import FALSE, Bool, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import NO_ASSUMPTION, Property, always, never
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held, Proved, Unknown, Vacuous, Violated
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
+
+A, B = modes("A", "B")
+X, N = number("x", COUNT, 0, 10), number("n", COUNT, 0, 20)
+GATE = Machine("gate", (A, B), [X], {}, {}, [Transition("go", A, B, X > 5), Transition("back", B, A, X < 3)])
+NEVER_B = GATE.mode.eq(B)
+
+
+@pytest.mark.parametrize("given", [(X > 5) & (X < 5), FALSE], ids=["contradiction", "false"])
+def test_a_contradictory_given_proves_nothing(given: Bool) -> None:
+    """Neither a proof nor a test stands on steps that cannot be."""
+    prop = never("b", NEVER_B, given=given)
+    (proof,) = prove(lower(GATE), [prop], Limits())
+    assert isinstance(proof.result, Vacuous)
+    assert "empty: no run keeps what the property is given" in proof.result.reason
+    (tested,) = run_tests(lower(GATE), [prop], examples=5, steps=10, seed=0)
+    assert isinstance(tested.result, Unknown)
+    assert "nothing was tested" in tested.result.reason
+
+
+def test_what_is_given_is_reported() -> None:
+    """A verdict never says `none` where the property relies on something."""
+    assert NO_ASSUMPTION == never("b", NEVER_B, unconditional=True).relies_on
+    free = never("b", NEVER_B, given=X <= 5, unconditional=True)
+    assert "given in every step: (<= x 5)" == free.relies_on
+    assert (
+        "dry rails; given in every step: (<= x 5)"
+        == never("b", NEVER_B, given=X <= 5, assumption="dry rails").relies_on
+    )
+    (proof,) = prove(lower(GATE), [free], Limits())
+    (tested,) = run_tests(lower(GATE), [free], examples=5, steps=10, seed=0)
+    assert isinstance(proof.result, Proved)
+    assert isinstance(tested.result, Held)
+    assert free.relies_on == proof.assumption == tested.assumption
+
+
+def _counting(limit: int) -> Machine:
+    moves = [Transition("up", A, A, N < 20, {N: N + 1})]
+    return Machine("counting", (A, B), [X], {N: 0}, {}, moves, assumption=N < limit)
+
+
+def test_an_assumption_that_ends_is_found() -> None:
+    """A run after which nothing lawful follows is shown: what comes later would be proved of nothing."""
+    (last,) = [f for f in obligations(lower(_counting(7)), Limits()) if f.id.endswith("assumption lasts")]
+    assert isinstance(last.result, Violated)
+    assert last.result.trace is not None
+    assert 7 == len(last.result.trace.steps)
+    assert "after these 7 steps no inputs keep the assumption" in last.result.reason
+    (lasting,) = [f for f in obligations(lower(_counting(21)), Limits()) if f.id.endswith("assumption lasts")]
+    assert isinstance(lasting.result, Proved)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"name": ""}, "a name is 1 to 120 printable characters"),
+        ({"name": "two\nlines"}, "a name is 1 to 120 printable characters"),
+        ({"name": "n" * 121}, "a name is 1 to 120 printable characters"),
+        ({"kind": "allways"}, "kind 'allways' is none of always, within, reachable"),
+        ({"term": True}, "its term is True, not a truth-valued term"),
+        ({"given": 1}, "its given is 1, not a truth-valued term"),
+        ({"steps": -3}, "steps is -3; it must be a whole number, 0 or more"),
+        ({"steps": 1.5}, r"steps is 1\.5; it must be"),
+    ],
+)
+def test_misdeclared_properties_are_refused(wrong: dict[str, object], message: str) -> None:
+    """However a property is made, what is wrong with it is said where it is declared."""
+    fields: dict[str, object] = {"name": "p", "kind": "within", "term": NEVER_B, **wrong}
+    with pytest.raises(PropertyError, match=rf"test_empty\.py:\d+: property .*: .*{message}"):
+        Property(**fields)  # type: ignore[arg-type]
+
+
+def test_a_bare_truth_value_is_refused_by_name() -> None:
+    """`always("p", True)` and `never("p", True)` say what to write."""
+    for make in (always, never):
+        with pytest.raises(
+            PropertyError, match="its term is True, not a truth-valued term; a constant is written TRUE"
+        ):
+            make("p", True)  # type: ignore[arg-type]
+
+
+def test_numbers_that_are_no_member_are_refused() -> None:
+    """A comparison with a number that the enumeration does not have is a slip, not a property."""
+    with pytest.raises(UnitError, match=r"7 is no member of enumeration mode: A, B\."):
+        GATE.mode.eq(7)
+
+
+def test_no_name_of_a_property_is_taken_by_the_base() -> None:
+    """Certificates are named by their content, so that a property may be called like a part of the base."""
+    [finding] = prove(lower(GATE), [never("always", NEVER_B, given=X <= 5)], Limits())
+    assert isinstance(finding.result, Proved)
+    assert (
+        len(finding.result.certificates) == 6
+    )  # base and property, start and step; that what is given lasts, and by what inputs

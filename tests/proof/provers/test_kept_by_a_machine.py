@@ -1,0 +1,122 @@
+"""What a machine keeps whatever it hears is kept in every whole in which it hears no more than that."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.errors import ModelError
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import TRUE, Expr, NumVar, Var, before, floor_div, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.monitor import check
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import MM
+from safeloc.language.verdict import Held, Proved, Violated
+from safeloc.proof.provers.base import Base, remember
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.results import Finding
+
+IDLE, BUSY = modes("IDLE", "BUSY")
+
+
+class Follower:
+    """A source that rises as it likes, and a follower that takes at most half of what it hears."""
+
+    def __init__(self, *, may_hear: int = 20, assumed: int | None = None) -> None:
+        self.step, self.level = number("step", MM, 0, 20), number("level", MM, 0, 20)
+        self.source = Machine(
+            "source", (IDLE, BUSY), [self.step], {self.level: 0}, {"level": self.level},
+            [Transition("tell", IDLE, IDLE, set={self.level: self.step})],
+        )  # fmt: skip
+        self.heard, self.kept = number("heard", MM, 0, may_hear), number("kept", MM, 0, 100)
+        follow = Transition("follow", IDLE, IDLE, set={self.kept: floor_div(self.heard, 2)})
+        self.follower = Machine(
+            "follower",
+            (IDLE, BUSY),
+            [self.heard],
+            {self.kept: 0},
+            {"kept": self.kept},
+            [follow],
+            assumption=TRUE if assumed is None else self.heard <= assumed,
+        )
+        wires: dict[Var, Expr] = {self.heard: self.source.output("level")}
+        self.whole: Composition = compose("chain", [self.source, self.follower], wires, owes=[self.follower])
+
+    def small(self) -> Property:
+        """It never rises by more than ten."""
+        return always("small", self.kept - before(self.kept) <= 10, unconditional=True)
+
+    def finding(self, prop: Property) -> Finding:
+        """What the provers say of it, of the whole."""
+        (found,) = [one for one in prove(self.whole.system, [prop], Limits(seconds=10)) if one.id.endswith(prop.name)]
+        return found
+
+
+def test_the_machine_by_itself_is_asked() -> None:
+    """The finding is of the whole, and says how it was proved."""
+    chain = Follower()
+    found = chain.finding(chain.whole.inherited(chain.follower, chain.small()))
+    assert found.id == "chain/property/follower: small"
+    assert isinstance(found.result, Proved)
+    assert "of follower by itself" in found.method
+    texts = found.result.certificates.values()
+    own = [text for text in texts if "; property: small" in text]
+    assert own
+    assert all("; part: follower" in text for text in own)
+    assert any("; rule: heard\n; of: follower" in text for text in texts)
+
+
+def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:
+    """By itself the machine hears no more than 8, and rises by no more than 4; in the whole it hears 20."""
+    chain = Follower(may_hear=8)
+    four = always("four", chain.kept - before(chain.kept) <= 4, unconditional=True)
+    found = chain.finding(chain.whole.inherited(chain.follower, four))
+    assert isinstance(found.result, Violated)
+
+
+def test_it_is_the_same_property() -> None:
+    """On a run it is judged as one written over the whole would be, the state before the step included."""
+    chain = Follower()
+    asked = chain.whole.inherited(chain.follower, chain.small())
+    into = chain.whole.of(chain.follower)
+    kept = into(chain.kept)
+    assert isinstance(kept, NumVar)
+    by_hand = always("by hand", kept - before(kept) <= 10, unconditional=True)
+    for levels in ([5, 20, 0, 20], [20]):
+        trace = run(chain.whole.system, [{"source.step": level} for level in levels])
+        assert isinstance(check(trace, asked), Held)
+        assert isinstance(check(trace, by_hand), Held)
+    less = chain.whole.inherited(
+        chain.follower, always("less", chain.kept - before(chain.kept) <= 2, unconditional=True)
+    )
+    assert isinstance(check(run(chain.whole.system, [{"source.step": 20}]), less), Violated)
+
+
+def test_what_is_given_something_more_is_refused() -> None:
+    """The whole may not keep that, and a run to somewhere is not kept in every step."""
+    chain = Follower()
+    for prop in (replace(chain.small(), given=chain.heard <= 4), reachable("small", chain.kept > 4)):
+        with pytest.raises(ModelError, match=r"^follower: 'small' is not plainly kept in every step"):
+            chain.whole.inherited(chain.follower, prop)
+
+
+@pytest.mark.parametrize(("assumed", "kept"), [(20, True), (10, False)])
+def test_what_a_machine_assumes_has_to_be_owed_and_kept(assumed: int, kept: bool) -> None:
+    """The source tells up to 20: a follower that is owed no more than 10 does not pass that on to the whole."""
+    chain = Follower(assumed=assumed)
+    half = always("half", chain.kept <= assumed // 2)
+    found = chain.finding(chain.whole.inherited(chain.follower, half))
+    assert isinstance(found.result, Proved if kept else Violated)
+    assert ("of follower by itself" in found.method) is kept
+
+
+def test_nothing_is_taken_for_granted_where_the_base_was_not_proved() -> None:
+    """What a machine hears has to be shown to be in range; that nothing speaks against it is not enough."""
+    chain = Follower()
+    remember(chain.whole.system, Base({}, {}, {}, {}, 1_000))
+    found = chain.finding(chain.whole.inherited(chain.follower, chain.small()))
+    assert "by itself" not in found.method

@@ -1,0 +1,98 @@
+"""Recorded runs as witnesses: what they show counts, as far as they keep the assumption, and nothing beyond."""
+
+from __future__ import annotations
+
+from safeloc.language.expr import number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import Goal, observe, reachable
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, word
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.recorded import Recording, lasting, shown
+from safeloc.proof.results import Finding
+
+IDLE, FULL = modes("IDLE", "FULL")
+X, N, START = number("x", COUNT, 0, 9), number("n", COUNT, 0, 100), number("start", COUNT, 0, 5)
+DEEP = 40
+COUNTER = Machine(
+    "deep",
+    (IDLE, FULL),
+    [X],
+    {N: 0},
+    {},
+    [
+        Transition("full", IDLE, FULL, N >= DEEP, {N: 0}),
+        Transition("count", IDLE, IDLE, X > 5, {N: N + 1}, rank=1),
+        Transition("start anew", IDLE, IDLE, X <= 5, {N: 0}, rank=2),
+        Transition("stay full", FULL, FULL),
+    ],
+    ghosts={START: ANY},
+    ghost_moves={START: START},
+    assumption=X < 9,
+    initially=START > 2,
+)
+
+
+def system() -> TransitionSystem:
+    """The machine, lowered."""
+    return lower(COUNTER)
+
+
+def full(made: TransitionSystem) -> Goal:
+    """It gets full, after more steps than a short search takes."""
+    return observe(made, reachable("full", COUNTER.mode.eq(FULL)))
+
+
+def recording(*values: int, start: int = 3) -> Recording:
+    """A run with these inputs, and a remark."""
+    return Recording({"start": start, "not a variable": 1}, [{"x": value, "truth_mm": 7} for value in values])
+
+
+def test_the_shortest_recorded_run_counts() -> None:
+    """Of two recordings the shorter one is the witness, cut off where the goal is reached."""
+    long, short = recording(1, *[8] * 60), recording(*[7] * 50)
+    [run] = shown([full(system())], [long, short]).values()
+    assert DEEP + 1 == len(run.steps)
+    assert run.steps[-1].fired == {"fired": "full"}
+
+
+def test_what_breaks_the_assumption_ends_a_recording() -> None:
+    """Neither a step that breaks the assumption, nor one out of range, nor what comes after it is taken."""
+    for wrong in (9, 11):
+        assert {} == shown([full(system())], [recording(wrong, *[8] * 60)])
+        assert lasting(system(), [recording(*[8] * 10, wrong, *[8] * 60)], 11) is None
+
+
+def test_a_first_state_that_cannot_be_is_no_recording() -> None:
+    """`initially` excludes it: nothing is shown, nothing lasts."""
+    wrong = recording(*[8] * 60, start=1)
+    assert {} == shown([full(system())], [wrong])
+    assert lasting(system(), [wrong], 5) is None
+
+
+def test_how_long_a_recording_lasts() -> None:
+    """As many steps as were asked for, of the first recording that has them."""
+    run = lasting(system(), [recording(1, 2), recording(*[8] * 60)], 20)
+    assert run is not None
+    assert 20 == len(run.steps)
+
+
+def test_no_goals() -> None:
+    """Nothing asked, nothing shown."""
+    assert {} == shown([], [recording(8)])
+
+
+def test_a_deep_mode_is_witnessed_by_a_recording() -> None:
+    """What a search of ten steps does not come to is reached with the recording, and undecided without."""
+    made, limits = system(), Limits(depth=10, seconds=10)
+    with_it = _named(obligations(made, limits, recordings=[recording(*[8] * 60)]))
+    assert isinstance(with_it["mode deep FULL"].result, Proved)
+    assert "a recorded run under the assumption" == with_it["mode deep FULL"].method
+    assert "a drawn run under the assumption" == with_it["transition deep: count"].method
+    assert "unknown" == word(_named(obligations(made, limits))["mode deep FULL"].result)
+
+
+def _named(findings: list[Finding]) -> dict[str, Finding]:
+    return {finding.id.split("/", 2)[2]: finding for finding in findings}

@@ -1,0 +1,41 @@
+"""Places at the processors: never more tasks at a time than places, whoever starts them."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+
+from safeloc.proof.provers.slots import Slots, shared, sharing
+from safeloc.proof.provers.workers import Task, in_processes
+
+
+def test_places_are_taken_and_given_back() -> None:
+    """Two places: a third is not to be had until one is given back."""
+    places = Slots(2)
+    assert [True, True, False] == [places.try_take() for _ in range(3)]
+    places.give()
+    assert places.try_take()
+    places.close()
+
+
+def timed(seconds: float) -> tuple[float, float]:
+    """When a task began and ended."""
+    began = time.monotonic()
+    time.sleep(seconds)
+    return began, time.monotonic()
+
+
+def test_tasks_wait_for_a_place() -> None:
+    """Four tasks that may go four at a time, and two places, one of them this process's own: two at a time at most."""
+    places = Slots(2)
+    places.take()
+    tasks = [Task(f"task {number}", partial(timed, 0.2), 30.0) for number in range(4)]
+    with sharing(places):
+        assert shared() is places
+        spans = [data for _, data, _ in in_processes(tasks, 4)]
+    assert shared() is None
+    moments = sorted([(began, 1) for began, _ in spans] + [(ended, -1) for _, ended in spans])
+    running = [sum(step for _, step in moments[: place + 1]) for place in range(len(moments))]
+    assert 2 == max(running)
+    assert [True, False] == [places.try_take() for _ in range(2)]  # this process has its own again
+    places.close()

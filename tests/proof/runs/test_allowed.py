@@ -1,0 +1,72 @@
+"""Where a condition holds along a variable: against trying every value."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from safeloc.language.expr import TRUE, Bool, abs_, all_of, between, boolean, ite, maximum, number
+from safeloc.language.interpret import evaluate
+from safeloc.language.units import MM
+from safeloc.proof.runs.allowed import Condition, Slack, common, conjuncts
+
+X, Y, FLAG = number("x", MM, -60, 60), number("y", MM, -60, 60), boolean("flag")
+CONDITIONS = [
+    X <= Y,
+    between(-10, X - Y, 10),
+    (3 * X).eq(Y),
+    abs_(X) <= abs_(Y),
+    (X < -20) | (X > Y),
+    FLAG.implies(X.eq(Y)),
+    maximum(X, Y) <= 7,
+    ite(FLAG, X, -X) > Y,
+    X.ne(Y),
+]
+
+
+@pytest.mark.parametrize("term", CONDITIONS, ids=range(len(CONDITIONS)))
+@given(x=st.integers(-60, 60), y=st.integers(-60, 60), flag=st.booleans())
+def test_segments_are_exactly_where_it_holds(term: Bool, x: int, y: int, flag: bool) -> None:
+    """Every value inside a segment satisfies the condition, and no other value does."""
+    values = {X: x, Y: y, FLAG: flag}
+    true = [n for n in range(-60, 61) if evaluate([term], {**values, X: n})[0]]
+    found = Condition(term).segments(X, values)
+    assert true == [n for low, high in found for n in range(low, high + 1)]
+
+
+@given(st.lists(st.integers(0, 40), max_size=8), st.lists(st.integers(0, 40), max_size=8))
+def test_common_is_the_intersection(first: list[int], second: list[int]) -> None:
+    """What two lists of segments share is what both contain."""
+
+    def segments(points: list[int]) -> list[tuple[int, int]]:
+        ordered = sorted(set(points))
+        return list(zip(ordered[::2], ordered[1::2], strict=False))
+
+    def inside(parts: list[tuple[int, int]]) -> set[int]:
+        return {n for low, high in parts for n in range(low, high + 1)}
+
+    a, b = segments(first), segments(second)
+    assert inside(a) & inside(b) == inside(common(a, b))
+
+
+def test_a_condition_without_variables() -> None:
+    """Constants are judged as they are, and what is true anyway is no part of a conjunction."""
+    assert Condition(TRUE).holds({})
+    assert not Condition(~TRUE).holds({})
+    assert [] == conjuncts(TRUE)
+    assert ["false"] == [repr(part) for part in conjuncts(~TRUE)]
+    parts = conjuncts(all_of([X <= 3, (Y <= 3) & FLAG]))
+    assert ["(<= x 3)", "(<= y 3)", "flag"] == [repr(part) for part in parts]
+
+
+@given(st.integers(-60, 60), st.integers(-60, 60), st.booleans())
+def test_slack_is_negative_exactly_where_it_fails(x: int, y: int, flag: bool) -> None:
+    """The distance to failing has the sign of the verdict; it is infinite for what is purely logical."""
+    values = {X: x, Y: y, FLAG: flag}
+    for term in CONDITIONS:
+        assert evaluate([term], values)[0] == (Slack(term)(values) >= 0)
+    assert Slack(X <= Y)(values) == y - x
+    assert Slack((X <= Y) & (X <= 5))(values) == min(y - x, 5 - x)
+    assert Slack((X <= Y) | (X <= 5))(values) == max(y - x, 5 - x)
+    assert Slack(FLAG)(values) == (float("inf") if flag else float("-inf"))

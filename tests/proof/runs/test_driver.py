@@ -1,0 +1,127 @@
+"""Driven runs: what they count, when a property is required, and how a known run is gone on with."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.language.expr import boolean, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always, within
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import word
+from safeloc.proof.runs.driver import Driver
+from safeloc.proof.testing import run_tests
+from tests.examples import EXAMPLES, Example
+
+(ON,) = modes("ON")
+P, N = boolean("p"), number("n", COUNT, 0, 50)
+
+
+def _counter(limit: int = 50) -> TransitionSystem:
+    """Counts the steps in which p was true; the assumption is that it never passes the limit."""
+    moves = [Transition("count", ON, ON, P & (N < 50), {N: N + 1}), Transition("rest", ON, ON)]
+    return lower(Machine("counter", (ON,), [P], {N: 0}, {}, moves, assumption=~P | (N < limit)))
+
+
+def _pressed(times: int) -> list[dict[str, bool]]:
+    return [{"p": True}] * times
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_a_plausible_run_keeps_the_assumption_and_is_what_the_interpreter_does(example: Example) -> None:
+    """After any stretch the recorded stream, run by the interpreter, ends in the driver's own state."""
+    driver = Driver(example.system, [example.holds])
+    for seed, kind in enumerate(("steady", "ramp", "ends", "standstill", "reversal", "random")):
+        driver.drive(kind, 10, seed, lean=seed)
+    assert driver.kept
+    assert driver.broken is None
+    assert driver.statistics.steps == len(driver.stream) == driver.statistics.lawful == driver.statistics.deepest
+    trace = run(example.system, driver.stream, first=driver.first)
+    shown = {var.name: value for var, value in driver.state().items()}
+    assert trace.steps[-1].state == {name: shown[name] for name in trace.steps[-1].state}
+
+
+def test_a_broken_assumption_ends_what_relies_on_it() -> None:
+    """After a fault only unconditional properties are required; before it, all are."""
+    relies = always("relies", N <= 3)
+    stands = always("stands", N <= 3, unconditional=True)
+    for prop, broken in ((relies, False), (stands, True)):
+        driver = Driver(_counter(limit=3), [prop])
+        for seed in range(10):
+            driver.drive("random", 20, seed, faulty=True)
+        assert not driver.kept
+        assert broken == (driver.broken is prop)
+
+
+def test_what_a_property_is_given_counts_for_it_alone() -> None:
+    """A run that breaks one property's `given` still has to keep the others."""
+    bound, free = always("bound", N <= 3, given=N < 2), always("free", N <= 3)
+    for props, culprit in (([bound], None), ([bound, free], free)):
+        driver = Driver(_counter(), props, [run(_counter(), _pressed(5))])
+        driver.follow(0)
+        assert driver.broken is culprit
+
+
+def test_a_known_run_is_gone_on_with() -> None:
+    """`follow` starts anywhere along a run; observers of the properties come along with it."""
+    late = within("answered", 6, P, ~P)
+    driver = Driver(_counter(), [late], [run(_counter(), _pressed(6))])
+    driver.follow(0, share=0.5)
+    assert 3 == len(driver.stream)
+    assert 3 == driver.state()[N]
+    driver.follow(0)
+    assert driver.broken is None
+    while driver.broken is None and len(driver.stream) < 200:
+        driver.drive("steady", 10, seed=len(driver.stream))
+    trace = driver.trace()
+    assert 7 <= len(trace.steps)
+    assert all(step.inputs["p"] for step in trace.steps[-7:])
+
+
+def test_a_known_run_that_breaks_a_property_says_so() -> None:
+    """A violation along a run of the corpus is found at the step where it happens."""
+    never_two = always("at most one", N <= 1)
+    driver = Driver(_counter(), [never_two], [run(_counter(), _pressed(9))])
+    driver.follow(0)
+    assert driver.broken is never_two
+    assert 2 == len(driver.stream)
+    assert 2 == len(driver.trace().steps)
+
+
+def test_what_a_known_run_breaks_is_found_without_searching() -> None:
+    """One run of each known one is enough, wherever along it a search would have begun; other properties are searched on."""
+    corpus = [run(_counter(), _pressed(times)) for times in (3, 45, 5, 49)]
+    deep, holds = always("at most forty", N <= 40), always("at most fifty", N <= 50)
+    driver = Driver(_counter(), [deep, holds], corpus)
+    assert 1 == driver.breaking
+    assert Driver(_counter(), [holds], corpus).breaking is None
+    found = run_tests(_counter(), [deep, holds], examples=1, steps=1, seed=0, corpus=corpus)
+    assert ["violated", "held"] == [word(one.result) for one in found]
+
+
+def test_a_first_state_that_breaks_a_property_says_so() -> None:
+    """A property that is false before any step is broken by the empty run."""
+    driver = Driver(_counter(), [always("already one", N >= 1)])
+    assert driver.broken is not None
+    assert () == driver.trace().steps
+
+
+def test_edges_tell_how_near_a_run_is() -> None:
+    """The edge of a numeric property is its distance to failing; a logical one has none."""
+    driver = Driver(_counter(), [always("few", N <= 40), always("logical", P | ~P)], [run(_counter(), _pressed(8))])
+    driver.follow(0)
+    assert {"few": -32.0} == driver.edges()
+
+
+def test_statistics_for_a_report() -> None:
+    """Notes name what fired and what never did, and the rate includes drawing and repair."""
+    driver = Driver(_counter(), [always("few", N <= 50)])
+    for seed in range(4):
+        driver.drive("steady", 25, seed)
+    notes = driver.statistics.notes(["count", "rest", "no such"])
+    assert "100" == notes["steps"] == notes["steps that keep the assumption"]
+    assert "0" == notes["steps given up"]
+    assert "no such" == notes["never fired"]
+    assert 0 < int(notes["steps per second, drawing and repair included"]) < 1_000_000

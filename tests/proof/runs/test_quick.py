@@ -1,0 +1,54 @@
+"""Runs on generated code: what the interpreter gives, and an error where generated code would give anything else."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.catalogue import load_target
+from safeloc.errors import EngineError, InputError
+from safeloc.language.expr import NumVar
+from safeloc.language.interpret import run
+from safeloc.language.monitor import Checks, check_all
+from safeloc.language.units import ONE
+from safeloc.proof.runs import quick
+from safeloc.proof.runs.quick import SAMPLED, Quick, quick_run
+from safeloc.runtime.streams.steps import read_steps
+
+TARGET = load_target("stop_point")
+STREAM = read_steps(TARGET.streams[0])
+INPUTS = {var.name for var in TARGET.system.inputs}
+ROWS = [{name: cell for name, cell in step.items() if name in INPUTS} for step in STREAM.steps]
+
+
+def test_the_same_run() -> None:
+    """States, outputs, what fired, and the kinds of values."""
+    right, found = run(TARGET.system, ROWS, first=STREAM.first), quick_run(TARGET.system, ROWS, first=STREAM.first)
+    assert repr(right.steps) == repr(found.steps)
+    assert right.initial == found.initial
+
+
+def test_the_same_verdicts() -> None:
+    """Every property, with what never happened."""
+    trace = run(TARGET.system, ROWS, first=STREAM.first)
+    asked = [prop for prop in TARGET.properties if prop.kind != "reachable"]
+    assert repr(check_all(trace, asked)) == repr(Checks(TARGET.system, asked, Quick)(trace))
+
+
+def test_the_same_refusal() -> None:
+    """An input that is missing."""
+    with pytest.raises(InputError, match="is missing"):
+        quick_run(TARGET.system, [{}], first=STREAM.first)
+
+
+def test_wrong_code_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the first time, and in the sample later on."""
+    x = NumVar("x", ONE, 0, 9)
+    right = quick.compiled_terms
+    monkeypatch.setattr(quick, "compiled_terms", lambda reads, terms: lambda row: [row[0] + (row[0] > 3)])
+    wrong = Quick([x])
+    for _ in range(SAMPLED):
+        assert [2] == list(wrong({x: 2}))
+    with pytest.raises(EngineError, match="generated code gives 6 for term 0, the interpreter 5"):
+        wrong({x: 5})
+    monkeypatch.setattr(quick, "compiled_terms", right)
+    assert [5] == list(Quick([x])({x: 5}))
