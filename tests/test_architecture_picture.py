@@ -1,0 +1,83 @@
+"""The picture of the architecture is the one that the imports give, and its page speaks of what is there."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import networkx as nx
+import pytest
+
+from tests.architecture_picture import COMMAND, PICTURE, drawn
+from tests.rooms import ROOT, arrows, downward, files, heights, home, imported, room_of, rooms, upward
+
+PAGE = ROOT / "docs" / "architecture.md"
+
+
+def test_the_committed_picture_is_the_one_of_the_imports() -> None:
+    """Drawn anew it is the same, letter for letter."""
+    assert drawn() == PICTURE.read_text(encoding="utf-8"), f"imports between rooms changed: run `{COMMAND}`"
+
+
+def test_each_room_has_its_box_with_all_that_it_imports() -> None:
+    """Also what no arrow shows, since a chain of others implies it."""
+    texts = [text.text or "" for text in ET.fromstring(drawn()).iter("{http://www.w3.org/2000/svg}text")]
+    said = " ".join(texts)
+    graph = rooms()
+    assert len(graph) > 8
+    for room in graph:
+        assert room in texts
+        named = ", ".join(sorted(graph.successors(room))) or "nothing"
+        assert f"{room} {graph.nodes[room]['files']} files; imports {named}" in said
+
+
+def test_arrows_say_as_much_as_the_imports() -> None:
+    """Along them one comes to the same rooms; each runs downwards, and what closes a circle stands apart."""
+    graph = rooms()
+    shown, order = nx.DiGraph(arrows(graph)), downward(graph)
+    height = heights(graph)
+    assert {(a, b) for a in shown for b in nx.descendants(shown, a)} == {
+        (a, b) for a in order for b in nx.descendants(order, a)
+    }
+    assert all(height[above] > height[below] for above, below in order.edges)
+    assert set(graph.edges) == set(order.edges) | set(upward(graph))
+
+
+def test_the_rarer_import_of_a_circle_runs_upwards() -> None:
+    """It is the one to look at."""
+    graph = nx.DiGraph()
+    graph.add_edge("report", "language", times=9)
+    graph.add_edge("language", "report", times=1)
+    assert [("language", "report")] == upward(graph)
+    assert {"report": 1, "language": 0} == heights(graph)
+
+
+def test_rooms_are_read_from_the_folders(tmp_path: Path) -> None:
+    """Every folder of safeloc/ with code in it is a room; an import leads to the room of the longest known name."""
+    folders = {path.name for path in (ROOT / "safeloc").iterdir() if path.is_dir() and any(path.rglob("*.py"))}
+    assert folders <= set(rooms())
+    assert {room_of(path) for path in files()} == set(rooms())
+    code = tmp_path / "one.py"
+    code.write_text("from safeloc.cli.show import a\ndef f():\n    import safeloc.line\n", encoding="utf-8")
+    assert ["safeloc.cli.show.a", "safeloc.line"] == list(imported(code))
+    assert home("safeloc.cli.show.a", {"safeloc.cli": "cli", "safeloc.cli.show": "found"}) == "found"
+    assert home("numpy.random", {"safeloc.cli": "cli"}) is None
+
+
+def test_the_page_has_a_sentence_for_each_room() -> None:
+    """In the table of rooms, and for no other ones."""
+    named = re.findall(r"^\| `(?:safeloc/)?(\w+)/` \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(set(rooms()) - {"safeloc"}) == sorted(named)
+
+
+@pytest.mark.parametrize("page", ["docs/architecture.md", "docs/glossary.md", "CONTRIBUTING.md"])
+def test_every_path_that_is_named_is_there(page: str) -> None:
+    """Files and folders in backquotes, from the repository's root; and the targets of links, from the page."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    tops = "safeloc|models|properties|tests|docs|benchmarks"
+    paths = re.findall(rf"`((?:{tops})/[\w./-]*)`", text)
+    links = re.findall(r"\]\((?!http|#)([^)#]+)", text)
+    assert paths or links
+    missing = [path for path in paths if not (ROOT / path).exists()]
+    assert [] == missing + [link for link in links if not ((ROOT / page).parent / link).exists()]
