@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import networkx as nx
@@ -45,6 +46,7 @@ def imported(path: Path) -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
+@cache
 def rooms() -> nx.DiGraph:
     """All rooms with the number of their files; an edge from each room to each that it imports, with how often."""
     homes = {module_of(path): room_of(path) for path in files()}
