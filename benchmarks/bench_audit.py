@@ -6,8 +6,8 @@ import sys
 import time
 
 from benchmarks.long_line import ELEMENTS_PER_BLOCK, long_line
-from safeloc.audit import audit
-from safeloc.line.toml_files import from_toml, to_toml
+from safeloc.railway.audit import audit
+from safeloc.railway.map.toml_files import from_toml, to_toml
 
 TARGET_ELEMENTS, TARGET_S = 10_000, 2.0
 SIZES = (1_000, 3_000, TARGET_ELEMENTS, 30_000)

@@ -17,11 +17,11 @@ from itertools import cycle as forever
 from itertools import islice
 from pathlib import Path
 
-from safeloc.embedding import Controller, Program, localizer_program
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.runs.sampled import recorded_run
+from safeloc.proof.runs.sampled import recorded_run
+from safeloc.runtime.embedding import Controller, Program, localizer_program
+from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record
 from safeloc.shipped import ENTRIES
-from safeloc.streams.records import DistanceRecord, End, MarkerRecord, Record
 
 PERIOD_MS, STEP_MM, MARKER_EVERY = 100, 1_200, 200
 ENDS: tuple[End, End] = ("front", "rear")

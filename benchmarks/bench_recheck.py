@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from safeloc.catalogue import load_target
-from safeloc.checker.folder import check_folder
-from safeloc.provers.limits import Limits
+from safeloc.proof.checker.folder import check_folder
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.verification.many import in_order, verify_targets
+from safeloc.proof.verification.one import Plan
 from safeloc.report.folder import write_folder
-from safeloc.verification.many import in_order, verify_targets
-from safeloc.verification.one import Plan
 
 SMALL = ("stop_point", "balise", "axle_counter")
 PLAN = Plan(Limits(), examples=60, steps=60, seed=0)

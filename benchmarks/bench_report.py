@@ -14,8 +14,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from safeloc.packed import SUFFIX, read_packed
 from safeloc.report.folder import render_folder
+from safeloc.runtime.packed import SUFFIX, read_packed
 
 MB = 1_000_000
 RUNS = 3

@@ -10,10 +10,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from safeloc.backends.c_loader import load_c
-from safeloc.runs.sampled import drawn_run
+from safeloc.codegen.c_loader import load_c
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.proof.runs.sampled import drawn_run
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, without_ghosts
 
 STEPS, TIMES, ROUNDS = 100, 20, 20
 

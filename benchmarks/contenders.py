@@ -14,11 +14,11 @@ from benchmarks.by_hand import compiled_c, run_hand_written
 from benchmarks.odometer import Last, Row, odometer, on_board, stream
 from benchmarks.other_packages import run_bare_transitions, run_python_statemachine, run_sismic
 from benchmarks.turns import Contender, Ready, Target
-from safeloc.backends.batch import compile_batch, simulate
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.compiled import compile_system
-from safeloc.backends.runtime import to_fsm
-from safeloc.interpret import start, step
+from safeloc.codegen.batch import compile_batch, simulate
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.compiled import compile_system
+from safeloc.codegen.runtime import to_fsm
+from safeloc.language.interpret import start, step
 
 UNIT = "hand-written class"
 BATCH_RUNS = 16384

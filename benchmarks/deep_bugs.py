@@ -10,15 +10,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Lit, abs_, between, boolean, ceil_div, exact_to, floor_div, ite, number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.provers.bmc import bmc
-from safeloc.provers.falsify import falsify
-from safeloc.provers.limits import Limits
-from safeloc.spec import Goal, Property, always, observe, within
-from safeloc.system import lower
-from safeloc.units import COUNT, MM, NM, PPM
-from safeloc.verdict import Verdict, Violated
+from safeloc.language.expr import Bool, Lit, abs_, between, boolean, ceil_div, exact_to, floor_div, ite, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import Goal, Property, always, observe, within
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT, MM, NM, PPM
+from safeloc.language.verdict import Verdict, Violated
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.limits import Limits
 
 STEP_MM, RATE_PPM = 5_000, 50_000
 PER_STEP_NM = STEP_MM * RATE_PPM

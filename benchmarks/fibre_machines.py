@@ -13,10 +13,10 @@ from benchmarks.by_hand import run_hand_written
 from benchmarks.odometer import expected as expected_odometer
 from benchmarks.odometer import stream
 from benchmarks.turns import Contender, Last, Ready, race
-from safeloc.backends.compiled import Compiled, Row, compile_system
-from safeloc.interpret import run
+from safeloc.codegen.compiled import Compiled, Row, compile_system
+from safeloc.language.interpret import run
+from safeloc.language.system import without_ghosts
 from safeloc.shipped import ENTRIES
-from safeloc.system import without_ghosts
 
 MACHINES = ("fibre", "verification", "axle_head", "axle_counter", "axle_section", "train_order", "emitter")
 TARGET = 1e6

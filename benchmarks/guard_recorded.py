@@ -17,17 +17,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.fields import Columns
-from safeloc.guard.figures import find_vehicle, guard_config
-from safeloc.guard.guard import Guard, Judgement
-from safeloc.guard.streams import csv_deliveries
-from safeloc.guard.tracks import Tracks
-from safeloc.line.imports.geojson import read_geojson
-from safeloc.line.imports.geojson_path import read_path, route_over
-from safeloc.line.routes import Route
-from safeloc.line.topology import Topology
 from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.fields import Columns
+from safeloc.railway.guard.figures import find_vehicle, guard_config
+from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.guard.streams import csv_deliveries
+from safeloc.railway.guard.tracks import Tracks
+from safeloc.railway.map.imports.geojson import read_geojson
+from safeloc.railway.map.imports.geojson_path import read_path, route_over
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Topology
 
 PATHS = {
     "28876": "log_28876_L36-B-path-calculation.geojson",

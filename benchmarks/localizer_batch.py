@@ -12,16 +12,16 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from safeloc.backends.batch import Prepared, compile_batch, simulate
-from safeloc.backends.batch_lanes import LanesBatch, compile_lanes
-from safeloc.backends.c99_vectors import Run
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.numpy_code import Array
-from safeloc.expr import BoolVar
-from safeloc.interpret import read_inputs
-from safeloc.runs.sampled import drawn_run, recorded_run
+from safeloc.codegen.batch import Prepared, compile_batch, simulate
+from safeloc.codegen.batch_lanes import LanesBatch, compile_lanes
+from safeloc.codegen.c99_vectors import Run
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.numpy_code import Array
+from safeloc.language.expr import BoolVar
+from safeloc.language.interpret import read_inputs
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.proof.runs.sampled import drawn_run, recorded_run
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, without_ghosts
 
 ROUNDS, TARGET = 5, 2e6
 SIZES = ((1_000, 40), (10_000, 10), (100_000, 4))

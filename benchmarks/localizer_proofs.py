@@ -12,14 +12,14 @@ import resource
 import sys
 import time
 
+from safeloc.language.spec import Goal, observe
+from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.models.localizer import LocalizerConfig, SourceName, compose_machines
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.localizer import properties
-from safeloc.provers.bmc import bmc
-from safeloc.provers.falsify import falsify
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import Goal, observe
-from safeloc.verdict import Proved, Unknown, Verdict
 
 SOURCES: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
 SEEDS = (0, 1)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.line.elements import Balise, BaliseGroup, KilometrePoint, Node, Reflector, Switch, TrackEdge
-from safeloc.line.model import Line
+from safeloc.railway.map.elements import Balise, BaliseGroup, KilometrePoint, Node, Reflector, Switch, TrackEdge
+from safeloc.railway.map.model import Line
 
 BLOCK_MM = 2_000_000
 MODELS = "ABCD"

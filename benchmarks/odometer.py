@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 
-from safeloc.interpret import start, step
-from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.interpret import start, step
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from tests.examples import LINE_MM, Odometer, build_odometer
 
 TOLERANCE_MM = 30_000

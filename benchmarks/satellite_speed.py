@@ -16,14 +16,15 @@ from functools import cache
 
 import numpy as np
 
-from safeloc.backends.batch import compile_batch, simulate
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.compiled import compile_system
+from safeloc.codegen.batch import compile_batch, simulate
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.compiled import compile_system
+from safeloc.language.nodes import BoolVar
+from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.nodes import BoolVar
 from safeloc.signals.satellite.ephemeris import Ephemeris
 from safeloc.signals.satellite.epochs import Epoch, Measured
 from safeloc.signals.satellite.navigation import Navigation
@@ -32,7 +33,6 @@ from safeloc.signals.satellite.predicted import Predicted, predicted
 from safeloc.signals.satellite.residuals import MASK_RAD
 from safeloc.signals.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.constellation import GALILEO, GPS, START_S, constellation
-from safeloc.system import TransitionSystem, without_ghosts
 
 EPOCHS_TARGET, STEPS_TARGET = 200, 200_000
 PERIOD_S, ROUNDS, RUNS = 0.2, 5, 4_096

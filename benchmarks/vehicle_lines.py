@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
+from safeloc.language.system import without_ghosts
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
-from safeloc.streams.steps import read_steps
-from safeloc.system import without_ghosts
 
 STEP_MM, MARKER_EVERY = 120, 200
 UNITS = (("front", "wheel"), ("front", "radar"), ("rear", "wheel"), ("rear", "radar"))

@@ -10,15 +10,15 @@ from functools import cached_property
 import numpy as np
 
 from benchmarks.turns import Contender, Last, Ready, Target
-from safeloc.backends.batch import compile_batch, simulate
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.compiled import Compiled, Row, compile_system
-from safeloc.interpret import run
+from safeloc.codegen.batch import compile_batch, simulate
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.compiled import Compiled, Row, compile_system
+from safeloc.language.interpret import run
+from safeloc.language.nodes import BoolVar, Value
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.models import localizer, localizer_recordings, odometry, odometry_streams
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.nodes import BoolVar, Value
-from safeloc.streams.steps import read_steps
-from safeloc.system import TransitionSystem, lower, without_ghosts
+from safeloc.runtime.streams.steps import read_steps
 
 UNIT = "generated Python, tick"
 BATCH_STEPS, BATCH_RUNS, C_RUNS = 20, 8_192, 200

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     Bool,
     Expr,
@@ -34,7 +34,8 @@ from safeloc.expr import (
     exact_to,
     ite,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
 from safeloc.models.arbitration_parts.cycle import Cycle
 from safeloc.models.arbitration_parts.variables import SOURCES, ArbitrationConfig, Parts, Source, parts
 from safeloc.models.odometry_parts.variables import (
@@ -44,7 +45,6 @@ from safeloc.models.odometry_parts.variables import (
     SENSOR_FAILURE,
     TOLERANCE,
 )
-from safeloc.units import MM, NM
 
 __all__ = ["SOURCES", "Arbitration", "ArbitrationConfig", "Source", "build", "parts"]
 TRACE = ("RFL-13", "RFL-14")

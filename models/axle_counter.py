@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     Expr,
@@ -34,7 +34,8 @@ from safeloc.expr import (
     maximum,
     minimum,
 )
-from safeloc.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM_S, MS, NM, UM
 from safeloc.models.axle_head import NO_AXLE
 from safeloc.models.axle_parts.passage import (
     HEAD_FAULT,
@@ -52,7 +53,6 @@ from safeloc.models.axle_parts.passage import (
     Parts,
     parts,
 )
-from safeloc.units import COUNT, MM_S, MS, NM, UM
 
 TRACE = ("FVA-3", "FVA-5")
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from random import Random
 
 from safeloc.models.axle_counter import AxleCounterConfig
-from safeloc.runs.worked import Steps, WorkedRun
-from safeloc.streams.steps import Cell
+from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.runtime.streams.steps import Cell
 
 UM_PER_MM = 1_000
 NM_PER_MM = 1_000_000

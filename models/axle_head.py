@@ -16,8 +16,8 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
-from safeloc.expr import Bool, BoolVar, Lit, NumVar, Var, all_of, boolean, choice, enumeration, ite, members
-from safeloc.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.expr import Bool, BoolVar, Lit, NumVar, Var, all_of, boolean, choice, enumeration, ite, members
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 
 AXLE = members("axle", "NONE", "UP", "DOWN")
 NO_AXLE, UP, DOWN = AXLE

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.axle_head import AxleHeadConfig
-from safeloc.runs.worked import Steps, WorkedRun
-from safeloc.streams.steps import Cell
+from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.runtime.streams.steps import Cell
 
 US_PER_S = 1_000_000
 UM_PER_MM = 1_000

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -36,8 +36,8 @@ from safeloc.expr import (
     members,
     number,
 )
-from safeloc.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
-from safeloc.units import COUNT
+from safeloc.language.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.units import COUNT
 
 RESET = members("reset_answer", "NOT_ASKED", "ACCEPTED", "HEAD_DAMPED", "HEAD_FAULT", "AXLES_COUNTED", "AXLE_PASSED")
 NOT_ASKED, ACCEPTED, HEAD_DAMPED, HEAD_FAULT, AXLES_COUNTED, AXLE_PASSED = RESET

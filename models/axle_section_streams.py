@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from random import Random
 
 from safeloc.models.axle_section import AxleSectionConfig
-from safeloc.runs.worked import Steps, WorkedRun
-from safeloc.streams.steps import Cell
+from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.runtime.streams.steps import Cell
 
 SIDES = ("low", "high")
 AXLES_A_CYCLE = 8

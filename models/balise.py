@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -36,7 +36,8 @@ from safeloc.expr import (
     floor_to,
     ite,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM, PPM
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.judgement import Judged
 from safeloc.models.balise_parts.reckoning import as_reckoned
@@ -44,7 +45,6 @@ from safeloc.models.balise_parts.telegram import LINKED
 from safeloc.models.balise_parts.variables import BaliseConfig, Parts, parts
 from safeloc.models.odometry_parts.variables import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
 from safeloc.models.running.interval import Interval
-from safeloc.units import MM, NM, PPM
 
 
 def machine(config: BaliseConfig | None = None) -> Machine:

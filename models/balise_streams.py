@@ -14,15 +14,15 @@ from typing import Literal, assert_never
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.balise import machine
 from safeloc.models.balise_parts.groups import Group, Orientation, Reaction, announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 DISPLACED_MM = 100_000
 Steps = list[dict[str, Cell]]

@@ -8,11 +8,11 @@ position is passed on. It is left only when the source is valid AND an absolute 
 from __future__ import annotations
 
 from safeloc.config import Config, quantity
-from safeloc.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.odometry_parts.variables import LOCATED, NO_REFERENCE, REASON, TOLERANCE
-from safeloc.units import MM, NM
 
 
 class DelocalizedConfig(Config):

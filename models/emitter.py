@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -39,8 +39,8 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import Initial, Machine, Model, Transition, current_mode, modes
-from safeloc.units import COUNT, MM
+from safeloc.language.machine import Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
 
 HEARD = members("pattern_verdict", "NOTHING", "PASSED", "FOREIGN", "NOT_DUE", "ELSEWHERE", "NO_PLACE")
 NOTHING, PASSED, FOREIGN, NOT_DUE, ELSEWHERE, NO_PLACE = HEARD

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.emitter import EmitterConfig
-from safeloc.runs.worked import Steps, WorkedRun
-from safeloc.streams.steps import Cell
+from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.runtime.streams.steps import Cell
 
 OTHER_BITS = 0b1010
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -38,11 +38,11 @@ from safeloc.expr import (
     exact_to,
     ite,
 )
-from safeloc.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.fibre_parts import variables as v
 from safeloc.models.fibre_parts.cycle import Cycle
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig, Parts, parts
-from safeloc.units import COUNT, MM, NM
 
 __all__ = ["Fibre", "FibreConfig", "build", "machine", "parts"]
 SEEN = ("FWG-1", "FWG-2", "FWG-3", "FWG-8", "FWG-11", "FWG-12", "FWG-13", "FWG-14")

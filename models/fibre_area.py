@@ -42,9 +42,10 @@ from dataclasses import dataclass
 
 from pydantic import model_validator
 
-from safeloc.composition import Composition, compose
 from safeloc.config import Config, quantity
-from safeloc.expr import Bool, Expr, Num, Var, all_of, as_num, between, ceil_to, floor_to, ite
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, ceil_to, floor_to, ite
+from safeloc.language.units import MM, UM
 from safeloc.models import area as area_model
 from safeloc.models import emitter as emitter_model
 from safeloc.models import fibre as fibre_model
@@ -57,7 +58,6 @@ from safeloc.models.fibre_area_parts.entry import Entry, entry
 from safeloc.models.fibre_area_parts.report import Report
 from safeloc.models.sections import Section, SectionsConfig, section, section_wires
 from safeloc.models.verification import Verification, VerificationConfig
-from safeloc.units import MM, UM
 
 
 class FibreAreaConfig(Config):

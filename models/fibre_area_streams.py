@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from safeloc.language.nodes import Value
 from safeloc.models.fibre_area import FibreAreaConfig
 from safeloc.models.fibre_streams import Drive, Section, line, simulate
-from safeloc.nodes import Value
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 NM_PER_UM = 1_000

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 
 from pydantic import model_validator
 
-from safeloc.composition import Composition, compose
 from safeloc.config import Config
-from safeloc.expr import Expr, Num, Var
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Expr, Num, Var
 from safeloc.models.fibre_area_parts.border import Border, BorderConfig
 from safeloc.models.fibre_area_parts.border import build as build_border
 from safeloc.models.fibre_area_parts.border import parts as border_parts

@@ -12,13 +12,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.code import Symbol, make_code
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig
 from safeloc.models.verification_parts.variables import VerificationConfig
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
+from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 RAISED_CDB, NOISE_CDB = 1_200, 150

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from safeloc.models.fibre_parts.code import Symbol
 from safeloc.models.fibre_parts.variables import FibreConfig
 from safeloc.models.fibre_streams import Drive, Section, simulate, steady
-from safeloc.runs.worked import Steps, WorkedRun
+from safeloc.proof.runs.worked import Steps, WorkedRun
 
 
 def _endless(config: FibreConfig) -> Steps:

@@ -19,13 +19,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.models.guard_parts import law
 from safeloc.models.guard_parts.box import Box, Held, become, begun, tolerable, usable
 from safeloc.models.guard_parts.judgement import Judged, judge
 from safeloc.models.guard_parts.variables import NOTHING, PASSED, UNCONFIRMED, GuardConfig, Parts, parts
-from safeloc.units import COUNT, MM, NM, UM_S
 
 TRACE = ("MRK-D6",)
 

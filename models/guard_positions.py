@@ -14,8 +14,8 @@ from functools import reduce
 from pathlib import Path
 from random import Random
 
-from safeloc.line.elements import Geometry, Node, Switch, TrackEdge
-from safeloc.line.model import Line, sealed
+from safeloc.railway.map.elements import Geometry, Node, Switch, TrackEdge
+from safeloc.railway.map.model import Line, sealed
 
 FOLDER = Path(__file__).parent / "positions"
 BEGIN = datetime(2026, 3, 2, 8, 0, tzinfo=UTC)

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from random import Random
 
+from safeloc.language.nodes import Value
 from safeloc.models.guard_parts.variables import FAULT, NM_PER_MM, GuardConfig
-from safeloc.nodes import Value
 
 FIX_EVERY_MS = 400
 SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous")

@@ -13,7 +13,7 @@ from __future__ import annotations
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
@@ -26,7 +26,7 @@ from safeloc.expr import (
     maximum,
     with_unit,
 )
-from safeloc.units import COUNT, MM, NM, PPM
+from safeloc.language.units import COUNT, MM, NM, PPM
 
 WHOLE_PPM = 1_000_000
 

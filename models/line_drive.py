@@ -11,8 +11,6 @@ from dataclasses import dataclass, field, replace
 
 from safeloc.config import Config
 from safeloc.errors import InputError
-from safeloc.line.routes import Route
-from safeloc.line.walk import Walk
 from safeloc.models import balise_streams, odometry_streams, reflector_streams, route_streams, turn_off_streams
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.line_configs import SPEED_SHARE, LineVehicle, fitting
@@ -35,11 +33,13 @@ from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.models.stop_point_parts.variables import StopPointConfig
 from safeloc.models.stop_point_streams import Platform, simulate_platform
 from safeloc.models.turn_off import TurnOffConfig
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.walk import Walk
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import ReaderFault
 from safeloc.simulation.sensors import Fault
 from safeloc.simulation.speed_profile import Halt, drive
-from safeloc.streams.steps import Cell
 
 STAND_S, REDUCED_MM_S = 4.0, 600
 OVERRUN_MM, SHORT_MM = 3_000, 2_000

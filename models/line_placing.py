@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
-from safeloc.line.elements import BaliseGroup, Reflector
-from safeloc.line.routes import Route
 from safeloc.models.balise_streams import GroupFault, GroupFaultKind
 from safeloc.models.line_faults import Asked
 from safeloc.models.line_streams import MODELS, balise_groups, identities, reflectors
 from safeloc.models.reflector_streams import Disturbance
+from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.routes import Route
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import ReaderFault, ReaderFaultKind
 from safeloc.simulation.sensors import NM_PER_MM, Fault, FaultKind

@@ -11,18 +11,18 @@ from dataclasses import replace
 from itertools import pairwise
 
 from safeloc.errors import InputError
-from safeloc.line import elements
-from safeloc.line.clearance import clear_mm
-from safeloc.line.model import Line
-from safeloc.line.routes import Met, Route
-from safeloc.line.topology import Run
-from safeloc.line.walk import Seen, Walk
 from safeloc.models.balise_parts.groups import Group
 from safeloc.models.reflector_parts.map_data import MODEL, NO_MODEL
 from safeloc.models.reflector_streams import Balise, Reflector
 from safeloc.models.reflector_streams import Route as ReflectorRoute
 from safeloc.models.stop_point_streams import StopPlace
 from safeloc.models.turn_off_streams import SwitchAhead
+from safeloc.railway.map import elements
+from safeloc.railway.map.clearance import clear_mm
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Met, Route
+from safeloc.railway.map.topology import Run
+from safeloc.railway.map.walk import Seen, Walk
 from safeloc.simulation.speed_profile import Limit
 
 FARTHEST_CLEAR_MM = 1_000_000

@@ -21,9 +21,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from safeloc.composition import Clause, Composition, compose
-from safeloc.expr import Bool, BoolVar, Expr, Num, NumVar, Var
-from safeloc.machine import Machine
+from safeloc.language.composition import Clause, Composition, compose
+from safeloc.language.expr import Bool, BoolVar, Expr, Num, NumVar, Var
+from safeloc.language.machine import Machine
 from safeloc.models import arbitration, delocalized, motion, transmission
 from safeloc.models.arbitration import Arbitration, Source
 from safeloc.models.arbitration_parts.variables import parts as arbitration_parts

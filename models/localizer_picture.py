@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.pictures import Interval, Refusals, Sources, Things
-from safeloc.reported import Reported
+from safeloc.railway.pictures import Interval, Refusals, Sources, Things
+from safeloc.runtime.reported import Reported
 
 PASSED_ON = Reported(
     position="delocalized.position_mm", under="delocalized.under_mm", over="delocalized.over_mm",

@@ -13,8 +13,8 @@ from safeloc.models.balise_parts.groups import Group
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer_journeys import METRO
 from safeloc.models.localizer_streams import Journey, Steps, Stretch, Trouble, first_state, simulate
+from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.motion import Leg
-from safeloc.streams.steps import write_steps
 
 FOLDER, SEED = Path(__file__).parent / "streams", 3
 EVERYWHERE = Stretch(-1_000_000, 10_000_000)

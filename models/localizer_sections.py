@@ -18,10 +18,11 @@ from dataclasses import dataclass, replace
 
 from pydantic import model_validator
 
-from safeloc.composition import Clause, Composition
 from safeloc.config import Config
-from safeloc.expr import Expr, Lit, Var, ite
-from safeloc.machine import Machine
+from safeloc.language.composition import Clause, Composition
+from safeloc.language.expr import Expr, Lit, Var, ite
+from safeloc.language.machine import Machine
+from safeloc.language.units import MS
 from safeloc.models import area as area_model
 from safeloc.models import train_ends, train_seen, transmission
 from safeloc.models.area import Area, AreaConfig, moves_clause, reports_clause
@@ -32,7 +33,6 @@ from safeloc.models.sections import Section, Sections, SectionsConfig, section, 
 from safeloc.models.train_ends import TrainConfig, TrainEnds
 from safeloc.models.train_seen import TrainSeen
 from safeloc.models.transmission import Transmission
-from safeloc.units import MS
 
 NAME = "localizer_sections"
 

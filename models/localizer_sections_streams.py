@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
 from safeloc.models.balise_parts.groups import Group
 from safeloc.models.localizer_sections import NAME, LocalizerSectionsConfig
 from safeloc.models.localizer_streams import NM_PER_MM, Journey, Steps, Stretch, Trouble
 from safeloc.models.localizer_streams import first_state as localizer_first
 from safeloc.models.localizer_streams import simulate as simulate_localizer
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.motion import Leg
-from safeloc.streams.steps import Cell, write_steps
 
 FOLDER, SEED, UM_PER_MM, NM_PER_UM = Path(__file__).parent / "streams", 3, 1_000, 1_000
 

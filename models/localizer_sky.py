@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 PROTECTION_MM, SPEED_PROTECTION_UM_S, SHARE = 8_000, 300_000, 0.6
 """Bounds of a solution, and how much of them its error uses up."""

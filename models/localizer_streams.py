@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.language.nodes import Value
 from safeloc.models import balise_streams, odometry_streams, reflector_streams
 from safeloc.models.balise_parts.groups import Group
 from safeloc.models.balise_streams import GroupFault, GroupFaultKind, RouteSet
@@ -26,11 +27,10 @@ from safeloc.models.motion_streams import Measured, measured_by
 from safeloc.models.reflector_streams import Disturbance, Scene
 from safeloc.models.running.unit_check import ODOMETER_LAWFUL
 from safeloc.models.verification import VerificationConfig
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.reader_faults import ReaderFault
 from safeloc.simulation.sensors import Fault, FaultKind
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 NM_PER_MM = 1_000_000

@@ -12,9 +12,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from safeloc.composition import Composition, compose
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of, exact_to, number, with_unit
-from safeloc.machine import Machine
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of, exact_to, number, with_unit
+from safeloc.language.machine import Machine
+from safeloc.language.terms import Substitution
+from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry_parts.distance_device import Device, Unit
 from safeloc.models.odometry_parts.environment import on_board
@@ -29,8 +31,6 @@ from safeloc.models.odometry_parts.field import (
     world,
 )
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
-from safeloc.terms import Substitution
-from safeloc.units import COUNT, MM, NM, PPM
 
 ONE_LAW = OdometryConfig(
     first_unit=ErrorLaw(kind="wheel"),

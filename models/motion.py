@@ -20,13 +20,13 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, between, number
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, between, number
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
 from safeloc.models.odometry_parts.distance_device import ADMITTED, Limits
 from safeloc.models.odometry_parts.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.running.odometer import Odometer, odometer
 from safeloc.models.running.unit_check import UnitCheck, told_law, unit_check
-from safeloc.units import MM, NM
 
 __all__ = ["Motion", "MotionConfig", "Parts", "build", "parts"]
 TRACE = ("MRK-4", "MRK-D1")

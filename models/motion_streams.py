@@ -8,12 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import Distances, Fault, Law, measure
-from safeloc.system import lower, without_ghosts
 
 
 @lru_cache(maxsize=8)

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     Bool,
     Expr,
@@ -30,7 +30,8 @@ from safeloc.expr import (
     ite,
     members,
 )
-from safeloc.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM
 from safeloc.models.odometry_parts.cycle import Judged, Situation, judge, nothing
 from safeloc.models.odometry_parts.distance_device import Device, Values, choose
 from safeloc.models.odometry_parts.environment import environment, lemmas
@@ -45,7 +46,6 @@ from safeloc.models.odometry_parts.variables import (
     Parts,
     parts,
 )
-from safeloc.units import MM
 
 VALUES = members("values", "NONE", "M1", "M2")
 NO_VALUES, M1, M2 = VALUES

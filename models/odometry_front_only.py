@@ -12,15 +12,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from safeloc.composition import Composition, compose
-from safeloc.expr import FALSE, Bool, Expr, Lit, Num, Optional, Var, all_of
-from safeloc.machine import Machine
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Optional, Var, all_of
+from safeloc.language.machine import Machine
+from safeloc.language.terms import Substitution
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry_parts.distance_device import Device
 from safeloc.models.odometry_parts.environment import on_board
 from safeloc.models.odometry_parts.marker_reading import NOT_BETTER, OUT_OF_ORDER, OUT_OF_WINDOW, REPEATED, UNCONFIRMED
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
-from safeloc.terms import Substitution
 
 REFUSED = (REPEATED, OUT_OF_ORDER, OUT_OF_WINDOW, UNCONFIRMED)
 """Verdicts that no true reading of a new marker ahead gets, but for UNCONFIRMED in the very cycle of a loss."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from safeloc.composition import Composition, compose
-from safeloc.expr import Bool, Expr, NumVar, Var, ite, number, optional
-from safeloc.machine import ANY, Machine, Transition, modes
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Bool, Expr, NumVar, Var, ite, number, optional
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.terms import Substitution
+from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
-from safeloc.terms import Substitution
-from safeloc.units import COUNT, MM
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,15 +18,29 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import TRUE, Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite, members
-from safeloc.machine import ANY, Initial, Machine, current_mode, modes
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    all_of,
+    as_num,
+    between,
+    ceil_to,
+    exact_to,
+    ite,
+    members,
+)
+from safeloc.language.machine import ANY, Initial, Machine, current_mode, modes
+from safeloc.language.units import MM, NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.reflector_parts.cycle import Judged, Zones, judge
 from safeloc.models.reflector_parts.echo import Judgement
 from safeloc.models.reflector_parts.map_data import NO_MODEL, Reflector, is_it_or_clear
 from safeloc.models.reflector_parts.table import rows
 from safeloc.models.reflector_parts.variables import NO_POSITION, Parts, ReflectorConfig, parts
-from safeloc.units import MM, NM
 
 SOURCE = members("source", "NONE", "ODOMETRY", "REFLECTOR")
 NO_SOURCE, BY_ODOMETRY, BY_REFLECTOR = SOURCE

@@ -14,16 +14,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""

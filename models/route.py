@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     Expr,
@@ -39,7 +39,8 @@ from safeloc.expr import (
     maximum,
     minimum,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.route_parts.variables import (
     CONTRADICTION,
@@ -53,7 +54,6 @@ from safeloc.models.route_parts.variables import (
     parts,
 )
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
-from safeloc.units import COUNT, MM, NM
 
 TRACE = ("RFL-D6",)
 

@@ -12,17 +12,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
-from safeloc.line.elements import Reflector
-from safeloc.line.routes import Route
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.route import machine
 from safeloc.models.route_parts.variables import RouteConfig
-from safeloc.nodes import Value
+from safeloc.railway.map.elements import Reflector
+from safeloc.railway.map.routes import Route
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 Steps = list[dict[str, Cell]]
 

@@ -17,8 +17,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.composition import Composition, compose
-from safeloc.expr import (
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -35,7 +35,8 @@ from safeloc.expr import (
     ite,
     minimum,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.models.satellite_parts.anchor import Anchor, carried
 from safeloc.models.satellite_parts.law import Trusted, assumption, can_stop, clauses, enough, lemmas
 from safeloc.models.satellite_parts.motion import confirmed, fixed, predicted, referred, reportable, solved
@@ -64,7 +65,6 @@ from safeloc.models.satellite_parts.variables import (
 from safeloc.models.satellite_selection import USABLE, Selection
 from safeloc.models.satellite_selection import build as build_selection
 from safeloc.models.satellite_selection import parts as selection_parts
-from safeloc.units import COUNT, MM, NM, UM_S
 
 NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
 ASSUMED: dict[Trusted, str] = {

@@ -30,10 +30,11 @@ from typing import Literal
 
 from pydantic import Field
 
-from safeloc.backends.compiled import Compiled, compile_system
-from safeloc.border import Fault, Reason
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_parts.ahead import Ahead, ahead
 from safeloc.models.satellite_parts.fix_inputs import StepValues, fix_inputs, no_fix
@@ -41,13 +42,12 @@ from safeloc.models.satellite_parts.sighting import Sighting, Track, sighted, tr
 from safeloc.models.satellite_parts.trusted_inputs import Reference, Run, told
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import STANDING
-from safeloc.nodes import Value
+from safeloc.runtime.border import Fault, Reason
 from safeloc.signals.satellite.channels import Channels, Heard
 from safeloc.signals.satellite.epochs import Epoch
 from safeloc.signals.satellite.navigation import Navigation
 from safeloc.signals.satellite.solution import Bounds, Look, Solution, Weighting, solve
 from safeloc.signals.satellite.track_fit import NoSolution
-from safeloc.system import lower, without_ghosts
 
 __all__ = ["ChainConfig", "Cycle", "EpochChain", "Outcome", "Reference", "Run", "Track"]
 

@@ -18,7 +18,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -41,8 +41,8 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import Machine, Transition, current_mode, modes
-from safeloc.units import COUNT, MM, MM_S, Unit
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, MM_S, Unit
 
 STANDING = members("standing", "ABSENT", "EXPIRED", "SILENT", "WARMING", "EXCLUDED", "USABLE")
 ABSENT, EXPIRED, SILENT, WARMING, EXCLUDED, USABLE = STANDING

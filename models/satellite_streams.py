@@ -12,13 +12,14 @@ from functools import cache
 
 import numpy as np
 
-from safeloc.line.model import Line
-from safeloc.line.routes import through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
+from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.satellite.channels import identity
 from safeloc.signals.satellite.line_track import LineTrack
 from safeloc.simulation.motion import Motion, VehicleConfig
@@ -28,7 +29,6 @@ from safeloc.simulation.satellite.run import Outages, SimulatedRun, Spoofer, Tru
 from safeloc.simulation.satellite.run import simulate as simulate_signals
 from safeloc.simulation.satellite.scenery import Scene, canyon, cutting, station_roof, tunnel
 from safeloc.simulation.speed_profile import Halt, drive
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 LINE, START_HEIGHT_M = "valley", 300.0

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 
 from pydantic import model_validator
 
-from safeloc.composition import Composition, compose
 from safeloc.config import Config, derived, quantity
-from safeloc.expr import (
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import (
     BoolVar,
     Expr,
     Lit,
@@ -34,13 +34,13 @@ from safeloc.expr import (
     minimum,
     number,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
 from safeloc.models.area import Area, AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
 from safeloc.models.area_parts.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
 from safeloc.models.area_parts.separation import Following, headway_ms, separation_mm
-from safeloc.units import COUNT, MM
 
 TRACE = ("FVA-9", "FVA-18")
 RULES = {

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
 from safeloc.models.sections import SectionsConfig
-from safeloc.nodes import Value
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 UM_PER_MM = 1_000
 Steps = list[dict[str, Cell]]

@@ -21,12 +21,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Expr, Lit, Num, between, exact_to, ite, members
-from safeloc.machine import ANY, Machine, current_mode, modes
+from safeloc.language.expr import Bool, Expr, Lit, Num, between, exact_to, ite, members
+from safeloc.language.machine import ANY, Machine, current_mode, modes
+from safeloc.language.units import MM_S, NM
 from safeloc.models.stop_point_parts.cycle import Judged, judge
 from safeloc.models.stop_point_parts.table import rows
 from safeloc.models.stop_point_parts.variables import NO_REASON, Parts, StopPointConfig, parts
-from safeloc.units import MM_S, NM
 
 ORDER = members("order", "NONE", "PROCEED", "BRAKE", "HOLD", "CREEP", "REVERSE")
 NO_ORDER, PROCEED, BRAKE, HOLD, CREEP, REVERSE = ORDER

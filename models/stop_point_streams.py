@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.reflector_streams import FIGURE_2, STOPS_MM, Scene, said, simulate, stopping
 from safeloc.models.stop_point_parts.variables import StopPointConfig
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import NM_PER_MM
-from safeloc.streams.steps import Cell
 
 WINDOW_MM = 500
 SPEED_MM_S, BRAKE_MM_S2, STAND_S = 20_000, 800, 6.0

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.composition import Composition, compose
-from safeloc.expr import BoolVar, Expr, NumVar, Var
-from safeloc.machine import Machine
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import BoolVar, Expr, NumVar, Var
+from safeloc.language.machine import Machine
 from safeloc.models import delocalized, odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
 

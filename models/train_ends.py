@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -36,10 +36,10 @@ from safeloc.expr import (
     minimum,
     number,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM, UM
 from safeloc.models.area_parts.slot import Slot
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
-from safeloc.units import MM, NM, UM
 
 TRACE = ("FVA-9", "FVA-18")
 SENT = "the front end's interval holds it"

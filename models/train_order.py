@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -32,8 +32,8 @@ from safeloc.expr import (
     ite,
     number,
 )
-from safeloc.machine import ANY, Machine, Model, Transition, current_mode, modes
-from safeloc.units import COUNT, MM, UM
+from safeloc.language.machine import ANY, Machine, Model, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, UM
 
 TRACE = ("FVA-2", "FVA-11")
 

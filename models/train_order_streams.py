@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.train_order import TrainOrderConfig
-from safeloc.runs.worked import Steps, WorkedRun
-from safeloc.streams.steps import Cell
+from safeloc.proof.runs.worked import Steps, WorkedRun
+from safeloc.runtime.streams.steps import Cell
 
 UM_PER_MM = 1_000
 HALF_MM = 120_000  # half a pattern: a train and what is not known of its ends

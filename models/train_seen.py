@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -34,8 +34,8 @@ from safeloc.expr import (
     minimum,
     number,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.units import MM, MS, NM
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, MS, NM
 
 TRACE = ("FVA-9", "FVA-18")
 

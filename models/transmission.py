@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -33,9 +33,9 @@ from safeloc.expr import (
     number,
     with_unit,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, MS, NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
-from safeloc.units import COUNT, MM, MS, NM
 
 TRACE = ("FVA-9", "FVA-18", "RFL-14")
 

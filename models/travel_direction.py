@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.config import Config
-from safeloc.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var, boolean, choice, enumeration, ite, members
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var, boolean, choice, enumeration, ite, members
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.models.reflector_parts.map_data import MODEL, NO_MODEL
 
 DIRECTION = members("travel", "UNKNOWN", "ALONG", "AGAINST")

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Expr,
@@ -39,9 +39,9 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
 from safeloc.models.reflector_parts.echo import LATERAL_LIMIT_MM
-from safeloc.units import COUNT, MM
 
 COURSE = members("course", "UNDECIDED", "STRAIGHT", "LEFT", "RIGHT")
 UNDECIDED, STRAIGHT, LEFT, RIGHT = COURSE

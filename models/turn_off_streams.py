@@ -11,16 +11,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector_parts.variables import ReflectorConfig
 from safeloc.models.reflector_streams import Scene, said
 from safeloc.models.reflector_streams import simulate as simulate_reflectors
 from safeloc.models.turn_off import TurnOffConfig, machine
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import NM_PER_MM
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 Steps = list[dict[str, Cell]]
 OTHER = {"STRAIGHT": "LEFT", "LEFT": "STRAIGHT", "RIGHT": "STRAIGHT"}

@@ -17,8 +17,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, all_of, as_num, between, exact_to, ite
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, all_of, as_num, between, exact_to, ite
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM, UM
 from safeloc.models.verification_parts.judgement import Judged, judge
 from safeloc.models.verification_parts.variables import (
     NO_RECORD,
@@ -28,7 +29,6 @@ from safeloc.models.verification_parts.variables import (
     VerificationConfig,
     parts,
 )
-from safeloc.units import COUNT, MM, NM, UM
 
 __all__ = ["Verification", "VerificationConfig", "build", "machine", "parts"]
 TRACE = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")

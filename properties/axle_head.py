@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.expr import before, was
+from safeloc.language.expr import before, was
+from safeloc.language.spec import Property, always, reachable
 from safeloc.models.axle_head import DOWN, NO_AXLE, OFF, OVER_A, OVER_B, OVER_BOTH, UP, AxleHead
-from safeloc.spec import Property, always, reachable
 
 TRACE = ("FVA-4", "FVA-5")
 LAW = "one wheel at a time, sampled often enough, and no false damping"

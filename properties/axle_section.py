@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.expr import Bool, before, was
+from safeloc.language.expr import Bool, before, was
+from safeloc.language.spec import Property, always, reachable
 from safeloc.models.axle_section import ACCEPTED, AxleSection
-from safeloc.spec import Property, always, reachable
 
 TRACE = ("FVA-4", "FVA-5")
 LAW = "heads without a fault count truly; a sweep through that is counted in and out and reports the section free leaves nothing"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, abs_, all_of, any_of, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import Bool, abs_, all_of, any_of, between, exact_to, ite, maximum, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
+from safeloc.language.units import MM, NM
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.linking import Record
@@ -14,8 +16,6 @@ from safeloc.models.odometry_parts.variables import LOCATED
 from safeloc.properties.balise_layout import layout_properties
 from safeloc.properties.balise_linking import linking_properties
 from safeloc.properties.balise_step import LAW, Step
-from safeloc.spec import Property, always, earlier_bool, earlier_num, within
-from safeloc.units import MM, NM
 
 
 def properties(model: Balise) -> list[Property]:

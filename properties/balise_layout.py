@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from safeloc.expr import Bool, Num, abs_, all_of, between, minimum
+from safeloc.language.expr import Bool, Num, abs_, all_of, between, minimum
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.linking import Record
@@ -13,7 +14,6 @@ from safeloc.models.balise_parts.reckoning import as_reckoned, layout, reckoned_
 from safeloc.models.layout_rules import expectation_windows_apart
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.properties.balise_step import Step
-from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable
 
 
 def layout_properties(model: Balise) -> Iterator[Property]:

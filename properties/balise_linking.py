@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, all_of, ite, minimum
+from safeloc.language.expr import Bool, Num, all_of, ite, minimum
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW
 from safeloc.properties.balise_step import Step
-from safeloc.spec import Property, always, earlier_bool, earlier_num
 
 
 def linking_properties(model: Balise) -> Iterator[Property]:

@@ -8,15 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import Bool, Num, all_of, any_of, as_num, ite, maximum
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite, maximum
+from safeloc.language.spec import earlier_bool, earlier_num
+from safeloc.language.units import MM, NM
 from safeloc.models.balise import Balise
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.linking import Record
 from safeloc.models.balise_parts.telegram import NOMINAL, PASSED, REVERSE
 from safeloc.models.odometry_parts.distance_device import ADMITTED
 from safeloc.models.running.interval import Interval
-from safeloc.spec import earlier_bool, earlier_num
-from safeloc.units import MM, NM
 
 LAW = (
     "admitted distances obey the odometer's law; an announced group that is read whole, undamaged, recent, in the announced "

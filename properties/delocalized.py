@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from safeloc.expr import BoolVar, NumVar, before, between, exact_to
-from safeloc.machine import Machine
+from safeloc.language.expr import BoolVar, NumVar, before, between, exact_to
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import NM
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.odometry_parts.variables import LOCATED
-from safeloc.spec import Property, always, reachable
-from safeloc.units import NM
 
 SOURCE_IS_TRUE = "a valid source interval holds the truth"
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.expr import before
+from safeloc.language.expr import before
+from safeloc.language.spec import Property, always, reachable, within
 from safeloc.models.emitter import ELSEWHERE, FOREIGN, NO_PLACE, NOT_DUE, PASSED, Emitter
-from safeloc.spec import Property, always, reachable, within
 
 TRACE = ("FVA-8", "FVA-17")
 LAW = "nothing else makes this pattern at this place when it is due"

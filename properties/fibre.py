@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import abs_, all_of, as_num, before, between, exact_to, ite, was, with_unit
+from safeloc.language.expr import abs_, all_of, as_num, before, between, exact_to, ite, was, with_unit
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import COUNT, NM
 from safeloc.models.fibre import CHECKED, CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre_parts import variables as v
 from safeloc.properties.step import guard
-from safeloc.spec import Property, always, reachable
-from safeloc.units import COUNT, NM
 
 NM_PER_MM, NM_PER_UM = 1_000_000, 1_000
 LAW = "the detector's bounds, true references, and a code in which near sections differ"

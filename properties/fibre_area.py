@@ -10,8 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from safeloc.checks.machine import input_variables
-from safeloc.expr import Bool, BoolVar, Num, all_of, between, exact_to
+from safeloc.language.checks.machine import input_variables
+from safeloc.language.expr import Bool, BoolVar, Num, all_of, between, exact_to
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
+from safeloc.language.system import in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.units import NM
 from safeloc.models.area import report_law
 from safeloc.models.area_parts.slot import ACCEPTED
 from safeloc.models.fibre import Fibre
@@ -19,10 +23,6 @@ from safeloc.models.fibre_area import FibreArea, ends
 from safeloc.models.sections import Sections
 from safeloc.models.verification import place_law
 from safeloc.properties import sections as sections_properties
-from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable
-from safeloc.system import in_range
-from safeloc.terms import Substitution
-from safeloc.units import NM
 
 LAW = (
     "the fibre's bounds and code law at both ends; count and length told of a pattern are that pattern's; a pattern with "

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, all_of, between, exact_to
+from safeloc.language.expr import Bool, all_of, between, exact_to
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import NM
 from safeloc.models.fibre_handover import FibreHandover, interval
 from safeloc.models.verification import Verification
 from safeloc.properties.verification import LAW
-from safeloc.spec import Property, always, reachable
-from safeloc.units import NM
 
 BORDER = ("FVA-D1",)
 CLAIM = ("FVA-1", "FVA-10", "FVA-D1")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, as_num, before, between, exact_to, ite, maximum, minimum, with_unit
+from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite, maximum, minimum, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, reachable
+from safeloc.language.units import COUNT, NM
 from safeloc.models.guard import Guard
 from safeloc.models.guard_parts.variables import NO_FAULT, PASSED, UNCONFIRMED
 from safeloc.properties.in_step import in_step, num_in_step
-from safeloc.spec import Property, always, earlier_bool, reachable
-from safeloc.units import COUNT, NM
 
 LAW = (
     "the vehicle keeps its figures; a fix that completes the row of agreeing ones is no farther off than it is charged"

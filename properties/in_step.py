@@ -5,9 +5,9 @@ A property reads the state after the step. What a transition looked at is writte
 
 from __future__ import annotations
 
-from safeloc.expr import Bool, Expr, Num, NumVar, Var, before, was
-from safeloc.machine import Machine
-from safeloc.terms import Substitution
+from safeloc.language.expr import Bool, Expr, Num, NumVar, Var, before, was
+from safeloc.language.machine import Machine
+from safeloc.language.terms import Substitution
 
 
 def in_step(machine: Machine, term: Bool) -> Bool:

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from safeloc.expr import Bool, Num, NumVar, all_of, between, exact_to
+from safeloc.language.expr import Bool, Num, NumVar, all_of, between, exact_to
+from safeloc.language.spec import Property, always, earlier_bool, within
+from safeloc.language.units import NM
 from safeloc.models.localizer import Localizer
 from safeloc.models.odometry_parts.variables import LOCATED
 from safeloc.properties.arbitration import properties as arbitrated
-from safeloc.spec import Property, always, earlier_bool, within
-from safeloc.units import NM
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
 TRACE = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from safeloc.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
+from safeloc.language.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num
+from safeloc.language.units import NM
 from safeloc.models.area_parts.slot import ACCEPTED
 from safeloc.models.localizer_sections import LocalizerSections
 from safeloc.models.sections import Section
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import sections as sections_properties
-from safeloc.spec import Property, always, earlier_bool, earlier_num
-from safeloc.units import NM
 
 LAW = (
     "each source's own law; a train confirmed to be whole has its length, and nothing of it is ahead of its front end; "

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, ite, maximum
+from safeloc.language.expr import Bool, Num, ite, maximum
+from safeloc.language.spec import Property, always, reachable
 from safeloc.models.marker_field import MarkerField
-from safeloc.spec import Property, always, reachable
 
 GIVEN = "forward run, exact measurement, both readers read every marker, one error law for all units"
 SOURCES = ("MRK-D5", "MRK-D3", "MRK-1")

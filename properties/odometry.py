@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, all_of, any_of, as_num, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, all_of, any_of, as_num, between, exact_to, ite, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
+from safeloc.language.units import MM, NM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry_parts.distance_device import ADMITTED, Unit
 from safeloc.models.odometry_parts.marker_reading import ACCEPTED, Reader
 from safeloc.models.odometry_parts.variables import LOCATED
-from safeloc.spec import Property, always, earlier_bool, earlier_num, within
-from safeloc.units import MM, NM
 
 LAW = "admitted distances obey their unit's error law; accepted readings are true within accuracy; top speed"
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from safeloc.errors import PropertyError
-from safeloc.expr import Bool, Num, all_of, as_num, between, exact_to
+from safeloc.language.expr import Bool, Num, all_of, as_num, between, exact_to
+from safeloc.language.spec import Property, always
+from safeloc.language.units import NM
 from safeloc.models.odometry import Odometry
-from safeloc.spec import Property, always
-from safeloc.units import NM
 
 ONE_FAULT = (
     "at most one unit, the same one all the time, breaks its error law; all other admitted distances obey theirs; "

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from safeloc.expr import maximum
+from safeloc.language.expr import maximum
+from safeloc.language.spec import Property, always
 from safeloc.models.odometry_front_only import Comparison
 from safeloc.models.odometry_line_ahead import LineAhead
 from safeloc.models.odometry_parts.marker_reading import OUT_OF_ORDER, OUT_OF_WINDOW, REPEATED
 from safeloc.properties.odometry import LAW
-from safeloc.spec import Property, always
 
 GIVEN = (
     "neither machine turns about, refuses a reading of the front reader, or finds its devices excluding each other; while "

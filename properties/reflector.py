@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     all_of,
     any_of,
@@ -12,7 +12,9 @@ from safeloc.expr import (
     between,
     exact_to,
 )
-from safeloc.machine import Machine
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable, since, within
+from safeloc.language.units import MM, NM
 from safeloc.models.layout_rules import LayoutConfig, separable_by_distance
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.reflector import BY_REFLECTOR, ReflectorMachine
@@ -21,8 +23,6 @@ from safeloc.models.reflector_parts.echo import AMBIGUOUS, FITS, Judgement
 from safeloc.models.reflector_parts.map_data import Reflector, is_it
 from safeloc.models.reflector_parts.variables import NO_ERROR, ReflectorConfig
 from safeloc.properties.in_step import in_step, num_in_step
-from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable, since, within
-from safeloc.units import MM, NM
 
 LAW = (
     "odometer and balise keep their error laws; echoes of reflectors give their range within the error bound; models "

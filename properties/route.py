@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
+from safeloc.language.units import MM, NM
 from safeloc.models.odometry_parts.distance_device import ADMITTED
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.route import Route
 from safeloc.models.route_parts.variables import NO_REASON, Hypothesis
 from safeloc.models.turn_off import UNDECIDED
-from safeloc.spec import Property, always, earlier_bool, earlier_num, reachable
-from safeloc.units import MM, NM
 
 LAW = (
     "the true route is among the candidates at the start; admitted distances obey the error law; sightings and turns are "

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Optional, all_of, any_of, between
+from safeloc.language.expr import Bool, Optional, all_of, any_of, between
+from safeloc.language.spec import Property, always, earlier_num, reachable
 from safeloc.models.satellite_selection import ABSENT, EXCLUDED, EXPIRED, USABLE, Channel, Removal, Selection, accepts
-from safeloc.spec import Property, always, earlier_num, reachable
 
 LAW = "differences are the signal's error plus the prediction's, less the clock's"
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, all_of, any_of, maximum, minimum, with_unit
+from safeloc.language.expr import Bool, Num, all_of, any_of, maximum, minimum, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num
+from safeloc.language.terms import Substitution
+from safeloc.language.units import UM
 from safeloc.models.area import um
 from safeloc.models.area_parts.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area_parts.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
-from safeloc.spec import Property, always, earlier_bool, earlier_num
-from safeloc.terms import Substitution
-from safeloc.units import UM
 
 LAW = (
     "undisturbed counters count every vehicle; trusted reports hold the train, its rear end only if it is whole; top speed; "

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.expr import Bool, Expr, NumVar, Var, before, was
-from safeloc.machine import Machine
-from safeloc.terms import Substitution, variables
+from safeloc.language.expr import Bool, Expr, NumVar, Var, before, was
+from safeloc.language.machine import Machine
+from safeloc.language.terms import Substitution, variables
 
 
 def guard(machine: Machine, term: Bool) -> Bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from safeloc.expr import Num, between, exact_to
+from safeloc.language.expr import Num, between, exact_to
+from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.units import NM
 from safeloc.models.supervised_odometry import Supervised
 from safeloc.properties.odometry import LAW
-from safeloc.spec import Property, always, earlier_bool
-from safeloc.units import NM
 
 
 def properties(whole: Supervised) -> list[Property]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from safeloc.expr import TRUE, Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.expr import TRUE, Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import COUNT, UM
 from safeloc.models.train_order import TRACE, TrainOrder, place_of
 from safeloc.properties.step import guard
-from safeloc.spec import Property, always, reachable
-from safeloc.units import COUNT, UM
 
 LAW = "no train passes another; as many patterns as trains, lying apart, hold a train each"
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from safeloc.expr import before, between, exact_to, with_unit
+from safeloc.language.expr import before, between, exact_to, with_unit
+from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.units import MM, NM
 from safeloc.models.transmission import Transmission
-from safeloc.spec import Property, always, earlier_bool
-from safeloc.units import MM, NM
 
 LAW = "a position that is sent holds the truth when it is sent; the vehicle moves no faster than its highest speed"
 TRACE = ("FVA-9", "FVA-18", "RFL-14")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from safeloc.expr import before
+from safeloc.language.expr import before
+from safeloc.language.spec import Property, always, reachable
 from safeloc.models.reflector_parts.map_data import NO_MODEL
 from safeloc.models.travel_direction import AGAINST, ALONG, UNKNOWN, TravelDirection
-from safeloc.spec import Property, always, reachable
 
 LAW = "of the two models recognised around a balise at least one is that of the map's reflector there"
 

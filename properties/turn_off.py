@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.expr import abs_, all_of
+from safeloc.language.expr import abs_, all_of
+from safeloc.language.spec import Property, always, earlier_num, reachable
 from safeloc.models.turn_off import COURSE, STRAIGHT, UNDECIDED, TurnOff
-from safeloc.spec import Property, always, earlier_num, reachable
 
 LAW = "lateral places within their error; the image of a reflector moves as it must on straight track and in a turnout"
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import all_of, any_of, before, between, exact_to, was
+from safeloc.language.expr import all_of, any_of, before, between, exact_to, was
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import NM, UM
 from safeloc.models.verification import Verification
 from safeloc.models.verification_parts import variables as v
 from safeloc.properties.step import guard
 from safeloc.properties.verification_mismatch import properties as mismatch_properties
-from safeloc.spec import Property, always, reachable
-from safeloc.units import NM, UM
 
 LAW = "what the fibre tells of a train is true of that train within its bounds; a located interval holds the front"
 CLAIM = ("FVA-1", "FVA-10")

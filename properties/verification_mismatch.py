@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Num, any_of, before, between, with_unit
+from safeloc.language.expr import Bool, Num, any_of, before, between, with_unit
+from safeloc.language.spec import Property, always
+from safeloc.language.units import MM, MM_S
 from safeloc.models.verification import Verification
 from safeloc.models.verification_parts import variables as v
 from safeloc.models.verification_parts.variables import Parts
-from safeloc.spec import Property, always
-from safeloc.units import MM, MM_S
 
 CLAIM = ("FVA-1", "FVA-10")
 STAY = ("FVA-2", "FVA-11")

@@ -3,7 +3,6 @@
 The names here are public and stay; everything else may change between versions. Nothing heavy is imported.
 """
 
-from safeloc.composition import compose
 from safeloc.errors import (
     EngineError,
     InputError,
@@ -17,7 +16,8 @@ from safeloc.errors import (
     UnforeseenError,
     UnitError,
 )
-from safeloc.expr import (
+from safeloc.language.composition import compose
+from safeloc.language.expr import (
     abs_,
     before,
     between,
@@ -37,11 +37,12 @@ from safeloc.expr import (
     product,
     was,
 )
-from safeloc.interpret import run
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.spec import always, never, once, previous, reachable, since, within
-from safeloc.system import lower, without_ghosts
-from safeloc.verdict import Held, Proved, Unknown, Violated, require_proved
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import always, never, once, previous, reachable, since, within
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.verdict import Held, Proved, Unknown, Violated, require_proved
+from safeloc.moved import refuse_old_names as _refuse_old_names
 
 __all__ = [
     "ANY",
@@ -94,3 +95,5 @@ __all__ = [
     "within",
     "without_ghosts",
 ]
+
+_refuse_old_names()

@@ -22,15 +22,15 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from safeloc.composition import Composition
 from safeloc.errors import InputError, ModelError, SafelocError
-from safeloc.machine import Machine
-from safeloc.outside import read_bytes
-from safeloc.pictures import Picture, unreadable
-from safeloc.reported import Reported, usual_names
+from safeloc.language.composition import Composition
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.railway.pictures import Picture, unreadable
+from safeloc.runtime.outside import read_bytes
+from safeloc.runtime.reported import Reported, usual_names
 from safeloc.shipped import ENTRIES
-from safeloc.spec import Property
-from safeloc.system import TransitionSystem, lower
 from safeloc.target import Entry, Target
 
 NEARLY = ("properties", "property", "props")

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from safeloc.errors import ModelError
-from safeloc.machine import Machine
-from safeloc.spec import Property
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
 
 FILE = Path(__file__).with_name("requirements.toml")
 STATUSES = ("done", "planned")

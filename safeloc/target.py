@@ -9,12 +9,12 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from safeloc.machine import Machine
-from safeloc.pictures import Picture
-from safeloc.reported import Reported
-from safeloc.spec import Property
-from safeloc.streams.steps import Cell
-from safeloc.system import TransitionSystem
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem
+from safeloc.railway.pictures import Picture
+from safeloc.runtime.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.composition import compose
-from safeloc.expr import (
+from safeloc.language.composition import compose
+from safeloc.language.expr import (
     Expr,
     Lit,
     NumVar,
@@ -33,11 +33,11 @@ from safeloc.expr import (
     product,
     was,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.nodes import Value
-from safeloc.spec import Property, always, never, once, previous, since, within
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import CM, COUNT, MM, MM_S, MS, NM, PPM, UM
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property, always, never, once, previous, since, within
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import CM, COUNT, MM, MM_S, MS, NM, PPM, UM
 
 
 @dataclass(frozen=True, eq=False)

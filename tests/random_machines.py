@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -37,12 +37,12 @@ from safeloc.expr import (
     optional,
     product,
 )
-from safeloc.interpret import holds
-from safeloc.machine import ANY, Initial, Machine, Transition, modes
-from safeloc.nodes import Value
-from safeloc.ranges import bounds
-from safeloc.system import TransitionSystem, canonical
-from safeloc.units import ONE, Enumeration
+from safeloc.language.interpret import holds
+from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.nodes import Value
+from safeloc.language.ranges import bounds
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.units import ONE, Enumeration
 
 LARGEST = 10**9
 COLOURS = members("colour", "RED", "GREEN", "BLUE")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.antecedents import antecedents, cases, occurs
-from safeloc.expr import TRUE, Bool, before, boolean, number
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.monitor import NEVER, check_all
-from safeloc.provers.evidence import replayed
-from safeloc.spec import Property, always, never, once, reachable, within
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Held
+from safeloc.language.antecedents import antecedents, cases, occurs
+from safeloc.language.expr import TRUE, Bool, before, boolean, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.monitor import NEVER, check_all
+from safeloc.language.spec import Property, always, never, once, reachable, within
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held
+from safeloc.proof.provers.evidence import replayed
 
 A, B = modes("A", "B")
 X, P, Q = number("x", COUNT, 0, 10), boolean("p"), boolean("q")

@@ -18,11 +18,15 @@ MODULES = sorted(
     + [*(ROOT.parent / "models").rglob("*.py"), *(ROOT.parent / "properties").rglob("*.py")]
 )
 ROOMS = {
-    "z3": ("safeloc/backends/smt.py", "safeloc/provers/", "safeloc/checker/solve.py"),
-    "cvc5": ("safeloc/provers/recheck.py", "safeloc/checker/solve.py", "safeloc/checker/proofs/solver.py"),
+    "z3": ("safeloc/codegen/smt.py", "safeloc/proof/provers/", "safeloc/proof/checker/solve.py"),
+    "cvc5": (
+        "safeloc/proof/provers/recheck.py",
+        "safeloc/proof/checker/solve.py",
+        "safeloc/proof/checker/proofs/solver.py",
+    ),
     "numpy": (
-        "safeloc/backends/batch",
-        "safeloc/backends/numpy_code.py",
+        "safeloc/codegen/batch",
+        "safeloc/codegen/numpy_code.py",
         "safeloc/signals/",
         "safeloc/simulation/",
         "models/motion_streams.py",
@@ -41,48 +45,43 @@ ROOMS = {
     "scipy": ("safeloc/signals/",),
     "dascore": ("safeloc/signals/fibre/recordings.py",),
     "h5py": ("safeloc/signals/fibre/hdf5_contents.py",),
-    "hypothesis": ("safeloc/testing.py",),
-    "transitions": ("safeloc/backends/runtime.py",),
+    "hypothesis": ("safeloc/proof/testing.py",),
+    "transitions": ("safeloc/codegen/runtime.py",),
     "typer": ("safeloc/cli/",),
     "rich": ("safeloc/cli/",),
     "jinja2": ("safeloc/report/",),
-    "pyarrow": ("safeloc/streams/",),
-    "networkx": ("safeloc/line/", "safeloc/audit/"),
-    "tomli_w": ("safeloc/line/toml_files.py",),
-    "lxml": ("safeloc/line/imports/railml_xml.py",),
-    "openpyxl": ("safeloc/line/imports/spreadsheet.py",),
+    "pyarrow": ("safeloc/runtime/streams/",),
+    "networkx": ("safeloc/railway/map/", "safeloc/railway/audit/"),
+    "tomli_w": ("safeloc/railway/map/toml_files.py",),
+    "lxml": ("safeloc/railway/map/imports/railml_xml.py",),
+    "openpyxl": ("safeloc/railway/map/imports/spreadsheet.py",),
     "pyproj": (
-        "safeloc/line/imports/geojson.py",
-        "safeloc/line/projection.py",
+        "safeloc/railway/map/imports/geojson.py",
+        "safeloc/railway/map/projection.py",
         "safeloc/signals/satellite/line_track.py",
     ),
-    "shapely": ("safeloc/line/projection.py",),
-    "pynmeagps": ("safeloc/guard/nmea.py",),
+    "shapely": ("safeloc/railway/map/projection.py",),
+    "pynmeagps": ("safeloc/railway/guard/nmea.py",),
 }
-OUTSIDE_THE_KERNEL = {
-    "__main__.py": "is the command line",
-    "catalogue.py": "finds machines of models and of users",
-    "target.py": "carries a configuration",
-    "config.py": "pydantic checks figures read from files",
-    "testing.py": "hypothesis draws the streams",
-}
-KERNEL = [
-    path
-    for path in sorted([*ROOT.glob("*.py"), *(ROOT / "checks").glob("*.py")])
-    if path.name not in OUTSIDE_THE_KERNEL
-]
+LANGUAGE = sorted((ROOT / "language").rglob("*.py"))
 ABOVE = {
     "models/": (
         "safeloc.properties",
-        "safeloc.provers",
+        "safeloc.proof.provers",
         "safeloc.cli",
         "safeloc.report",
         "safeloc.catalogue",
         "safeloc.shipped",
     ),
-    "properties/": ("safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue", "safeloc.shipped"),
-    "safeloc/backends/": ("safeloc.models", "safeloc.properties", "safeloc.provers", "safeloc.cli", "safeloc.report"),
-    "safeloc/provers/": (
+    "properties/": ("safeloc.proof.provers", "safeloc.cli", "safeloc.report", "safeloc.catalogue", "safeloc.shipped"),
+    "safeloc/codegen/": (
+        "safeloc.models",
+        "safeloc.properties",
+        "safeloc.proof.provers",
+        "safeloc.cli",
+        "safeloc.report",
+    ),
+    "safeloc/proof/provers/": (
         "safeloc.models",
         "safeloc.properties",
         "safeloc.cli",
@@ -91,11 +90,17 @@ ABOVE = {
         "safeloc.shipped",
     ),
     "safeloc/report/": ("safeloc.cli",),
-    "safeloc/checker/": ("safeloc.provers", "safeloc.backends", "safeloc.cli"),
-    "safeloc/cache/": ("safeloc.models", "safeloc.provers", "safeloc.cli", "safeloc.report", "safeloc.shipped"),
-    "safeloc/checker/proofs/": (
-        "safeloc.backends",
-        "safeloc.provers",
+    "safeloc/proof/checker/": ("safeloc.proof.provers", "safeloc.codegen", "safeloc.cli"),
+    "safeloc/proof/cache/": (
+        "safeloc.models",
+        "safeloc.proof.provers",
+        "safeloc.cli",
+        "safeloc.report",
+        "safeloc.shipped",
+    ),
+    "safeloc/proof/checker/proofs/": (
+        "safeloc.codegen",
+        "safeloc.proof.provers",
         "safeloc.models",
         "safeloc.properties",
         "safeloc.cli",
@@ -103,19 +108,19 @@ ABOVE = {
         "safeloc.catalogue",
         "safeloc.shipped",
     ),
-    "safeloc/embedding/": ("safeloc.service", "safeloc.provers", "safeloc.report", "safeloc.cli"),
-    "safeloc/service/": ("safeloc.models", "safeloc.provers", "safeloc.report", "safeloc.cli"),
-    "safeloc/line/": (
+    "safeloc/runtime/embedding/": ("safeloc.runtime.service", "safeloc.proof.provers", "safeloc.report", "safeloc.cli"),
+    "safeloc/runtime/service/": ("safeloc.models", "safeloc.proof.provers", "safeloc.report", "safeloc.cli"),
+    "safeloc/railway/map/": (
         "safeloc.models",
-        "safeloc.audit",
+        "safeloc.railway.audit",
         "safeloc.cli",
         "safeloc.report",
         "safeloc.catalogue",
         "safeloc.shipped",
     ),
-    "safeloc/audit/": (
+    "safeloc/railway/audit/": (
         "safeloc.properties",
-        "safeloc.provers",
+        "safeloc.proof.provers",
         "safeloc.cli",
         "safeloc.report",
         "safeloc.catalogue",
@@ -164,13 +169,13 @@ def test_imports_go_one_way(place: str) -> None:
             assert wrong == [], name_of(path)
 
 
-@pytest.mark.parametrize("path", KERNEL, ids=name_of)
-def test_the_kernel_needs_nothing_but_python(path: Path) -> None:
-    """What a declaration means is settled by the standard library and the kernel itself, wherever it is imported."""
+@pytest.mark.parametrize("path", LANGUAGE, ids=name_of)
+def test_the_language_needs_nothing_but_python(path: Path) -> None:
+    """What a declaration means is settled by the standard library and the language itself, wherever it is imported."""
     strange = {one.split(".")[0] for one in imports(path)} - sys.stdlib_module_names - {"safeloc"}
     assert strange == set()
-    own = {".".join(one.split(".")[:2]) for one in imports(path) if one.startswith("safeloc.")}
-    assert own <= {f"safeloc.{kernel.stem}" for kernel in KERNEL} | {"safeloc.checks"}
+    own = {".".join(one.split(".")[:2]) for one in imports(path) if one.startswith("safeloc")}
+    assert own <= {"safeloc.language", "safeloc.errors"}
 
 
 def test_imports_are_seen() -> None:

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.border import Admitted, Border, Channel, Fault, Raw, Reason, channels_of
 from safeloc.errors import InputError
 from safeloc.models import odometry
+from safeloc.runtime.border import Admitted, Border, Channel, Fault, Raw, Reason, channels_of
 
 WHEEL = Channel("wheel_mm", "mm", -5_000, 5_000, 200)
 LARGE = 10**5_000

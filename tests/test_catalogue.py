@@ -16,11 +16,11 @@ from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry_parts.variables import OdometryConfig
 
 OWN = """
-from safeloc.composition import compose
-from safeloc.expr import boolean, number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.spec import always
-from safeloc.units import MM
+from safeloc.language.composition import compose
+from safeloc.language.expr import boolean, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.units import MM
 
 def lamp(name, high=10):
     dark, lit = modes("DARK", "LIT")
@@ -48,7 +48,7 @@ WRONG_PROPERTIES = """
 properties = ["light"]
 """
 INTERVAL = """
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 reported = Reported(position="somewhere")
 """
 

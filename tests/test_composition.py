@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.composition import compose
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, NumVar, Var, boolean, number, optional
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.units import MM, MS
+from safeloc.language.composition import compose
+from safeloc.language.expr import Expr, NumVar, Var, boolean, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.units import MM, MS
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 

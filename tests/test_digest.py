@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.composition import compose
-from safeloc.digest import declaration_digest, full_digest
-from safeloc.expr import floor_div, number
-from safeloc.machine import ANY, Initial, Machine, Transition, modes
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import CM, MM, Unit
+from safeloc.language.composition import compose
+from safeloc.language.digest import declaration_digest, full_digest
+from safeloc.language.expr import floor_div, number
+from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import CM, MM, Unit
 from tests.examples import EXAMPLES
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from safeloc import errors
 from safeloc.errors import ModelError, SafelocError, UnitError, declared_at
-from safeloc.expr import number
-from safeloc.units import MM, MS
+from safeloc.language.expr import number
+from safeloc.language.units import MM, MS
 
 
 def drawn() -> dict[str, str]:

@@ -6,14 +6,14 @@ import typing
 
 import pytest
 
-from safeloc.machine import ANY
-from safeloc.nodes import Node
-from safeloc.provers.bmc import bmc
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.spec import observe
-from safeloc.terms import in_order
-from safeloc.verdict import Proved, Violated
+from safeloc.language.machine import ANY
+from safeloc.language.nodes import Node
+from safeloc.language.spec import observe
+from safeloc.language.terms import in_order
+from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
 from tests.examples import EXAMPLES, Example
 
 LIMITS = Limits(depth=12, seconds=20)

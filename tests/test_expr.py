@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import ModelError, TruthValueError, UnitError
-from safeloc.expr import (
+from safeloc.language.expr import (
     Lit,
     abs_,
     between,
@@ -26,9 +26,9 @@ from safeloc.expr import (
     number,
     product,
 )
-from safeloc.interpret import evaluate
-from safeloc.terms import Sharing, Substitution, in_order, text
-from safeloc.units import CM, MM, MM_S, MS, NM, PPM, UM
+from safeloc.language.interpret import evaluate
+from safeloc.language.terms import Sharing, Substitution, in_order, text
+from safeloc.language.units import CM, MM, MM_S, MS, NM, PPM, UM
 
 X, Y = number("x", MM, -1000, 1000), number("y", MM, -1000, 1000)
 SPEED, P = number("v", MM_S, 0, 100_000), boolean("p")

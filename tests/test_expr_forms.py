@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from safeloc.errors import PropertyError
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -24,13 +24,13 @@ from safeloc.expr import (
     optional,
     product,
 )
-from safeloc.interpret import evaluate, holds
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import BoolNode, NumNode
-from safeloc.spec import always, earlier_bool, earlier_num, observe
-from safeloc.system import lower
-from safeloc.terms import CHILDREN, Substitution, variables
-from safeloc.units import MM
+from safeloc.language.interpret import evaluate, holds
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import BoolNode, NumNode
+from safeloc.language.spec import always, earlier_bool, earlier_num, observe
+from safeloc.language.system import lower
+from safeloc.language.terms import CHILDREN, Substitution, variables
+from safeloc.language.units import MM
 
 X, Y, P, Q = number("x", MM, -9, 9), number("y", MM, -9, 9), boolean("p"), boolean("q")
 U, V, R, S = number("u", MM, -9, 9), number("v", MM, -9, 9), boolean("r"), boolean("s")

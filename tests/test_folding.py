@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE, Bool, Expr, Lit, Var, as_num, boolean, ceil_div, ite, maximum, number
-from safeloc.folding import settled
-from safeloc.spec import once
-from safeloc.terms import Substitution, in_order
-from safeloc.units import COUNT
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, Var, as_num, boolean, ceil_div, ite, maximum, number
+from safeloc.language.folding import settled
+from safeloc.language.spec import once
+from safeloc.language.terms import Substitution, in_order
+from safeloc.language.units import COUNT
 
 P, Q, TOLD, SAID = (boolean(name) for name in ("p", "q", "told", "said"))
 X, HEARD = number("x", COUNT, 0, 10), number("heard", COUNT, 0, 10)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.expr import boolean, number, optional
-from safeloc.interpret import evaluate, run, start
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.nodes import Compare
-from safeloc.spec import once
-from safeloc.system import lower, without_ghosts
-from safeloc.units import MM
+from safeloc.language.expr import boolean, number, optional
+from safeloc.language.interpret import evaluate, run, start
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.nodes import Compare
+from safeloc.language.spec import once
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import MM
 
 A, B = modes("A", "B")
 X, P, READING = number("x", MM, -5, 10), boolean("p"), optional("r", MM, 3, 9)

@@ -8,10 +8,10 @@ from dataclasses import FrozenInstanceError
 import pytest
 
 from safeloc.errors import ModelError, UnitError
-from safeloc.expr import boolean, enumeration, number
-from safeloc.interpret import holds
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.units import MM
+from safeloc.language.expr import boolean, enumeration, number
+from safeloc.language.interpret import holds
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM
 
 A, B = modes("A", "B")
 P, N = boolean("p"), number("n", MM, 0, 9)

@@ -11,13 +11,14 @@ import pytest
 
 from safeloc.catalogue import load_target, read_config
 from safeloc.errors import InputError, StreamError, UnforeseenError
-from safeloc.guard.fields import Columns, delivery
-from safeloc.guard.nmea import nmea_deliveries
-from safeloc.line.imports.formats import FORMATS
-from safeloc.line.recorded_run import read_fixes
-from safeloc.line.toml_files import load_line
 from safeloc.models.guard_parts.variables import GuardConfig
-from safeloc.outside import (
+from safeloc.proof.verification.replay import replay_stream
+from safeloc.railway.guard.fields import Columns, delivery
+from safeloc.railway.guard.nmea import nmea_deliveries
+from safeloc.railway.map.imports.formats import FORMATS
+from safeloc.railway.map.recorded_run import read_fixes
+from safeloc.railway.map.toml_files import load_line
+from safeloc.runtime.outside import (
     MOST_DIGITS,
     number,
     quoted,
@@ -28,12 +29,11 @@ from safeloc.outside import (
     refusal,
     whole_number,
 )
+from safeloc.runtime.streams.record_files import read_raw, read_records
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.signals.satellite.android import read_android
 from safeloc.signals.satellite.navigation import read_navigation
 from safeloc.signals.satellite.observations import read_observations
-from safeloc.streams.record_files import read_raw, read_records
-from safeloc.streams.steps import read_steps
-from safeloc.verification.replay import replay_stream
 
 Read = Callable[[Path], object]
 READERS: dict[str, Read] = {
@@ -90,7 +90,7 @@ def test_the_place_of_a_defect_is_told() -> None:
     with pytest.raises(UnforeseenError) as told, reading("run.csv"):
         whole_number(None)  # type: ignore[arg-type]
     assert str(told.value).startswith("run.csv: not read, for safeloc itself failed on it (TypeError: ")
-    assert "safeloc/outside.py:" in str(told.value)
+    assert "safeloc/runtime/outside.py:" in str(told.value)
 
 
 def test_errors_that_cannot_be_shown_are_told() -> None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.packed import QUICK, SMALL, packed, read_packed
+from safeloc.runtime.packed import QUICK, SMALL, packed, read_packed
 
 CONTENT = b"a text of some length " * 40
 

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import safeloc
-from safeloc import composition, errors, expr, interpret, machine, spec, system, verdict
+from safeloc import errors
+from safeloc.language import composition, expr, interpret, machine, spec, system, verdict
 
 ROOT = Path(__file__).parents[1]
 PUBLIC = {
@@ -62,7 +63,7 @@ def test_nothing_else_stands_there() -> None:
 
 @pytest.mark.parametrize("module", PUBLIC, ids=lambda module: str(module.__name__))
 def test_a_name_is_the_same_wherever_it_is_taken_from(module: object) -> None:
-    """`safeloc.number` is `safeloc.expr.number`: types and identities agree."""
+    """`safeloc.number` is `safeloc.language.expr.number`: types and identities agree."""
     for name in PUBLIC[module]:  # type: ignore[index]
         assert getattr(module, name) is getattr(safeloc, name)
 
@@ -96,7 +97,7 @@ def test_a_machine_is_written_and_run_with_public_names_alone() -> None:
     """Declared, run, and a property stated, with the public names and units; still nothing heavy is loaded."""
     code = """
 from safeloc import Machine, Transition, always, boolean, lower, modes, number, run
-from safeloc.units import MM
+from safeloc.language.units import MM
 A, B = modes("A", "B")
 go, way = boolean("go"), number("way", MM, 0, 9)
 m = Machine("m", (A, B), [go], {way: 0}, {"way": way}, [Transition("go", A, B, go, {way: 5})])

@@ -7,11 +7,11 @@ import typing
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.interpret import run
-from safeloc.machine import Machine
-from safeloc.nodes import Node, Past
-from safeloc.system import lower
-from safeloc.terms import in_order
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Node, Past
+from safeloc.language.system import lower
+from safeloc.language.terms import in_order
 from tests.random_machines import machines, streams
 
 

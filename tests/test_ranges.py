@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.expr import Num, boolean, floor_div, ite, maximum, members, minimum, number, product
-from safeloc.interpret import evaluate, read_inputs, start, step
-from safeloc.nodes import INT64_MAX
-from safeloc.ranges import beyond_int64, bounds
-from safeloc.system import lower
-from safeloc.units import COUNT
+from safeloc.language.expr import Num, boolean, floor_div, ite, maximum, members, minimum, number, product
+from safeloc.language.interpret import evaluate, read_inputs, start, step
+from safeloc.language.nodes import INT64_MAX
+from safeloc.language.ranges import beyond_int64, bounds
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
 from tests.random_machines import first_states, machines, streams
 
 X, Y = number("x", COUNT, -3, 5), number("y", COUNT, 2, 4)

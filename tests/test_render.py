@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     Expr,
@@ -26,12 +26,12 @@ from safeloc.expr import (
     optional,
     product,
 )
-from safeloc.machine import Machine
-from safeloc.render import infix
-from safeloc.spec import once, previous, since
-from safeloc.system import lower
-from safeloc.terms import Sharing, in_order, variables
-from safeloc.units import MM, MM_S, MS, ONE
+from safeloc.language.machine import Machine
+from safeloc.language.render import infix
+from safeloc.language.spec import once, previous, since
+from safeloc.language.system import lower
+from safeloc.language.terms import Sharing, in_order, variables
+from safeloc.language.units import MM, MM_S, MS, ONE
 from tests.random_machines import machines
 
 A, B = number("a", MM, -100, 100), number("b", MM, -100, 100)

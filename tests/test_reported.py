@@ -9,9 +9,9 @@ import pytest
 
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError, StreamError
-from safeloc.reported import Reported, usual_names
-from safeloc.verdict import word
-from safeloc.verification.replay import replay_stream
+from safeloc.language.verdict import word
+from safeloc.proof.verification.replay import replay_stream
+from safeloc.runtime.reported import Reported, usual_names
 
 OUTPUTS = {"valid": True, "position_mm": 100, "under_mm": 5, "over_mm": 7}
 
@@ -92,7 +92,11 @@ def test_truth_in_whole_millimetres(tmp_path: Path, truth: str) -> None:
 def test_own_interval_must_exist(tmp_path: Path) -> None:
     """A declared interval that names a missing output is refused."""
     door = Path(__file__).parent / "data" / "door_controller.py"
-    text = "from safeloc.reported import Reported\n" + door.read_text(encoding="utf-8") + "\nreported = Reported()\n"
+    text = (
+        "from safeloc.runtime.reported import Reported\n"
+        + door.read_text(encoding="utf-8")
+        + "\nreported = Reported()\n"
+    )
     path = tmp_path / "door_with_interval.py"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="reported names 'position_mm'; outputs are closing_for"):

@@ -11,11 +11,11 @@ import pytest
 from safeloc import requirements as module
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.errors import ModelError
-from safeloc.expr import boolean
-from safeloc.machine import Machine, Transition, modes
+from safeloc.language.expr import boolean
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.system import lower
 from safeloc.requirements import Requirement, requirement, requirements, traceability
-from safeloc.spec import always
-from safeloc.system import lower
 
 ROOT = Path(__file__).parents[1]
 GIVEN = ROOT.parent / "shared" / "requirements.toml"

@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import PropertyError, TruthValueError
-from safeloc.expr import TRUE, Bool, before, boolean, number, was
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.monitor import Broken, Holds, Monitor, Undecided, check, check_all
-from safeloc.spec import Property, always, never, observe, once, previous, reachable, since, within
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Held, Unknown, Violated
+from safeloc.language.expr import TRUE, Bool, before, boolean, number, was
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.monitor import Broken, Holds, Monitor, Undecided, check, check_all
+from safeloc.language.spec import Property, always, never, observe, once, previous, reachable, since, within
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held, Unknown, Violated
 
 (ON,) = modes("ON")
 P, Q = boolean("p"), boolean("q")

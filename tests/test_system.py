@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import TRUE, boolean, number, optional
-from safeloc.interpret import holds
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.system import canonical, environment, in_range, lower, without_ghosts
-from safeloc.units import MM
+from safeloc.language.expr import TRUE, boolean, number, optional
+from safeloc.language.interpret import holds
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.system import canonical, environment, in_range, lower, without_ghosts
+from safeloc.language.units import MM
 
 A, B = modes("A", "B")
 X, READING, LIT = number("x", MM, -5, 10), optional("r", MM, 3, 9), boolean("lit")

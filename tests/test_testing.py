@@ -8,11 +8,11 @@ import hypothesis
 import pytest
 
 from benchmarks.deep_bugs import DEEP_BUGS
-from safeloc.provers.evidence import replayed
-from safeloc.spec import observe
-from safeloc.system import lower
-from safeloc.testing import PHASES, PropertyBroken, run_tests, state_machine_test
-from safeloc.verdict import Held, Violated
+from safeloc.language.spec import observe
+from safeloc.language.system import lower
+from safeloc.language.verdict import Held, Violated
+from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.testing import PHASES, PropertyBroken, run_tests, state_machine_test
 from tests.examples import EXAMPLES, Example
 
 BRIEF = hypothesis.settings(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from safeloc.expr import boolean, choice, enumeration, members, number, optional
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.system import lower
-from safeloc.trace import shown
-from safeloc.units import MM
+from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.trace import shown
+from safeloc.language.units import MM
 
 IDLE, SEEN = modes("IDLE", "SEEN")
 COLOURS = members("colour", "red", "green")

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from safeloc.units import (
+from safeloc.language.units import (
     CM,
     COUNT,
     MM,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import NotProvedError, TruthValueError
-from safeloc.expr import TRUE, boolean
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.system import lower
-from safeloc.verdict import (
+from safeloc.language.expr import TRUE, boolean
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.verdict import (
     WORST_FIRST,
     Held,
     NotAsked,

@@ -15,11 +15,11 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
-from safeloc.embedding import Controller, Program, Report
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runtime.embedding import Controller, Program, Report
+from safeloc.runtime.streams.record_files import record_or_fault
+from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.shipped import ENTRIES
-from safeloc.streams.record_files import record_or_fault
-from safeloc.streams.records import Record, Unusable
 
 PERIOD_MS = 100
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from filterpy.kalman import KalmanFilter  # type: ignore[import-untyped,unused-ignore]
 
-from safeloc.embedding import Controller, Interval, Program
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runtime.embedding import Controller, Interval, Program
+from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord, Record
 from safeloc.shipped import ENTRIES
-from safeloc.streams.records import DistanceRecord, MarkerRecord, Record
 
 PERIOD_MS, SPEED_MM_S = 100, 20_000
 STEP_MM = SPEED_MM_S * PERIOD_MS // 1_000

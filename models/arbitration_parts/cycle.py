@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
@@ -17,12 +17,12 @@ from safeloc.expr import (
     maximum,
     minimum,
 )
+from safeloc.language.units import MM
 from safeloc.models.arbitration_parts.variables import Parts, Source
 from safeloc.models.odometry_parts.variables import (
     LOCATED,
     NO_REFERENCE,
 )
-from safeloc.units import MM
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Num,
@@ -24,11 +24,11 @@ from safeloc.expr import (
     number,
     optional,
 )
+from safeloc.language.units import MM, NM, Enumeration
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.odometry_parts.variables import (
     REASON,
 )
-from safeloc.units import MM, NM, Enumeration
 
 SOURCES = ("odometry", "balise", "reflector", "satellite", "fibre")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, BoolVar, Num, NumVar, all_of, any_of, as_num, ite, maximum, members
-from safeloc.units import COUNT
+from safeloc.language.expr import Bool, BoolVar, Num, NumVar, all_of, any_of, as_num, ite, maximum, members
+from safeloc.language.units import COUNT
 
 EVIDENCE = members(
     "evidence",

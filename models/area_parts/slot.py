@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     Bool,
     BoolVar,
@@ -31,8 +31,8 @@ from safeloc.expr import (
     optional,
     with_unit,
 )
-from safeloc.machine import Initial
-from safeloc.units import COUNT, MM, MS, UM
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, MS, UM
 
 EVENT = members("event", "NONE", "ENTERS_LOW", "ENTERS_HIGH", "LEAVES_LOW", "LEAVES_HIGH")
 NO_EVENT, ENTERS_LOW, ENTERS_HIGH, LEAVES_LOW, LEAVES_HIGH = EVENT

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import BoolVar, NumVar, boolean, number
+from safeloc.language.expr import BoolVar, NumVar, boolean, number
+from safeloc.language.units import COUNT, MM, UM
 from safeloc.models.area_parts.slot import Reach, Slot, slot
-from safeloc.units import COUNT, MM, UM
 
 
 class AreaConfig(Config):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Lit,
@@ -23,8 +23,8 @@ from safeloc.expr import (
     number,
     optional,
 )
+from safeloc.language.units import COUNT, MM_S, MS, NM, UM, Unit
 from safeloc.models.axle_head import AXLE, NO_AXLE
-from safeloc.units import COUNT, MM_S, MS, NM, UM, Unit
 
 UM_S = Unit("um/s", length=1, time=-1, scale=UM.scale)
 FLAW = members(

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from safeloc.line.elements import BaliseGroup
-from safeloc.line.routes import Inventory, Met, Route
-from safeloc.streams.steps import Cell
+from safeloc.railway.map.elements import BaliseGroup
+from safeloc.railway.map.routes import Inventory, Met, Route
+from safeloc.runtime.streams.steps import Cell
 
 Orientation = Literal["UNKNOWN", "NOMINAL", "REVERSE"]
 Reaction = Literal["NONE", "SERVICE_BRAKE", "TRAIN_TRIP"]

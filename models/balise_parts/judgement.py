@@ -8,13 +8,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import FALSE, Bool, Expr, Num, Var, abs_, all_of, any_of, as_num, exact_to, ite, maximum, minimum
+from safeloc.language.expr import (
+    FALSE,
+    Bool,
+    Expr,
+    Num,
+    Var,
+    abs_,
+    all_of,
+    any_of,
+    as_num,
+    exact_to,
+    ite,
+    maximum,
+    minimum,
+)
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.linking import NO_REACTION, NOT_LOCATED, NOTHING, SERVICE_BRAKE, TRAIN_TRIP, Record
 from safeloc.models.balise_parts.telegram import UNKNOWN, UNLINKED
 from safeloc.models.odometry_parts.marker_reading import first_of
 from safeloc.models.running.interval import Interval
-from safeloc.units import COUNT, MM, NM
 
 
 @dataclass(frozen=True, eq=False)

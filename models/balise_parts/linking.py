@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -32,10 +32,10 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM
 from safeloc.models.balise_parts.telegram import ORIENTATION, UNKNOWN, chosen
 from safeloc.models.odometry_parts.marker_reading import first_of
-from safeloc.units import COUNT, MM
 
 LARGEST_ACCURACY_MM = 63_000
 REACTION = members("reaction", "NONE", "SERVICE_BRAKE", "TRAIN_TRIP")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from safeloc.expr import TRUE, Bool, Num
+from safeloc.language.expr import TRUE, Bool, Num
 from safeloc.models.balise_parts.variables import BaliseConfig, Parts
 from safeloc.models.layout_rules import LayoutConfig, odometry_error_nm
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
@@ -29,9 +29,9 @@ from safeloc.expr import (
     members,
     optional,
 )
+from safeloc.language.units import COUNT, MM, MM_S, MS, NM, PPM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.running.interval import Interval
-from safeloc.units import COUNT, MM, MM_S, MS, NM, PPM
 
 LARGEST_GROUP = 8
 ORIENTATION = members("orientation", "UNKNOWN", "NOMINAL", "REVERSE")

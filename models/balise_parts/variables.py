@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Expr,
@@ -24,7 +24,8 @@ from safeloc.expr import (
     members,
     number,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.balise_parts.linking import (
     LARGEST_ACCURACY_MM,
     NO_REACTION,
@@ -40,7 +41,6 @@ from safeloc.models.odometry_parts.error_law import MOST_RATE_PPM, NM_PER_MM, WH
 from safeloc.models.odometry_parts.variables import NO_REFERENCE, REASON
 from safeloc.models.running.interval import Held
 from safeloc.models.running.odometer import Heading, Odometer, odometer
-from safeloc.units import COUNT, MM, NM
 
 READ = members(
     "read",

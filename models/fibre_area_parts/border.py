@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -30,9 +30,9 @@ from safeloc.expr import (
     ite,
     number,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
 from safeloc.models.verification_parts.variables import FROM, NEIGHBOUR, NOBODY
-from safeloc.units import COUNT, MM
 
 TRACE = ("FVA-D1", "FVA-2", "FVA-11")
 

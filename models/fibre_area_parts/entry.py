@@ -14,11 +14,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, as_num, boolean, choice, enumeration, number
-from safeloc.machine import Machine, Transition, current_mode, modes
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    NumVar,
+    Var,
+    as_num,
+    boolean,
+    choice,
+    enumeration,
+    number,
+)
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT
 from safeloc.models.area_parts.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW
 from safeloc.models.verification_parts.variables import AXLE_COUNTER, FROM, NEIGHBOUR, NOBODY
-from safeloc.units import COUNT
 
 TRACE = ("FVA-2", "FVA-11", "FVA-D1")
 

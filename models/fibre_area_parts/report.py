@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
@@ -34,9 +34,9 @@ from safeloc.expr import (
     exact_to,
     number,
 )
-from safeloc.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, MS, UM
 from safeloc.models.area_parts.slot import Reach
-from safeloc.units import MM, MS, UM
 
 TRACE = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -29,8 +29,8 @@ from safeloc.expr import (
     minimum,
     number,
 )
-from safeloc.machine import Machine, Transition, current_mode, modes
-from safeloc.units import MM
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import MM
 
 TRACE = ("FVA-D1", "FVA-1", "FVA-10")
 

@@ -5,10 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import FALSE, TRUE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, ceil_to, exact_to, floor_div, ite
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    abs_,
+    any_of,
+    as_num,
+    ceil_to,
+    exact_to,
+    floor_div,
+    ite,
+)
+from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.fibre_parts import variables as v
 from safeloc.models.fibre_parts.variables import NM_PER_MM, Parts
-from safeloc.units import COUNT, MM, NM, PPM
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Num,
@@ -22,8 +22,8 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import ANY, Initial
-from safeloc.units import COUNT, MM, NM, Unit
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import COUNT, MM, NM, Unit
 
 CDB = Unit("cdB")
 BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.axle_counter import AxleCounterConfig, machine
 from safeloc.models.axle_counter_streams import Passage, passed
 from safeloc.models.fibre_scenes.scene import MM_PER_M
-from safeloc.nodes import Value
 from safeloc.simulation.fibre.trains import Train
-from safeloc.system import lower, without_ghosts
 
 BEYOND_MM = 60_000
 UM_PER_MM = 1_000

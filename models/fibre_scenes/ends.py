@@ -11,16 +11,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from safeloc.language.nodes import Value
 from safeloc.models.fibre_parts.variables import NM_PER_MM, FibreConfig
 from safeloc.models.fibre_scenes.map_host import MapHost
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
 from safeloc.models.fibre_streams import on_board
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.fibre.features import End, TrainSeen
 from safeloc.signals.fibre.run_meter import RunMeter
 from safeloc.signals.fibre.step_inputs import step_inputs
 from safeloc.simulation.fibre.scene import TrainTruth
-from safeloc.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 Side = Literal["low", "high"]

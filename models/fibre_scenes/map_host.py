@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from safeloc.language.nodes import Value
 from safeloc.models.fibre_parts.code import PositionCode, Symbol, Word
 from safeloc.models.fibre_parts.variables import SYMBOLS, FibreConfig
 from safeloc.models.fibre_scenes.scene import Section
-from safeloc.nodes import Value
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 NOWHERE = Section(0, 0, Symbol(False, False))
 

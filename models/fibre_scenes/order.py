@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.fibre_scenes.counters import Ends, events
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
 from safeloc.models.train_order import TrainOrderConfig, machine
+from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.fibre.features import TrainSeen
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 Steps = list[dict[str, Cell]]
 UM_PER_MM = 1_000

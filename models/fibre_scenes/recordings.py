@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from safeloc.language.nodes import Value
 from safeloc.models.fibre_parts.variables import NM_PER_MM
 from safeloc.models.fibre_scenes.ends import Steps, steps_of
 from safeloc.models.fibre_scenes.figures import END_SCENES, QUIET_S, EndScene
@@ -16,8 +17,7 @@ from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ORDER_SCENES, Are
 from safeloc.models.fibre_scenes.scene import listen
 from safeloc.models.fibre_scenes.stay import first_state, stayed
 from safeloc.models.fibre_scenes.waterfall import waterfall
-from safeloc.nodes import Value
-from safeloc.streams.steps import write_steps
+from safeloc.runtime.streams.steps import write_steps
 
 BLOCKS_PER_S = 2
 

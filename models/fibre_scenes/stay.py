@@ -6,7 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.nodes import Value
+from safeloc.language.system import without_ghosts
+from safeloc.language.trace import shown
 from safeloc.models.fibre_area import FibreAreaConfig, compose_machines
 from safeloc.models.fibre_parts.variables import NM_PER_MM
 from safeloc.models.fibre_scenes.counters import Ends, Record, events, record_of
@@ -14,12 +17,9 @@ from safeloc.models.fibre_scenes.ends import EndHost, Followed, Side
 from safeloc.models.fibre_scenes.order import order_of
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
 from safeloc.models.sections import SectionsConfig
-from safeloc.nodes import Value
+from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.fibre.features import TrainSeen
 from safeloc.simulation.fibre.trains import Train
-from safeloc.streams.steps import Cell
-from safeloc.system import without_ghosts
-from safeloc.trace import shown
 
 Steps = list[dict[str, Cell]]
 UM_PER_MM = 1_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Expr,
     Lit,
@@ -20,8 +20,8 @@ from safeloc.expr import (
     minimum,
     with_unit,
 )
+from safeloc.language.units import COUNT, MS, NM, UM_S
 from safeloc.models.guard_parts.variables import NM_PER_MM, GuardConfig, Parts, reach_nm
-from safeloc.units import COUNT, MS, NM, UM_S
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Num, between, exact_to, ite, minimum
+from safeloc.language.expr import Bool, Num, between, exact_to, ite, minimum
+from safeloc.language.units import NM, UM_S
 from safeloc.models.guard_parts.box import Box, Held, begun, half_nm, held, moved, narrowed, of_fix, told, usable
 from safeloc.models.guard_parts.variables import (
     AMBIGUOUS,
@@ -21,7 +22,6 @@ from safeloc.models.guard_parts.variables import (
     TOO_COARSE,
     Parts,
 )
-from safeloc.units import NM, UM_S
 
 
 @dataclass(frozen=True, eq=False)

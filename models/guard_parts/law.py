@@ -6,11 +6,11 @@ also where the guard would look for the vehicle. Nothing at all is assumed of qu
 
 from __future__ import annotations
 
-from safeloc.expr import Bool, Expr, Lit, Var, abs_, all_of, as_num, between, exact_to, ite
+from safeloc.language.expr import Bool, Expr, Lit, Var, abs_, all_of, as_num, between, exact_to, ite
+from safeloc.language.units import MS, NM, UM_S
 from safeloc.models.guard_parts.box import due_now, half_nm
 from safeloc.models.guard_parts.judgement import Judged
 from safeloc.models.guard_parts.variables import Parts
-from safeloc.units import MS, NM, UM_S
 
 
 def assumption(own: Parts, cycle: Judged, holding: Bool, recovering: Bool) -> Bool:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
-from safeloc.units import COUNT, MM, MM_S, MS, NM, UM_S
+from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.units import COUNT, MM, MM_S, MS, NM, UM_S
 
 NM_PER_MM = 1_000_000
 UM_PER_MM = 1_000

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from safeloc.composition import Clause
-from safeloc.expr import Bool, Expr, Num, NumVar, Optional, Var, ite, maximum
-from safeloc.machine import Machine
+from safeloc.language.composition import Clause
+from safeloc.language.expr import Bool, Expr, Num, NumVar, Optional, Var, ite, maximum
+from safeloc.language.machine import Machine
 from safeloc.models import (
     balise,
     odometry,

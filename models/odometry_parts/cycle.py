@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import TRUE, Bool, Expr, Num, Var, abs_, all_of, any_of, as_num, ite, maximum
+from safeloc.language.expr import TRUE, Bool, Expr, Num, Var, abs_, all_of, any_of, as_num, ite, maximum
+from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry_parts.distance_device import NOTHING, Cycle, Device, Values, best, choose, cycle
 from safeloc.models.odometry_parts.marker_reading import (
     ACCEPTED,
@@ -27,7 +28,6 @@ from safeloc.models.odometry_parts.marker_reading import (
     fix,
 )
 from safeloc.models.odometry_parts.variables import Parts
-from safeloc.units import COUNT, MM
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Expr,
@@ -42,9 +42,9 @@ from safeloc.expr import (
     optional,
     with_unit,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, MS, NM, Enumeration
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, ErrorLaw
-from safeloc.units import COUNT, MM, MS, NM, Enumeration
 
 MEASURED = members("measured", "ADMITTED", "MISSING", "TOO_FAST", "JUMP")
 ADMITTED, MISSING, TOO_FAST, JUMP = MEASURED

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     Expr,
@@ -27,12 +27,12 @@ from safeloc.expr import (
     maximum,
     with_unit,
 )
-from safeloc.machine import ANY, Initial, Machine
+from safeloc.language.machine import ANY, Initial, Machine
+from safeloc.language.terms import variables
+from safeloc.language.units import NM
 from safeloc.models.odometry_parts.cycle import Judged
 from safeloc.models.odometry_parts.distance_device import Cycle, Device, Unit
 from safeloc.models.odometry_parts.variables import Parts, unseen_at_reading_nm, unseen_in_a_cycle_nm
-from safeloc.terms import variables
-from safeloc.units import NM
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,8 @@ from typing import Literal
 from pydantic import Field
 
 from safeloc.config import Config, quantity
-from safeloc.expr import Lit, Num, as_num, exact_to, floor_to, maximum, with_unit
-from safeloc.units import MM, MM_S, MS, NM, PPM
+from safeloc.language.expr import Lit, Num, as_num, exact_to, floor_to, maximum, with_unit
+from safeloc.language.units import MM, MM_S, MS, NM, PPM
 
 NM_PER_MM = 1_000_000
 MOST_RATE_PPM = 900_000

@@ -9,11 +9,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from safeloc.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, between, boolean, ite, number, with_unit
-from safeloc.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    between,
+    boolean,
+    ite,
+    number,
+    with_unit,
+)
+from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry_parts.distance_device import Limits
 from safeloc.models.odometry_parts.marker_reading import Reader
-from safeloc.units import COUNT, MM
 
 LONGEST_SPACING_MM = 20_000_000
 LONGEST_VEHICLE_MM = 2_000_000

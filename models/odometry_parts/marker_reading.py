@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Expr,
     Lit,
@@ -31,10 +31,10 @@ from safeloc.expr import (
     members,
     optional,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, NM, PPM, Enumeration
 from safeloc.models.odometry_parts.distance_device import Cycle, Values
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
-from safeloc.units import COUNT, MM, NM, PPM, Enumeration
 
 READING = members(
     "reading",

@@ -8,11 +8,11 @@ from typing import Literal
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import TRUE, Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
+from safeloc.language.expr import TRUE, Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
+from safeloc.language.units import COUNT, MM, MS, NM
 from safeloc.models.odometry_parts.distance_device import Device, Limits, Unit, device
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, RADAR, WHEEL, ErrorLaw
 from safeloc.models.odometry_parts.marker_reading import Pending, Reader, reader
-from safeloc.units import COUNT, MM, MS, NM
 
 REASON = members("reason", "NONE", "NO_REFERENCE", "TOLERANCE", "SENSOR_FAILURE", "CONTRADICTION")
 LOCATED, NO_REFERENCE, TOLERANCE, SENSOR_FAILURE, CONTRADICTION = REASON

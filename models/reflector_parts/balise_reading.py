@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Lit, Num, Optional, abs_, as_num, exact_to, ite, optional
+from safeloc.language.expr import Bool, Lit, Num, Optional, abs_, as_num, exact_to, ite, optional
+from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.reflector_parts.dead_reckoning import Interval, Odometer
-from safeloc.units import COUNT, MM, NM, PPM
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import FALSE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, between, exact_to, ite
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, between, exact_to, ite
+from safeloc.language.units import MM, NM, PPM
 from safeloc.models.reflector_parts.dead_reckoning import Interval, choose
 from safeloc.models.reflector_parts.echo import Recognition, Situation, recognise
 from safeloc.models.reflector_parts.map_data import Reflector, either
 from safeloc.models.reflector_parts.variables import Parts
-from safeloc.units import MM, NM, PPM
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Expr,
     Lit,
@@ -25,9 +25,9 @@ from safeloc.expr import (
     maximum,
     number,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, ErrorLaw
-from safeloc.units import COUNT, MM, NM, PPM
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Num,
     NumVar,
@@ -27,10 +27,10 @@ from safeloc.expr import (
     number,
     optional,
 )
+from safeloc.language.units import MM, NM, Unit
 from safeloc.models.odometry_parts.marker_reading import first_of
 from safeloc.models.reflector_parts.dead_reckoning import Interval
 from safeloc.models.reflector_parts.map_data import MODEL, Reflector
-from safeloc.units import MM, NM, Unit
 
 CDB = Unit("cdB", scale=Fraction(1, 1000))
 """Hundredths of a decibel; intensities are relative to the receiver's full scale."""

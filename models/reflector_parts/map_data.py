@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     Expr,
     Num,
@@ -26,9 +26,9 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import MM, NM
 from safeloc.models.reflector_parts.dead_reckoning import Interval
-from safeloc.units import MM, NM
 
 MODEL = members("reflector_model", "NONE", "A", "B", "C", "D", "E", "F", "G", "H")
 """What the signal front end tells reflectors apart by (RFL-10); NONE: no known signature."""

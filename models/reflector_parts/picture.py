@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.pictures import Deviation, Things
-from safeloc.reported import Reported
+from safeloc.railway.pictures import Deviation, Things
+from safeloc.runtime.reported import Reported
 
 STATION = {180_000: "204", 360_000: "205", 410_000: "208"}
 CALLED = {"reflector-figure-1": {180_000: "109", 600_000: "111"}, "reflector-figure-2-overrun": STATION}

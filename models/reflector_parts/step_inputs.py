@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from safeloc.models.reflector_parts.echo import INTENSITY_FLOOR_CDB
 from safeloc.models.reflector_parts.map_data import NO_MODEL
 from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 
 EMPTY_SLOT: Mapping[str, Cell] = {
     "error_mm": 0,

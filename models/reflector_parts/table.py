@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Bool, Expr, Lit, Num, Var, any_of, as_num
-from safeloc.machine import Transition
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var, any_of, as_num
+from safeloc.language.machine import Transition
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.reflector_parts.cycle import Judged
 from safeloc.models.reflector_parts.dead_reckoning import Interval
 from safeloc.models.reflector_parts.echo import Recognition
@@ -22,7 +23,6 @@ from safeloc.models.reflector_parts.variables import (
     TOLERANCE,
     Parts,
 )
-from safeloc.units import COUNT, MM, NM
 
 Updates = dict[Var, Expr]
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number, optional
+from safeloc.language.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number, optional
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.odometry_parts.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.reflector_parts.balise_reading import BaliseReading, balise_reading
 from safeloc.models.reflector_parts.dead_reckoning import Odometer, Track, track
 from safeloc.models.reflector_parts.echo import LATERAL_LIMIT_MM, MAX_ERROR_MM, RadarLaw, Slot, slot
 from safeloc.models.reflector_parts.map_data import NextReflector, Target, next_reflector, target
 from safeloc.models.running.odometer import most_told_nm
-from safeloc.units import COUNT, MM, NM
 
 ERROR = members(
     "reflector_error",

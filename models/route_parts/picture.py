@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from safeloc.models.route_parts.variables import RouteConfig
-from safeloc.pictures import Hypothesis, Recognition, Sighting, TrackPlan
+from safeloc.railway.pictures import Hypothesis, Recognition, Sighting, TrackPlan
 
 FIGURE_3 = frozenset(path.stem for path in (Path(__file__).parents[1] / "streams").glob("route-*.jsonl"))
 """The shipped recordings: all run over the line fig3, its routes numbered in the order of the map."""
@@ -28,10 +28,10 @@ def plan(recording: str) -> TrackPlan | None:
     """The plan of fig3 for the recordings that run over it."""
     if recording not in FIGURE_3:
         return None
-    from safeloc.line.plan import track_plan  # networkx and the map are loaded only where a picture is drawn
-    from safeloc.line.routes import through_routes
-    from safeloc.line.toml_files import find_line
-    from safeloc.line.topology import Topology
+    from safeloc.railway.map.plan import track_plan  # networkx and the map are loaded only where a picture is drawn
+    from safeloc.railway.map.routes import through_routes
+    from safeloc.railway.map.toml_files import find_line
+    from safeloc.railway.map.topology import Topology
 
     topology = Topology(find_line("fig3"))
     routes = through_routes(topology, 100)

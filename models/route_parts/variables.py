@@ -7,14 +7,25 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import Bool, BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.expr import (
+    Bool,
+    BoolVar,
+    NumVar,
+    Optional,
+    boolean,
+    choice,
+    enumeration,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.odometry_parts.distance_device import Limits
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, WHEEL, ErrorLaw
 from safeloc.models.reflector_parts.echo import MAX_ERROR_MM
 from safeloc.models.reflector_parts.map_data import MODEL, NO_MODEL
 from safeloc.models.running.odometer import Odometer, odometer
 from safeloc.models.turn_off import COURSE
-from safeloc.units import COUNT, MM, NM
 
 REASON = members("reason", "NONE", "NO_START", "CONTRADICTION", "TOLERANCE", "SENSOR_FAILURE")
 NO_REASON, NO_START, CONTRADICTION, TOLERANCE, SENSOR_FAILURE = REASON

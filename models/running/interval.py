@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Num, NumVar, Var, between, exact_to, ite, maximum, minimum
-from safeloc.machine import Initial
+from safeloc.language.expr import Bool, Num, NumVar, Var, between, exact_to, ite, maximum, minimum
+from safeloc.language.machine import Initial
+from safeloc.language.units import NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
-from safeloc.units import NM
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     Bool,
     BoolVar,
@@ -29,11 +29,11 @@ from safeloc.expr import (
     optional,
     with_unit,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, MS, NM
 from safeloc.models.odometry_parts.distance_device import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, ErrorLaw
 from safeloc.models.running.interval import Interval
-from safeloc.units import COUNT, MM, MS, NM
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Expr,
@@ -44,11 +44,11 @@ from safeloc.expr import (
     number,
     with_unit,
 )
-from safeloc.machine import ANY, Initial
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import COUNT, MM, MS, NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM, ErrorLaw
 from safeloc.models.running.odometer import Odometer, most_told_nm
 from safeloc.models.running.odometer import odometer as a_unit
-from safeloc.units import COUNT, MM, MS, NM
 
 LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
 ODOMETER_LAWFUL, CHECK_LAWFUL = LAWFUL

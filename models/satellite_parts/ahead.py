@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from safeloc.language.nodes import Value
 from safeloc.models.satellite_parts.variables import SatelliteConfig
-from safeloc.nodes import Value
 from safeloc.signals.satellite.solution import Estimate
 from safeloc.signals.satellite.track_prediction import TrackState
 

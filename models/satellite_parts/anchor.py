@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
+from safeloc.language.units import NM
 from safeloc.models.satellite_parts.variables import NM_PER_MM, Parts, State
-from safeloc.units import NM
 
 
 @dataclass(frozen=True, eq=False)

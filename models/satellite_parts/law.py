@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from safeloc.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
+from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
+from safeloc.language.units import COUNT, MS, NM
 from safeloc.models.satellite_parts.variables import NM_PER_MM, SPARE, Parts, held
-from safeloc.units import COUNT, MS, NM
 
 Trusted = Literal["satellites", "odometry"]
 """satellites: solutions of usable satellites hold within their bounds; odometry: any solution may be false, the run is true."""

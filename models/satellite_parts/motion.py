@@ -6,9 +6,9 @@ follows the latest solution within them. So a solution with wide bounds still le
 
 from __future__ import annotations
 
-from safeloc.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, floor_div, ite, maximum, minimum
+from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, floor_div, ite, maximum, minimum
+from safeloc.language.units import MS, NM, UM_S
 from safeloc.models.satellite_parts.variables import NM_PER_MM, Parts, State, around
-from safeloc.units import MS, NM, UM_S
 
 
 def predicted(own: Parts) -> State:

@@ -8,7 +8,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     Bool,
     BoolVar,
     Num,
@@ -21,8 +21,8 @@ from safeloc.expr import (
     number,
     optional,
 )
+from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.units import COUNT, MM, NM, UM_S
 
 REASON = members("reason", "LOCATED", "NO_REFERENCE", "TOLERANCE", "COASTED_OUT", "CONTRADICTION", "DRIFT")
 LOCATED, NO_REFERENCE, TOLERANCE, COASTED_OUT, CONTRADICTION, DRIFT = REASON

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.expr import Bool, Lit, Num, abs_, any_of, as_num, ceil_to, ite, maximum, product
+from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, ceil_to, ite, maximum, product
+from safeloc.language.units import COUNT, MM, MM_S2, MS
 from safeloc.models.stop_point_parts.variables import Parts
-from safeloc.units import COUNT, MM, MM_S2, MS
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.models.stop_point_parts.variables import StopPointConfig
-from safeloc.pictures import Approach, StopSignals
+from safeloc.railway.pictures import Approach, StopSignals
 
 PERIOD_MS = 100
 """[S] SUBSET-041: application cycle up to 100 ms; the machine itself does not depend on it."""

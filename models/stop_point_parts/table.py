@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.expr import Expr, Lit, Var, as_num, ite
-from safeloc.machine import Transition
+from safeloc.language.expr import Expr, Lit, Var, as_num, ite
+from safeloc.language.machine import Transition
+from safeloc.language.units import COUNT, MM
 from safeloc.models.stop_point_parts.cycle import Judged
 from safeloc.models.stop_point_parts.variables import (
     NO_POSITION,
@@ -16,7 +17,6 @@ from safeloc.models.stop_point_parts.variables import (
     UNKNOWN_STOP,
     Parts,
 )
-from safeloc.units import COUNT, MM
 
 Updates = dict[Var, Expr]
 TRACE = ("RFL-D7",)

@@ -7,9 +7,20 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.expr import BoolVar, NumVar, Optional, Var, boolean, choice, enumeration, members, number, optional
+from safeloc.language.expr import (
+    BoolVar,
+    NumVar,
+    Optional,
+    Var,
+    boolean,
+    choice,
+    enumeration,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.units import COUNT, MM, MM_S, NM
 from safeloc.models.odometry_parts.error_law import NM_PER_MM
-from safeloc.units import COUNT, MM, MM_S, NM
 
 REASON = members("stop_reason", "NONE", "NO_POSITION", "TOO_FAR", "TOO_COARSE", "NOT_AHEAD", "UNKNOWN_STOP")
 NO_REASON, NO_POSITION, TOO_FAR, TOO_COARSE, NOT_AHEAD, UNKNOWN_STOP = REASON

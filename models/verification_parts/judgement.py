@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     FALSE,
     Bool,
     Expr,
@@ -23,10 +23,10 @@ from safeloc.expr import (
     minimum,
     with_unit,
 )
+from safeloc.language.units import COUNT, MM, MM_S2, MS, Unit
 from safeloc.models.axle_parts.passage import UM_S
 from safeloc.models.verification_parts import variables as v
 from safeloc.models.verification_parts.variables import Parts
-from safeloc.units import COUNT, MM, MM_S2, MS, Unit
 
 UM_PER_MM = 1_000
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
-from safeloc.expr import (
+from safeloc.language.expr import (
     BoolVar,
     NumVar,
     Optional,
@@ -17,9 +17,9 @@ from safeloc.expr import (
     number,
     optional,
 )
-from safeloc.machine import Initial
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, MM_S, MM_S2, NM, UM
 from safeloc.models.axle_parts.passage import UM_S
-from safeloc.units import COUNT, MM, MM_S, MM_S2, NM, UM
 
 REASON = members(
     "verification_reason",

@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from safeloc.audit import audit
-from safeloc.audit.findings import AuditReport
-from safeloc.audit.vehicle import find_layout
 from safeloc.cli.console import out, print_json
-from safeloc.line.toml_files import find_line
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.findings import AuditReport
+from safeloc.railway.audit.vehicle import find_layout
+from safeloc.railway.map.toml_files import find_line
 
 VIOLATED = 1
 PAIRS_SHOWN = 30

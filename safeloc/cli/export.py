@@ -10,20 +10,20 @@ from typing import Annotated
 
 import typer
 
-from safeloc.backends.c99 import to_c
-from safeloc.backends.compiled import to_python
-from safeloc.backends.diagram import to_dot, to_mermaid, to_svg, to_table
-from safeloc.backends.fmu import to_fmu
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err
-from safeloc.embedding.period import configured_period_ms
+from safeloc.codegen.c99 import to_c
+from safeloc.codegen.compiled import to_python
+from safeloc.codegen.diagram import to_dot, to_mermaid, to_svg, to_table
+from safeloc.codegen.fmu import to_fmu
 from safeloc.errors import InputError
-from safeloc.expr import Bool
-from safeloc.provers.base import base
-from safeloc.provers.lasting import lasting
-from safeloc.runs.lawful import first_state
-from safeloc.runs.sampled import sampled_runs
-from safeloc.system import without_ghosts
+from safeloc.language.expr import Bool
+from safeloc.language.system import without_ghosts
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.lasting import lasting
+from safeloc.proof.runs.lawful import first_state
+from safeloc.proof.runs.sampled import sampled_runs
+from safeloc.runtime.embedding.period import configured_period_ms
 
 TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),

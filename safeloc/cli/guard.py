@@ -16,11 +16,11 @@ from safeloc.cli.console import err, out, print_json
 from safeloc.cli.files import require_not_read
 from safeloc.cli.guard_input import Way, config_of, deliveries, direction, form_of, line_of, opened, route_of
 from safeloc.errors import InputError
-from safeloc.guard.fields import columns_of
-from safeloc.guard.guard import Guard, Judgement
-from safeloc.guard.told import SCHEMA, as_data
-from safeloc.guard.tracks import Tracks
-from safeloc.line.projection import WGS84
+from safeloc.railway.guard.fields import columns_of
+from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.guard.told import SCHEMA, as_data
+from safeloc.railway.guard.tracks import Tracks
+from safeloc.railway.map.projection import WGS84
 from safeloc.report.folder import usable
 from safeloc.report.guard_folder import write_guard_folder
 

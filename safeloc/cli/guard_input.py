@@ -12,18 +12,18 @@ from typing import IO, Literal
 
 from safeloc.catalogue import read_config
 from safeloc.errors import InputError
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.fields import Columns
-from safeloc.guard.figures import find_vehicle, guard_config
-from safeloc.guard.nmea import nmea_deliveries
-from safeloc.guard.streams import csv_deliveries, jsonl_deliveries
-from safeloc.line.imports.formats import SUFFIXES, importer
-from safeloc.line.imports.geojson_path import read_path, route_over
-from safeloc.line.model import Line
-from safeloc.line.routes import Route
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
 from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.fields import Columns
+from safeloc.railway.guard.figures import find_vehicle, guard_config
+from safeloc.railway.guard.nmea import nmea_deliveries
+from safeloc.railway.guard.streams import csv_deliveries, jsonl_deliveries
+from safeloc.railway.map.imports.formats import SUFFIXES, importer
+from safeloc.railway.map.imports.geojson_path import read_path, route_over
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 
 FORMATS = {".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".nmea": "nmea", ".txt": "nmea"}
 Direction = Literal["increasing", "decreasing"]

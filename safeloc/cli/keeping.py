@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from safeloc.cache.store import Store, usual_folder
 from safeloc.cli.console import out
-from safeloc.results import Finding
+from safeloc.proof.cache.store import Store, usual_folder
+from safeloc.proof.results import Finding
 
 CacheOption = Annotated[
     Path | None,

@@ -10,11 +10,11 @@ import typer
 
 from safeloc.cli.console import err
 from safeloc.errors import InputError
-from safeloc.line.imports.geojson import read_geojson
-from safeloc.line.imports.geojson_path import read_path, route_over
-from safeloc.line.model import Line
-from safeloc.line.placing import with_balise_groups
-from safeloc.line.recorded_run import (
+from safeloc.railway.map.imports.geojson import read_geojson
+from safeloc.railway.map.imports.geojson_path import read_path, route_over
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.placing import with_balise_groups
+from safeloc.railway.map.recorded_run import (
     Reading,
     Trust,
     balise_records,
@@ -26,10 +26,10 @@ from safeloc.line.recorded_run import (
     trusted_times,
     truth_records,
 )
-from safeloc.line.routes import Route
-from safeloc.line.toml_files import load_line
-from safeloc.line.topology import Topology
-from safeloc.streams.record_files import write_records
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.toml_files import load_line
+from safeloc.railway.map.topology import Topology
+from safeloc.runtime.streams.record_files import write_records
 
 FIRST_FIX_IDENTITY = 500_000
 """Fixes as virtual markers are numbered from here on, beyond every NID_BG."""

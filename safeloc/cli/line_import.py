@@ -9,10 +9,10 @@ import typer
 
 from safeloc.cli.console import err, out, print_json
 from safeloc.errors import InputError
-from safeloc.line.imports.formats import FORMATS, importer
-from safeloc.line.imports.notes import Imported, similar
-from safeloc.line.model import sealed
-from safeloc.line.toml_files import to_toml
+from safeloc.railway.map.imports.formats import FORMATS, importer
+from safeloc.railway.map.imports.notes import Imported, similar
+from safeloc.railway.map.model import sealed
+from safeloc.railway.map.toml_files import to_toml
 
 
 def import_line(

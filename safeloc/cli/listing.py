@@ -11,8 +11,8 @@ import typer
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.errors import InputError
+from safeloc.language.spec import Property
 from safeloc.requirements import Item, Link, traceability
-from safeloc.spec import Property
 
 Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines."""
@@ -98,7 +98,7 @@ def _properties(chosen: _Chosen) -> Listed:
 
 
 def _shipped_lines() -> Listed:
-    from safeloc.line.toml_files import load_line, shipped_lines  # maps are read only where they are listed
+    from safeloc.railway.map.toml_files import load_line, shipped_lines  # maps are read only where they are listed
 
     lines = [load_line(path) for path in shipped_lines().values()]
     rows = [{"name": line.name, "version": line.version, "source": line.source} for line in lines]

@@ -9,12 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
-from safeloc.checker.answer import CONFIRMED, NO_PROOF
-from safeloc.checker.folder import Checking, check_folder
-from safeloc.checker.solve import NEEDED, SOLVERS
-from safeloc.checker.unsat import Survey, survey
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.show import Progressing
+from safeloc.proof.checker.answer import CONFIRMED, NO_PROOF
+from safeloc.proof.checker.folder import Checking, check_folder
+from safeloc.proof.checker.solve import NEEDED, SOLVERS
+from safeloc.proof.checker.unsat import Survey, survey
 
 SCHEMA = "safeloc-recheck/1"
 EVERY = 100  # certificates to a line of progress in a pipe

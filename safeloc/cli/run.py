@@ -13,23 +13,23 @@ import typer
 
 from safeloc.catalogue import load_target
 from safeloc.cli.files import same_file
-from safeloc.embedding import Program
-from safeloc.embedding.making import period_of
 from safeloc.errors import InputError, SnapshotError
-from safeloc.nodes import Value
-from safeloc.service.address import address
-from safeloc.service.feeds import Feed, GrowingFile, Stdin
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.journal import Journal
-from safeloc.service.loop import Loop, Parts, exit_code
-from safeloc.service.messages import VEHICLE
-from safeloc.service.outlets import Outlet, Stdout, ToFile
-from safeloc.service.pace import LONGEST_GAP_MS
-from safeloc.service.saving import Saver, claimed, read_saved
-from safeloc.service.supervised import Supervised
-from safeloc.service.tcp import TcpPort
-from safeloc.service.udp import UdpPort
-from safeloc.service.watchdog import Watchdog
+from safeloc.language.nodes import Value
+from safeloc.runtime.embedding import Program
+from safeloc.runtime.embedding.making import period_of
+from safeloc.runtime.service.address import address
+from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.journal import Journal
+from safeloc.runtime.service.loop import Loop, Parts, exit_code
+from safeloc.runtime.service.messages import VEHICLE
+from safeloc.runtime.service.outlets import Outlet, Stdout, ToFile
+from safeloc.runtime.service.pace import LONGEST_GAP_MS
+from safeloc.runtime.service.saving import Saver, claimed, read_saved
+from safeloc.runtime.service.supervised import Supervised
+from safeloc.runtime.service.tcp import TcpPort
+from safeloc.runtime.service.udp import UdpPort
+from safeloc.runtime.service.watchdog import Watchdog
 
 STDOUT, STDERR = 1, 2
 VEHICLES_PER_PEER = 250

@@ -10,10 +10,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from safeloc.cli.console import err, out, print_json
+from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
+from safeloc.proof.results import Finding
 from safeloc.report.data import report_data
 from safeloc.report.headline import Said, counted, headline
-from safeloc.results import Finding
-from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
 COLOURS: Mapping[str, str] = {

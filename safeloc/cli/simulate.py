@@ -10,8 +10,8 @@ import typer
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import err, out
 from safeloc.errors import InputError
-from safeloc.line.toml_files import shipped_lines
-from safeloc.streams.steps import write_steps
+from safeloc.railway.map.toml_files import shipped_lines
+from safeloc.runtime.streams.steps import write_steps
 
 
 def simulate(

@@ -9,22 +9,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from safeloc.audit import audit
-from safeloc.audit.vehicle import SHIPPED, find_layout
 from safeloc.catalogue import ENTRIES
 from safeloc.cli.console import err
 from safeloc.cli.simulate_routes import Chosen, chosen_routes
 from safeloc.config import Config
 from safeloc.errors import InputError
-from safeloc.line.model import Line, content_checksum
-from safeloc.line.toml_files import find_line
-from safeloc.line.walk import Walk
 from safeloc.models.line_configs import LineVehicle
 from safeloc.models.line_drive import Journey, Stream, streams
 from safeloc.models.line_faults import MACHINES, Asked, parse
 from safeloc.models.line_streams import balise_groups
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.vehicle import SHIPPED, find_layout
+from safeloc.railway.map.model import Line, content_checksum
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.walk import Walk
+from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.vehicles import load_vehicle
-from safeloc.streams.steps import write_steps
 
 SCHEMA = "safeloc-runs/1"
 BY_GROUPS = ("odometry", "balise")

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
-from safeloc.line.imports.geojson_path import route_over
-from safeloc.line.places import Place
-from safeloc.line.routes import Route, routes_between, through_routes
-from safeloc.line.topology import Topology
+from safeloc.railway.map.imports.geojson_path import route_over
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Route, routes_between, through_routes
+from safeloc.railway.map.topology import Topology
 
 MOST_ROUTES = 100
 MOST_RIVALS = 16

@@ -10,11 +10,6 @@ from typing import Annotated
 
 import typer
 
-from safeloc.cache.answers import kept_in
-from safeloc.cache.reports import KeptReport, keep_report, kept_report, report_key
-from safeloc.cache.store import Store
-from safeloc.cache.targets import asked, found_before, keep
-from safeloc.cache.times import keep_seconds, seconds_before
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
@@ -22,18 +17,23 @@ from safeloc.cli.show import Progressing, code, findings_table, result, summed_u
 from safeloc.cli.verifying import Verifying
 from safeloc.cli.watching import WatchOption, beside, watch
 from safeloc.errors import InputError
-from safeloc.provers.limits import Limits
+from safeloc.language.spec import Property
+from safeloc.language.verdict import word
+from safeloc.proof.cache.answers import kept_in
+from safeloc.proof.cache.reports import KeptReport, keep_report, kept_report, report_key
+from safeloc.proof.cache.store import Store
+from safeloc.proof.cache.targets import asked, found_before, keep
+from safeloc.proof.cache.times import keep_seconds, seconds_before
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.results import Finding
+from safeloc.proof.verification.many import in_order, verify_targets
+from safeloc.proof.verification.memory import Memory
+from safeloc.proof.verification.one import Plan, Work, claims, owed
+from safeloc.proof.verification.replay import as_table, replay_stream
+from safeloc.proof.verification.unasked import nothing_asked, nothing_tested
 from safeloc.report.data import report_data
 from safeloc.report.extract import extract
 from safeloc.report.folder import PAGE, cleared, files_of, render_folder, usable, write_folder
-from safeloc.results import Finding
-from safeloc.spec import Property
-from safeloc.verdict import word
-from safeloc.verification.many import in_order, verify_targets
-from safeloc.verification.memory import Memory
-from safeloc.verification.one import Plan, Work, claims, owed
-from safeloc.verification.replay import as_table, replay_stream
-from safeloc.verification.unasked import nothing_asked, nothing_tested
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")

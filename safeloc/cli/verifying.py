@@ -12,9 +12,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from safeloc.catalogue import Target
 from safeloc.cli.console import err
 from safeloc.cli.time_left import TimeLeft
-from safeloc.verdict import WORST_FIRST
-from safeloc.verification.many import Began, Event, Found, Kept, Over, Phase
-from safeloc.verification.one import expected
+from safeloc.language.verdict import WORST_FIRST
+from safeloc.proof.verification.many import Began, Event, Found, Kept, Over, Phase
+from safeloc.proof.verification.one import expected
 
 
 class Verifying:

@@ -1,7 +1,7 @@
 """`--watch`: whenever a file is saved, the command is run again, and what changed is shown first.
 
 Each run is a process of its own, which loads what was saved; what the edit is not about is kept from the run before
-(safeloc.cache).
+(safeloc.proof.cache).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from safeloc.cli.console import err, out
-from safeloc.verdict import WORST_FIRST
+from safeloc.language.verdict import WORST_FIRST
 
 WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
 PACKAGE = Path(__file__).parents[1]

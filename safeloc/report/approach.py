@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
 
-from safeloc.pictures import Approach
+from safeloc.railway.pictures import Approach
 from safeloc.report.drawing import (
     BLUE,
     GREEN,

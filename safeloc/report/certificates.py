@@ -18,10 +18,10 @@ from functools import partial
 from pathlib import Path
 
 from safeloc.errors import InputError
-from safeloc.packed import QUICK, packed, read_packed
+from safeloc.language.verdict import Proved
+from safeloc.proof.results import Finding
 from safeloc.report.page import file_names
-from safeloc.results import Finding
-from safeloc.verdict import Proved
+from safeloc.runtime.packed import QUICK, packed, read_packed
 
 FOLDER, SUFFIX = "certificates", ".tar.xz"
 Archives = dict[str, dict[str, str]]

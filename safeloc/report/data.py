@@ -11,14 +11,14 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, assert_never
 
-from safeloc.cache.engine import source_digest
 from safeloc.catalogue import Target
+from safeloc.language.trace import Trace, present_inputs
+from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
+from safeloc.proof.cache.engine import source_digest
+from safeloc.proof.results import Finding
 from safeloc.report.machines import machine_data
 from safeloc.report.pictures import pictures_data
 from safeloc.requirements import Link, traceability
-from safeloc.results import Finding
-from safeloc.trace import Trace, present_inputs
-from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 
 SCHEMA = "safeloc-report/3"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from safeloc.nodes import Value
-from safeloc.pictures import Deviation, Things
+from safeloc.language.nodes import Value
+from safeloc.railway.pictures import Deviation, Things
 from safeloc.report.drawing import (
     BLUE,
     GREY,

@@ -9,9 +9,9 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from safeloc.nodes import BoolVar, Expr, Lit, NumVar, Truth
-from safeloc.render import infix
-from safeloc.terms import Sharing, children, in_order
+from safeloc.language.nodes import BoolVar, Expr, Lit, NumVar, Truth
+from safeloc.language.render import infix
+from safeloc.language.terms import Sharing, children, in_order
 
 UNBOUNDED = 10**9
 A_FEW_LINES = 600

@@ -7,8 +7,8 @@ from pathlib import Path
 from safeloc.errors import InputError
 from safeloc.report import certificates, kept
 from safeloc.report.page import file_names
-from safeloc.streams.columns import read_runs
-from safeloc.streams.steps import write_steps
+from safeloc.runtime.streams.columns import read_runs
+from safeloc.runtime.streams.steps import write_steps
 
 
 def extract(folder: Path, to: Path) -> tuple[int, int]:

@@ -3,7 +3,7 @@
 index.html     the page; page/: what it loads when it is opened there
 report.json    the data; what is bulky lies beside it (safeloc.report.kept)
 certificates/  one packed file a claim (safeloc.report.certificates)
-traces/        one packed file a machine: the runs of its results, in columns (safeloc.streams.columns)
+traces/        one packed file a machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
 machines/      one packed file a machine: how the page shows it
 junit.xml      for continuous integration
 """
@@ -22,14 +22,14 @@ from jinja2 import UndefinedError
 
 from safeloc.catalogue import Target
 from safeloc.errors import InputError
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.proof.results import Finding
 from safeloc.report import certificates, kept
 from safeloc.report.data import SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
-from safeloc.results import Finding
-from safeloc.streams.columns import Shown, runs_file
-from safeloc.trace import Trace
-from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.runtime.streams.columns import Shown, runs_file
 
 PAGE, JUNIT = "index.html", "junit.xml"
 OWN = {

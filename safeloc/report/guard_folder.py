@@ -12,12 +12,12 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from safeloc.errors import InputError
-from safeloc.guard.guard import Judgement
-from safeloc.guard.told import as_data, counted
-from safeloc.guard.tracks import Tracks
-from safeloc.line.projection import Projector
 from safeloc.models.guard import machine
 from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.railway.guard.guard import Judgement
+from safeloc.railway.guard.told import as_data, counted
+from safeloc.railway.guard.tracks import Tracks
+from safeloc.railway.map.projection import Projector
 from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot
 from safeloc.report.guard_words import WORDS

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from safeloc.verdict import WORST_FIRST, worst
+from safeloc.language.verdict import WORST_FIRST, worst
 
 COUNTED = {
     "proved": "proved",

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import assert_never
 from xml.etree import ElementTree
 
-from safeloc.results import Finding
-from safeloc.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.proof.results import Finding
 
 
 def to_junit(findings: Sequence[Finding]) -> str:

@@ -2,7 +2,7 @@
 
 report.json               verdicts, requirements, and which certificates each result rests on, by number
 machines/MACHINE.json.xz  how the page shows a machine: transitions, variables, terms, pictures (`xz -dc FILE`)
-traces/MACHINE.json.xz    runs in columns (safeloc.streams.columns)
+traces/MACHINE.json.xz    runs in columns (safeloc.runtime.streams.columns)
 certificates/             safeloc.report.certificates
 """
 
@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from safeloc.errors import InputError, SafelocError
-from safeloc.outside import shortened
-from safeloc.packed import packed, read_packed
 from safeloc.report.data import SCHEMA
 from safeloc.report.page import file_names
-from safeloc.streams.columns import Runs, read_runs
+from safeloc.runtime.outside import shortened
+from safeloc.runtime.packed import packed, read_packed
+from safeloc.runtime.streams.columns import Runs, read_runs
 
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"

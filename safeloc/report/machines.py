@@ -12,18 +12,18 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from safeloc.backends.diagram import to_svg
 from safeloc.catalogue import Target
-from safeloc.checks.machine import input_variables
+from safeloc.codegen.diagram import to_svg
 from safeloc.config import derived_figures
-from safeloc.digest import full_digest
-from safeloc.machine import Any_, Machine, Transition
-from safeloc.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
-from safeloc.ranges import bounds
-from safeloc.render import infix
+from safeloc.language.checks.machine import input_variables
+from safeloc.language.digest import full_digest
+from safeloc.language.machine import Any_, Machine, Transition
+from safeloc.language.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
+from safeloc.language.ranges import bounds
+from safeloc.language.render import infix
+from safeloc.language.terms import Sharing
+from safeloc.language.units import Enumeration
 from safeloc.report.exact import Exact
-from safeloc.terms import Sharing
-from safeloc.units import Enumeration
 
 
 def machine_data(target: Target) -> dict[str, Any]:

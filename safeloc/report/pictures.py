@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
-from safeloc.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
+from safeloc.language.verdict import Violated
+from safeloc.proof.results import Finding, Replayed
+from safeloc.railway.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
 from safeloc.report.recognition import recognition_picture
@@ -15,9 +17,7 @@ from safeloc.report.standings import standings_picture
 from safeloc.report.stanford import stanford_picture
 from safeloc.report.told import Broken, Told
 from safeloc.report.waterfall import waterfall_picture, waterfall_table
-from safeloc.results import Finding, Replayed
 from safeloc.target import Target
-from safeloc.verdict import Violated
 
 
 def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from safeloc.pictures import PlanMark, TrackPlan
+from safeloc.railway.pictures import PlanMark, TrackPlan
 from safeloc.report.drawing import BLUE, GREY, SKY, Axis, cross, line, triangle, word
 from safeloc.report.thinning import Point
 

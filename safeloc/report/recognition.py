@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from safeloc.nodes import Value
-from safeloc.pictures import Hypothesis, Recognition, TrackPlan
+from safeloc.language.nodes import Value
+from safeloc.railway.pictures import Hypothesis, Recognition, TrackPlan
 from safeloc.report.drawing import (
     BLUE,
     GREEN,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
-from safeloc.pictures import Refusals, Sources
+from safeloc.railway.pictures import Refusals, Sources
 from safeloc.report.drawing import number
 from safeloc.report.told import Told
 

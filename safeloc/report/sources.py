@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.pictures import Interval, Sources, ThingKind, Things
+from safeloc.railway.pictures import Interval, Sources, ThingKind, Things
 from safeloc.report.drawing import (
     BLUE,
     GREEN,

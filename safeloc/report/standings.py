@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from safeloc.pictures import Standings
+from safeloc.railway.pictures import Standings
 from safeloc.report.drawing import across, across_axis, legend, picture
 from safeloc.report.strips import TALL, strip, strip_legend
 from safeloc.report.told import Series, Told

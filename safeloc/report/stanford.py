@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from safeloc.pictures import Stanford
+from safeloc.railway.pictures import Stanford
 from safeloc.report.drawing import (
     BLUE,
     GREY,

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.nodes import Expr, Num, Value
-from safeloc.trace import Trace, present_inputs
-from safeloc.units import Enumeration
+from safeloc.language.nodes import Expr, Num, Value
+from safeloc.language.trace import Trace, present_inputs
+from safeloc.language.units import Enumeration
 
 NM_PER_MM = 1_000_000
 Series = Sequence[float | None]

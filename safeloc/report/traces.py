@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from safeloc.report.plot import line_chart
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 
 Data = Mapping[str, Any]
 Series = list[float | None]

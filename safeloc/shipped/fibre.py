@@ -36,9 +36,9 @@ from safeloc.properties import fibre_handover as handover_properties
 from safeloc.properties import sections as sections_properties
 from safeloc.properties import train_order as order_properties
 from safeloc.properties import verification as verification_properties
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
-from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
 
 

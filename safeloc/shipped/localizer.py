@@ -15,9 +15,9 @@ from safeloc.properties import arbitration as arbitration_properties
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import localizer_sections as localizer_sections_properties
 from safeloc.properties import transmission as transmission_properties
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
-from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
 
 

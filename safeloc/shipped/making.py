@@ -7,9 +7,9 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from safeloc.machine import Machine
-from safeloc.spec import Property
-from safeloc.system import lower
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import lower
 from safeloc.target import Target
 
 STREAMS = Path(__file__).parents[1] / "models" / "streams"

@@ -8,6 +8,7 @@ from functools import partial
 
 from pydantic import BaseModel
 
+from safeloc.language.system import lower
 from safeloc.models import (
     balise,
     reflector,
@@ -33,10 +34,9 @@ from safeloc.properties import route as route_properties
 from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import travel_direction as direction_properties
 from safeloc.properties import turn_off as turn_off_properties
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
-from safeloc.streams.steps import Cell
-from safeloc.system import lower
 from safeloc.target import Entry, Target
 
 

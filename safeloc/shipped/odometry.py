@@ -6,20 +6,20 @@ from collections.abc import Mapping, Sequence
 
 from pydantic import BaseModel
 
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower
 from safeloc.models import (
     delocalized,
     odometry,
     supervised_odometry,
 )
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
-from safeloc.nodes import Value
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import supervised_odometry as supervised_properties
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from safeloc.shipped.making import recorded
-from safeloc.system import lower
 from safeloc.target import Entry, Target
 
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from pydantic import BaseModel
 
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower
 from safeloc.models import guard
 from safeloc.models.guard_parts.variables import GuardConfig, parts
-from safeloc.nodes import Value
 from safeloc.properties import guard as guard_properties
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from safeloc.shipped.making import recorded
-from safeloc.system import lower
 from safeloc.target import Entry, Target
 
 

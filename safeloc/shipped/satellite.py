@@ -7,19 +7,19 @@ from dataclasses import replace
 
 from pydantic import BaseModel
 
+from safeloc.language.spec import Property
 from safeloc.models import (
     satellite,
     satellite_selection,
 )
 from safeloc.models.satellite_parts.variables import SatelliteConfig
-from safeloc.pictures import Deviation, Picture, Standing, Standings, Stanford
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
-from safeloc.reported import Reported
+from safeloc.railway.pictures import Deviation, Picture, Standing, Standings, Stanford
+from safeloc.runtime.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
 from safeloc.signals.satellite.channels import satellite_name
-from safeloc.spec import Property
-from safeloc.streams.steps import Cell
 from safeloc.target import Entry, Target
 
 REPORTED = Reported(

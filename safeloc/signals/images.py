@@ -13,7 +13,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.border import Deliveries, Raw, Reason
+from safeloc.runtime.border import Deliveries, Raw, Reason
 from safeloc.signals.figures import Sensor
 
 Power = NDArray[np.float64]

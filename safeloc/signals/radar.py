@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.border import Reason
+from safeloc.runtime.border import Reason
 from safeloc.signals.detection import peaks
 from safeloc.signals.echoes import Echo, echoes
 from safeloc.signals.figures import RadarConfig

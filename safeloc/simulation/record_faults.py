@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Literal, assert_never
 
 from safeloc.errors import InputError
-from safeloc.streams.records import MarkerRecord, Record
+from safeloc.runtime.streams.records import MarkerRecord, Record
 
 RecordFaultKind = Literal["duplicate", "late", "swap", "freeze", "drop", "cross-talk"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record, TruthRecord
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import Distances, Reading
-from safeloc.streams.records import DistanceRecord, End, MarkerRecord, Record, TruthRecord
 
 ENDS: tuple[End, End] = ("front", "rear")
 

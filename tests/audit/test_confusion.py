@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.audit.confusion import Sighting, common_suffix, faults_towards
+from safeloc.railway.audit.confusion import Sighting, common_suffix, faults_towards
 
 
 def seen(models: str, step_mm: int = 100_000) -> list[Sighting]:

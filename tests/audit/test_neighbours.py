@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.audit import audit
-from safeloc.audit.findings import Finding
-from safeloc.line.model import Line
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.findings import Finding
+from safeloc.railway.map.model import Line
 from tests.line.made import group, reflector, straight
 
 

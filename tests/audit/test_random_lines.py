@@ -7,21 +7,21 @@ from itertools import combinations
 
 from hypothesis import given, settings
 
-from safeloc.audit import audit
-from safeloc.audit.findings import AuditReport
-from safeloc.audit.stretches import begins_mm, ends_mm, fix_error_mm
-from safeloc.expr import as_num
-from safeloc.interpret import holds
-from safeloc.line.clearance import clear_mm
-from safeloc.line.elements import BaliseGroup, Reflector
-from safeloc.line.model import Line
-from safeloc.line.places import Place
-from safeloc.line.routes import Met, Route, through_routes
-from safeloc.line.topology import Topology
-from safeloc.line.walk import Walk
+from safeloc.language.expr import as_num
+from safeloc.language.interpret import holds
+from safeloc.language.units import MM
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.units import MM
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.findings import AuditReport
+from safeloc.railway.audit.stretches import begins_mm, ends_mm, fix_error_mm
+from safeloc.railway.map.clearance import clear_mm
+from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Met, Route, through_routes
+from safeloc.railway.map.topology import Topology
+from safeloc.railway.map.walk import Walk
 from tests.line.random_lines import lines
 
 LAYOUT = LayoutConfig(tolerance_mm=20_000, odometry_rate_ppm=100_000, sensor_offset_mm=1_500, antenna_offset_mm=700)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.audit import audit
-from safeloc.audit.findings import AuditReport
-from safeloc.line.imports.formats import importer
-from safeloc.line.toml_files import from_toml, to_toml
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.findings import AuditReport
+from safeloc.railway.map.imports.formats import importer
+from safeloc.railway.map.toml_files import from_toml, to_toml
 from tests.data_sources import DATA, data_file
 
 TRACKS = sorted(path.name for path in (DATA / "lines_ttobench" / "tracks").glob("*.json"))

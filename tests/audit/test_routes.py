@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.long_line import ELEMENTS_PER_BLOCK, long_line
-from safeloc.audit import audit, routes
-from safeloc.audit.findings import Likeness, RoutePair
-from safeloc.audit.routes import route_count
-from safeloc.line.elements import Node, Switch, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.places import Place
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
+from safeloc.railway.audit import audit, routes
+from safeloc.railway.audit.findings import Likeness, RoutePair
+from safeloc.railway.audit.routes import route_count
+from safeloc.railway.map.elements import Node, Switch, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 from tests.line.made import fork, group, reflector, straight
 
 

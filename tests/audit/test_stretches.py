@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from safeloc.audit import audit
-from safeloc.audit.findings import Finding
-from safeloc.line.elements import Node, Switch, TrackEdge
-from safeloc.line.model import Line
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.findings import Finding
+from safeloc.railway.map.elements import Node, Switch, TrackEdge
+from safeloc.railway.map.model import Line
 from tests.line.made import fork, group, reflector, straight
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.audit.vehicle import find_layout
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit.vehicle import find_layout
 
 
 def test_shipped_vehicles_have_figures() -> None:

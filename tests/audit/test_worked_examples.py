@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from safeloc.audit import audit
-from safeloc.audit.findings import Finding
-from safeloc.audit.vehicle import find_layout
-from safeloc.line.model import Line
-from safeloc.line.toml_files import find_line
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.findings import Finding
+from safeloc.railway.audit.vehicle import find_layout
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.toml_files import find_line
 
 FIGURES = ("fig1", "fig2", "fig3")
 

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from benchmarks.vehicle_lines import MARKER_EVERY, TRAFFIC
-from safeloc.embedding import Program, localizer_program
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.lines import LineCutter
+from safeloc.runtime.embedding import Program, localizer_program
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.lines import LineCutter
 from safeloc.shipped import ENTRIES
 
 

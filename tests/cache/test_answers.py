@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.backends.smtlib import Query, to_smtlib
-from safeloc.cache import answers
-from safeloc.cache.answers import keep_proved, keeping, kept_in, proved_before
-from safeloc.cache.store import Store
-from safeloc.expr import Bool, number
-from safeloc.provers import implication, recheck
-from safeloc.provers.implication import Refuted, unproved
-from safeloc.provers.recheck import certify
-from safeloc.units import COUNT
+from safeloc.codegen.smtlib import Query, to_smtlib
+from safeloc.language.expr import Bool, number
+from safeloc.language.units import COUNT
+from safeloc.proof.cache import answers
+from safeloc.proof.cache.answers import keep_proved, keeping, kept_in, proved_before
+from safeloc.proof.cache.store import Store
+from safeloc.proof.provers import implication, recheck
+from safeloc.proof.provers.implication import Refuted, unproved
+from safeloc.proof.provers.recheck import certify
 
 X = number("x", COUNT, 0, 100)
 

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.cache.contents import target_digest
 from safeloc.catalogue import ENTRIES, load_target
-from safeloc.expr import number
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.nodes import Lit
-from safeloc.reported import Reported
-from safeloc.spec import Property, always, within
-from safeloc.system import lower
+from safeloc.language.expr import number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.nodes import Lit
+from safeloc.language.spec import Property, always, within
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.proof.cache.contents import target_digest
+from safeloc.runtime.reported import Reported
 from safeloc.target import Target
-from safeloc.units import COUNT
 
 SLOW, FAST = modes("SLOW", "FAST")
 X, N, START = number("x", COUNT, 0, 100), number("n", COUNT, 0, 100), number("start", COUNT, 0, 9)
@@ -149,7 +149,7 @@ def test_shipped_machines_have_digests_of_their_own() -> None:
 def test_the_digest_is_the_same_in_another_process() -> None:
     """Whatever the order of sets is there."""
     code = (
-        "from safeloc.catalogue import load_target; from safeloc.cache.contents import target_digest;"
+        "from safeloc.catalogue import load_target; from safeloc.proof.cache.contents import target_digest;"
         "print(target_digest(load_target('localizer_sections')))"
     )
     ran = [

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.cache import engine
-from safeloc.cache.engine import DECLARING, PACKAGE, SHOWING, engine_digest, source_digest
+from safeloc.proof.cache import engine
+from safeloc.proof.cache.engine import DECLARING, PACKAGE, SHOWING, engine_digest, source_digest
 
-BEGINS = ("safeloc/verification/many.py", "safeloc/verification/one.py")
+BEGINS = ("safeloc/proof/verification/many.py", "safeloc/proof/verification/one.py")
 LOADED_BY_NAME = ("safeloc/catalogue.py",)
 """What it imports beside the engine are the machines that it hands out, which a target's own digest covers."""
 
@@ -81,11 +81,11 @@ def digest_after(monkeypatch: pytest.MonkeyPatch, root: Path) -> tuple[str, str]
 def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A package of a few files."""
     for name in (
-        "spec.py",
-        "provers/base.py",
+        "language/spec.py",
+        "proof/provers/base.py",
         "models/odometry.py",
         "report/page.jinja",
-        "provers/__pycache__/base.pyc",
+        "proof/provers/__pycache__/base.pyc",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(name)
@@ -98,12 +98,12 @@ def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 @pytest.mark.parametrize(
     ("file", "engine_changes", "source_changes"),
     [
-        ("spec.py", True, True),
-        ("provers/base.py", True, True),
+        ("language/spec.py", True, True),
+        ("proof/provers/base.py", True, True),
         ("models/odometry.py", False, True),
         ("report/page.jinja", False, True),
-        ("provers/__pycache__/base.pyc", False, False),
-        ("provers/new.py", True, True),
+        ("proof/provers/__pycache__/base.pyc", False, False),
+        ("proof/provers/new.py", True, True),
     ],
 )
 def test_a_file_that_changes(

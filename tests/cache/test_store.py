@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.cache.store import Store, usual_folder
+from safeloc.proof.cache.store import Store, usual_folder
 
 KEY, OTHER = "ab" * 32, "cd" * 32
 

@@ -7,19 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.cache import targets
-from safeloc.cache.store import Store
-from safeloc.cache.targets import asked, found_before, keep
 from safeloc.catalogue import load_target
 from safeloc.errors import EngineError
-from safeloc.provers.limits import Limits
+from safeloc.language.verdict import Unknown
+from safeloc.proof.cache import targets
+from safeloc.proof.cache.store import Store
+from safeloc.proof.cache.targets import asked, found_before, keep
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.results import Finding
+from safeloc.proof.verification import many
+from safeloc.proof.verification.many import Event, Kept, Over, verify_targets
+from safeloc.proof.verification.one import Plan
 from safeloc.report.data import result_data
-from safeloc.results import Finding
 from safeloc.target import Target
-from safeloc.verdict import Unknown
-from safeloc.verification import many
-from safeloc.verification.many import Event, Kept, Over, verify_targets
-from safeloc.verification.one import Plan
 
 PLAN = Plan(Limits(depth=6, seconds=20), examples=4, steps=10, seed=1)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from safeloc.composition import Composition, compose
-from safeloc.expr import TRUE, Expr, Var, before, between, boolean, ite, minimum, number, optional
-from safeloc.machine import Machine, Transition, current_mode, modes
-from safeloc.nodes import INT64_MAX
-from safeloc.spec import Property, always, earlier_bool, previous, reachable, within
-from safeloc.units import COUNT
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import TRUE, Expr, Var, before, between, boolean, ite, minimum, number, optional
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.nodes import INT64_MAX
+from safeloc.language.spec import Property, always, earlier_bool, previous, reachable, within
+from safeloc.language.units import COUNT
 
 LOW, HIGH = modes("LOW", "HIGH")
 MODE = current_mode((LOW, HIGH))

@@ -9,17 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.catalogue import load_target
-from safeloc.checker.folder import Checking, asked, judge
-from safeloc.checker.solve import Opinion
-from safeloc.digest import full_digest
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
+from safeloc.language.digest import full_digest
+from safeloc.language.verdict import Proved
+from safeloc.proof.checker.folder import Checking, asked, judge
+from safeloc.proof.checker.solve import Opinion
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.results import Finding
 from safeloc.report.data import result_data
 from safeloc.report.folder import write_folder
-from safeloc.results import Finding
 from safeloc.target import Target
-from safeloc.verdict import Proved
 
 NAMES = ("counting", "whole", "twins", "tracking")
 LIMITS = Limits(seconds=20)

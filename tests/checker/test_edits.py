@@ -15,9 +15,9 @@ from itertools import product
 import pytest
 import z3
 
-from safeloc.backends.smt import Terms, constant
-from safeloc.provers.base import base
-from safeloc.system import environment
+from safeloc.codegen.smt import Terms, constant
+from safeloc.language.system import environment
+from safeloc.proof.provers.base import base
 from tests.checker.evidence import Evidence, refused
 
 SAMPLE, ALL = 40, 1000

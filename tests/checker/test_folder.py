@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from safeloc.checker.folder import check_folder
 from safeloc.errors import InputError
-from safeloc.packed import packed, read_packed
+from safeloc.proof.checker.folder import check_folder
 from safeloc.report.certificates import Archives, read_archives, write_archives
+from safeloc.runtime.packed import packed, read_packed
 from tests.checker.evidence import Evidence, refused, written
 from tests.cli.calling import Call
 

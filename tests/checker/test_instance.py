@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.expr import before
-from safeloc.provers.portfolio import prove
-from safeloc.spec import always
+from safeloc.language.expr import before
+from safeloc.language.spec import always
+from safeloc.proof.provers.portfolio import prove
 from tests.checker.declared import KNOWN, PLACE, TICK
 from tests.checker.evidence import LIMITS, Evidence, kept, refused
 

@@ -8,19 +8,19 @@ from dataclasses import replace
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.checker.claims import Goals
-from safeloc.checker.rules import RefusedError, Theory
-from safeloc.checker.text import read
-from safeloc.expr import BoolVar, boolean, number, was
-from safeloc.machine import Machine, Transition, modes
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.spec import Property, observe, within
-from safeloc.system import TransitionSystem, lower
+from safeloc.language.expr import BoolVar, boolean, number, was
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import Property, observe, within
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import ONE
+from safeloc.language.verdict import Proved
+from safeloc.proof.checker.claims import Goals
+from safeloc.proof.checker.rules import RefusedError, Theory
+from safeloc.proof.checker.text import read
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
 from safeloc.target import Target
-from safeloc.units import ONE
-from safeloc.verdict import Proved
 from tests.checker.evidence import LIMITS, NAMES, Evidence, kept, refused, removed, solved
 
 
@@ -164,7 +164,7 @@ def answered(steps: int) -> Property:
 
 def test_an_input_that_is_rigid(monkeypatch: pytest.MonkeyPatch) -> None:
     """d01: where the language would let a helper read an input, z3 and cvc5 confirm every text, and the checker refuses."""
-    monkeypatch.setattr("safeloc.spec.check_reading", lambda _: None)
+    monkeypatch.setattr("safeloc.language.spec.check_reading", lambda _: None)
     system, prop = armed(), answered(2000)
     verdict = kinduction(observe(system, prop), Limits())
     assert isinstance(verdict, Proved)

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.checker.folder import Checked, check_folder
-from safeloc.packed import packed, read_packed
-from safeloc.provers.obligations import obligations
+from safeloc.proof.checker.folder import Checked, check_folder
+from safeloc.proof.provers.obligations import obligations
+from safeloc.runtime.packed import packed, read_packed
 from tests.checker.evidence import LIMITS, kept, written
 
 BY_ITSELF = "pair/obligation/transition leaper: leap"

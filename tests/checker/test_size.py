@@ -7,7 +7,7 @@ import io
 import tokenize
 from pathlib import Path
 
-import safeloc.checker
+import safeloc.proof.checker
 
 KERNEL = ("dag", "text", "terms", "rules")
 LAYOUT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
@@ -29,7 +29,7 @@ def lines_of_code(source: str) -> int:
 
 def test_the_kernel_is_short() -> None:
     """Below 500 lines of code."""
-    folder = Path(safeloc.checker.__file__).parent
+    folder = Path(safeloc.proof.checker.__file__).parent
     assert sum(lines_of_code((folder / f"{name}.py").read_text(encoding="utf-8")) for name in KERNEL) < 500
 
 

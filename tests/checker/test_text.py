@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.checker.dag import Dag, Rewriting
-from safeloc.checker.terms import Translation
-from safeloc.checker.text import Certificate, read
 from safeloc.errors import InputError
-from safeloc.expr import all_of, any_of, boolean, floor_div, ite, maximum, minimum, number
-from safeloc.units import ONE
+from safeloc.language.expr import all_of, any_of, boolean, floor_div, ite, maximum, minimum, number
+from safeloc.language.units import ONE
+from safeloc.proof.checker.dag import Dag, Rewriting
+from safeloc.proof.checker.terms import Translation
+from safeloc.proof.checker.text import Certificate, read
 
 HEAD = "; safeloc-certificate/1\n; system: m\n(set-logic QF_LIA)\n(set-info :status unsat)\n"
 X, Y, P, Q = number("x", ONE, -5, 5), number("t5", ONE, 0, 9), boolean("p"), boolean("and")

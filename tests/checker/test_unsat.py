@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.checker.unsat import survey
 from safeloc.errors import InputError
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
+from safeloc.language.verdict import require_proved
+from safeloc.proof.checker.unsat import survey
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
 from safeloc.report.certificates import write_archives
 from safeloc.report.data import SCHEMA
-from safeloc.verdict import require_proved
 from tests.provers.small import LEVEL, counter, goal
 
 

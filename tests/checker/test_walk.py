@@ -7,13 +7,13 @@ import random
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.checker.dag import Dag
-from safeloc.checker.terms import Translation
-from safeloc.checker.walk import computed
-from safeloc.expr import BoolVar, Var
-from safeloc.interpret import evaluate
-from safeloc.nodes import Value
-from safeloc.system import environment
+from safeloc.language.expr import BoolVar, Var
+from safeloc.language.interpret import evaluate
+from safeloc.language.nodes import Value
+from safeloc.language.system import environment
+from safeloc.proof.checker.dag import Dag
+from safeloc.proof.checker.terms import Translation
+from safeloc.proof.checker.walk import computed
 
 
 @pytest.mark.parametrize("name", ["odometry", "fibre_area", "sections"])

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import pytest
 
 from safeloc.errors import ModelError
-from safeloc.expr import TRUE, before, boolean, choice, enumeration, members, number, optional
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import FloorDiv, NumVar
-from safeloc.spec import once
-from safeloc.units import MM, MS
+from safeloc.language.expr import TRUE, before, boolean, choice, enumeration, members, number, optional
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import FloorDiv, NumVar
+from safeloc.language.spec import once
+from safeloc.language.units import MM, MS
 
 A, B = modes("A", "B")
 STRANGE, _ = modes("A", "B")

@@ -12,24 +12,24 @@ from typing import Any
 
 import pytest
 
-from safeloc.checks import composition, machine, properties, system
-from safeloc.checks.rule import Rule
-from safeloc.checks.table import RULES
-from safeloc.composition import compose
 from safeloc.errors import EngineError, SafelocError
-from safeloc.expr import FALSE, TRUE, Bool, boolean, minimum, number, optional, was
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.monitor import Broken, Holds, Monitor
-from safeloc.nodes import Compare, FloorDiv, NumVar
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import CHECKS
-from safeloc.provers.portfolio import prove_one
-from safeloc.provers.reachability import first_runs
-from safeloc.spec import always, observe, previous, reachable, within
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.units import ONE
-from safeloc.verdict import Proved, Violated
+from safeloc.language.checks import composition, machine, properties, system
+from safeloc.language.checks.rule import Rule
+from safeloc.language.checks.table import RULES
+from safeloc.language.composition import compose
+from safeloc.language.expr import FALSE, TRUE, Bool, boolean, minimum, number, optional, was
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.monitor import Broken, Holds, Monitor
+from safeloc.language.nodes import Compare, FloorDiv, NumVar
+from safeloc.language.spec import always, observe, previous, reachable, within
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.units import ONE
+from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import CHECKS
+from safeloc.proof.provers.portfolio import prove_one
+from safeloc.proof.provers.reachability import first_runs
 
 LIMITS = Limits(depth=4, seconds=10)
 A, B, C = modes("A", "B", "C")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.line.toml_files import find_line, to_toml
+from safeloc.railway.map.toml_files import find_line, to_toml
 from tests.cli.calling import Call
 
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from safeloc.cache.store import Store
 from safeloc.cli import verify as module
+from safeloc.proof.cache.store import Store
 from safeloc.report import folder as folder_module
 from tests.cli.calling import Call, started
 
@@ -82,10 +82,10 @@ def test_what_is_violated_is_never_put_back_as_a_whole(call: Call, tmp_path: Pat
     """The report is made anew, since what is wrong has to be told with its run; the machine is looked up."""
     path = tmp_path / "own.py"
     path.write_text(
-        "from safeloc.expr import number\n"
-        "from safeloc.machine import Machine, Transition, modes\n"
-        "from safeloc.spec import always\n"
-        "from safeloc.units import COUNT\n"
+        "from safeloc.language.expr import number\n"
+        "from safeloc.language.machine import Machine, Transition, modes\n"
+        "from safeloc.language.spec import always\n"
+        "from safeloc.language.units import COUNT\n"
         "A, B = modes('A', 'B')\n"
         "X, N = number('x', COUNT, 0, 9), number('n', COUNT, 0, 9)\n"
         "machine = Machine('own', (A, B), [X], {N: 0}, {'n': N}, [Transition('go', A, B, X > 5, {N: X})])\n"

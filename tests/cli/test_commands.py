@@ -12,7 +12,7 @@ from safeloc.catalogue import ENTRIES
 from safeloc.report.data import schema
 from safeloc.report.page import file_names
 from safeloc.requirements import requirements
-from safeloc.streams.columns import read_runs
+from safeloc.runtime.streams.columns import read_runs
 from tests.cli.calling import DOOR, QUICK_VERIFY, Call
 
 REVERSAL = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl"

@@ -12,8 +12,8 @@ from rich.console import Console
 from safeloc.cli import main as commands
 from safeloc.cli import show, verify
 from safeloc.cli.show import Progressing
-from safeloc.results import Finding
-from safeloc.verdict import Held
+from safeloc.language.verdict import Held
+from safeloc.proof.results import Finding
 from tests.cli.calling import DOOR, Call
 
 ROOT = Path(__file__).parents[2]

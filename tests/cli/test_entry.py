@@ -40,7 +40,9 @@ def test_what_needs_no_command_loads_none(arguments: list[str]) -> None:
     assert {"safeloc.cli.commands", "safeloc.cli.console", "safeloc.cli.entry"} == {
         name for name in found if name.startswith("safeloc.cli.")
     }
-    assert [] == [name for name in found if name.startswith(("safeloc.catalogue", "safeloc.models", "safeloc.provers"))]
+    assert [] == [
+        name for name in found if name.startswith(("safeloc.catalogue", "safeloc.models", "safeloc.proof.provers"))
+    ]
 
 
 def test_help_loads_no_configurations() -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.backends.c_folder import make, needs_compiler
 from tests.cli.calling import DOOR, Call
+from tests.codegen.c_folder import make, needs_compiler
 
 
 @needs_compiler

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.streams.record_files import read_records
-from safeloc.streams.records import MarkerRecord, TruthRecord
+from safeloc.runtime.streams.record_files import read_records
+from safeloc.runtime.streams.records import MarkerRecord, TruthRecord
 from tests.cli.calling import Call
 from tests.data_sources import data_file
 from tests.line.imports.test_geojson import SWITCH

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.line.toml_files import load_line
+from safeloc.railway.map.toml_files import load_line
 from tests.cli.calling import Call
 from tests.line.imports.documents import STATION
 

@@ -60,10 +60,10 @@ def test_undecided(call: Call, tmp_path: Path) -> None:
 
 
 LONG = """
-from safeloc.expr import TRUE, number, product
-from safeloc.machine import Machine, Transition, modes
-from safeloc.spec import never
-from safeloc.units import COUNT
+from safeloc.language.expr import TRUE, number, product
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import never
+from safeloc.language.units import COUNT
 (ON,) = modes("ON")
 a, b, c, d = (number(n, COUNT, 0, 1000) for n in "abcd")
 u, v, w = (number(n, COUNT, 1, 1000) for n in "uvw")

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.catalogue import load_target
-from safeloc.interpret import read_inputs
+from safeloc.language.interpret import read_inputs
+from safeloc.language.system import without_ghosts
 from safeloc.models.localizer_recordings import FOLDER, RUNS
-from safeloc.packed import read_packed
-from safeloc.streams.record_files import write_records
-from safeloc.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, ValueRecord
-from safeloc.streams.steps import Cell, read_steps
-from safeloc.system import without_ghosts
-from safeloc.verification.recordings import counted, recorded_steps
+from safeloc.proof.verification.recordings import counted, recorded_steps
+from safeloc.runtime.border import Reason
+from safeloc.runtime.packed import read_packed
+from safeloc.runtime.streams.record_files import write_records
+from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord, Record, TruthRecord, ValueRecord
+from safeloc.runtime.streams.steps import Cell, read_steps
 from tests.cli.calling import Call
 
 PERIOD_MS = 100

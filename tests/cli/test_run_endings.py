@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.service import loop
+from safeloc.runtime.service import loop
 from tests.cli.calling import Call, caller
 from tests.service.processes import lines, ran, read, running, wait_for
 

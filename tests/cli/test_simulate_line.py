@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from safeloc.line.toml_files import find_line, to_toml
+from safeloc.railway.map.toml_files import find_line, to_toml
 from tests.cli.calling import Call
 from tests.line.made import group, reflector, straight
 

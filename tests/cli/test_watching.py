@@ -15,10 +15,10 @@ from safeloc.cli.watching import PACKAGE, Row, beside, changes, looked_at, rows
 from tests.cli.calling import started
 
 OWN = """
-from safeloc.expr import number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.spec import always
-from safeloc.units import COUNT
+from safeloc.language.expr import number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.units import COUNT
 
 A, B = modes("A", "B")
 X, N = number("x", COUNT, 0, 9), number("n", COUNT, 0, 9)

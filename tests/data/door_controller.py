@@ -1,9 +1,9 @@
 """A user's own machine: a train door that opens only at standstill and reports a closed and locked door."""
 
-from safeloc.expr import TRUE, boolean, number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.spec import always, never, reachable, within
-from safeloc.units import MM_S, MS
+from safeloc.language.expr import TRUE, boolean, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always, never, reachable, within
+from safeloc.language.units import MM_S, MS
 
 STANDSTILL_MM_S = 100
 CLOSING_MS = 3_000

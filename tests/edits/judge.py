@@ -13,7 +13,7 @@ from tests.edits.checkout import Checkout, Ran, edited
 from tests.edits.edit import Edit, drawn
 
 DRAWS = 60
-ENGINE = ("provers", "runs", "backends", "verification")
+ENGINE = ("proof/provers", "proof/runs", "codegen", "proof/verification")
 
 
 @dataclass(frozen=True)

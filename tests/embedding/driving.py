@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from functools import cache
 
 from safeloc.catalogue import load_target
-from safeloc.embedding import Program
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runtime.embedding import Program
+from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record
 from safeloc.shipped import ENTRIES
-from safeloc.streams.records import DistanceRecord, End, MarkerRecord, Record
 
 PERIOD_MS = 100
 STEP_MM = 1_200

@@ -13,17 +13,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.border import Reason
 from safeloc.catalogue import load_target
-from safeloc.embedding import EVERY, Controller, Program, Report
-from safeloc.embedding.controller import MOST_RECORDS
-from safeloc.embedding.period import periods
 from safeloc.errors import InputError
-from safeloc.interpret import run
-from safeloc.streams.cycles import cycles
-from safeloc.streams.records import DistanceRecord, MarkerRecord, TruthRecord, Unusable, ValueRecord
-from safeloc.streams.steps import read_steps
-from safeloc.system import lower
+from safeloc.language.interpret import run
+from safeloc.language.system import lower
+from safeloc.runtime.border import Reason
+from safeloc.runtime.embedding import EVERY, Controller, Program, Report
+from safeloc.runtime.embedding.controller import MOST_RECORDS
+from safeloc.runtime.embedding.period import periods
+from safeloc.runtime.streams.cycles import cycles
+from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord, TruthRecord, Unusable, ValueRecord
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import PERIOD_MS, distances, drive, marker, shipped, trusting
@@ -304,7 +304,7 @@ def test_an_unknown_input_is_the_hosts_mistake() -> None:
 def test_what_is_no_record_is_the_hosts_mistake() -> None:
     """Nothing has happened then."""
     controller = located()
-    with pytest.raises(InputError, match=r"^expected records \(safeloc\.streams\.records\), got dict\.$"):
+    with pytest.raises(InputError, match=r"^expected records \(safeloc\.runtime\.streams\.records\), got dict\.$"):
         controller.step([{"kind": "distance"}])  # type: ignore[list-item]
     assert controller.report.cycle == 3
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from safeloc.embedding import Localizer, Program, localizer_program
 from safeloc.errors import InputError, SnapshotError
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.streams.records import ValueRecord
+from safeloc.runtime.embedding import Localizer, Program, localizer_program
+from safeloc.runtime.streams.records import ValueRecord
 from tests.embedding.driving import PERIOD_MS, drive
 
 CONFIG = LocalizerConfig(sources=("odometry", "reflector"), odometry=OdometryConfig(trust_first_marker=True))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from safeloc.config import Config
-from safeloc.embedding.period import configured_period_ms, periods
 from safeloc.errors import InputError
 from safeloc.models.localizer import LocalizerConfig
+from safeloc.runtime.embedding.period import configured_period_ms, periods
 
 
 class Part(Config):

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from safeloc.embedding import Controller
-from safeloc.embedding.snapshot import sealed
 from safeloc.errors import InputError, SnapshotError
+from safeloc.runtime.embedding import Controller
+from safeloc.runtime.embedding.snapshot import sealed
 from tests.embedding.driving import distances, drive, trusting
 
 ODOMETRY = trusting()

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.backends.smtlib import Query
-from safeloc.border import Reason
 from safeloc.catalogue import load_target
-from safeloc.embedding import Controller, Program
-from safeloc.embedding.period import periods
+from safeloc.codegen.smtlib import Query
 from safeloc.errors import InputError
-from safeloc.expr import Expr, Lit, NumVar, Var
-from safeloc.nodes import Truth
-from safeloc.provers.implication import conjuncts, unproved
+from safeloc.language.expr import Expr, Lit, NumVar, Var
+from safeloc.language.nodes import Truth
+from safeloc.language.system import TransitionSystem, canonical, environment
+from safeloc.language.terms import Substitution
+from safeloc.proof.provers.implication import conjuncts, unproved
+from safeloc.runtime.border import Reason
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.period import periods
 from safeloc.shipped.hosting import SILENT
-from safeloc.system import TransitionSystem, canonical, environment
 from safeloc.target import Target
-from safeloc.terms import Substitution
 from tests.embedding.driving import shipped
 
 PAIRS = [(target, machine) for target, machines in SILENT.items() for machine in machines]

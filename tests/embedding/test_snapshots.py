@@ -14,13 +14,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.embedding import Controller, Program
-from safeloc.embedding.snapshot import sealed
 from safeloc.errors import InputError, SnapshotError
+from safeloc.language.system import lower
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.snapshot import sealed
+from safeloc.runtime.streams.records import ValueRecord
 from safeloc.shipped import ENTRIES
-from safeloc.streams.records import ValueRecord
-from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import distances, drive, shipped, trusting
@@ -172,7 +172,7 @@ def test_a_state_that_is_none(spoil: Callable[[dict[str, Any]], object]) -> None
 def test_another_process_reads_it() -> None:
     """What identifies a build of a machine does not depend on the process that computes it."""
     code = (
-        "import sys; from tests.embedding.driving import trusting; from safeloc.embedding import Controller; "
+        "import sys; from tests.embedding.driving import trusting; from safeloc.runtime.embedding import Controller; "
         "print(Controller(trusting()).restore(sys.stdin.buffer.read()).words())"
     )
     whole = driven(3)

@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 import z3
 
-from safeloc.backends.batch import simulate
-from safeloc.backends.batch_lanes import compile_lanes
-from safeloc.backends.c_loader import load_c
-from safeloc.backends.compiled import compile_system
-from safeloc.backends.runtime import to_fsm
-from safeloc.backends.smt import Terms
-from safeloc.backends.smtlib import Query, to_smtlib
+from safeloc.codegen.batch import simulate
+from safeloc.codegen.batch_lanes import compile_lanes
+from safeloc.codegen.c_loader import load_c
+from safeloc.codegen.compiled import compile_system
+from safeloc.codegen.runtime import to_fsm
+from safeloc.codegen.smt import Terms
+from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
-from safeloc.expr import Bool, Lit, Num, NumVar, Var
-from safeloc.interpret import run
-from safeloc.nodes import TRUE
-from safeloc.provers.recheck import decide
-from safeloc.system import TransitionSystem, without_ghosts
+from safeloc.language.expr import Bool, Lit, Num, NumVar, Var
+from safeloc.language.interpret import run
+from safeloc.language.nodes import TRUE
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.proof.provers.recheck import decide
 from tests.fuzz.bounds import fits
 from tests.fuzz.build import Built
 from tests.fuzz.draw import Draw

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from safeloc import nodes
-from safeloc.composition import Clause, Composition, compose
-from safeloc.expr import (
+from safeloc.language import nodes
+from safeloc.language.composition import Clause, Composition, compose
+from safeloc.language.expr import (
     BoolVar,
     Expr,
     Lit,
@@ -32,10 +32,10 @@ from safeloc.expr import (
     product,
     was,
 )
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.spec import Property, once, previous, since
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import ONE
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.spec import Property, once, previous, since
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import ONE
 from tests.fuzz.judge import WAITING, Claim
 from tests.fuzz.terms import Term
 from tests.fuzz.world import COLOURS, Game, Var, Whole, World

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.provers.limits import Limits
+from safeloc.proof.provers.limits import Limits
 from tests.fuzz.build import Built
 from tests.fuzz.explore import Space, search
 from tests.fuzz.judge import Claim

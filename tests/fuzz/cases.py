@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.errors import ModelError
-from safeloc.provers.limits import Limits
+from safeloc.proof.provers.limits import Limits
 from tests.fuzz import verdicts
 from tests.fuzz.backends import all_back_ends
 from tests.fuzz.build import Built, build

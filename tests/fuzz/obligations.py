@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable, Iterator
 from itertools import combinations
 
-from safeloc.provers.obligation import Obligation
-from safeloc.provers.obligations import CHECKS
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Unknown, Vacuous, Violated
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.obligations import CHECKS
 from tests.fuzz.case import Case
 from tests.fuzz.explore import Edge, Space, anyhow, lawful, search
 from tests.fuzz.replay import NotARunError, again, row_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from safeloc.provers.antecedents import Never, Open, Outcome, Seen
+from safeloc.proof.provers.antecedents import Never, Open, Outcome, Seen
 from tests.fuzz.case import Case
 from tests.fuzz.explore import occurs, search
 from tests.fuzz.judge import Claim

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from safeloc.trace import Trace
+from safeloc.language.trace import Trace
 from tests.fuzz.explore import Edge, anyhow
 from tests.fuzz.judge import Claim, hit_at
 from tests.fuzz.terms import fast, was

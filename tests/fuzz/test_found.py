@@ -11,7 +11,7 @@ from random import Random
 
 import pytest
 
-from safeloc.antecedents import antecedents
+from safeloc.language.antecedents import antecedents
 from tests.fuzz import verdicts
 from tests.fuzz.backends import all_back_ends
 from tests.fuzz.build import build, read

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from safeloc.provers.limits import Limits
+from safeloc.proof.provers.limits import Limits
 from tests.fuzz.cases import KINDS, Plan
 from tests.fuzz.expect import NOW, OPEN
 from tests.fuzz.tally import TRAPS, Tally, total

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from safeloc.errors import InputError, ModelError, PropertyError
-from safeloc.expr import Bool
-from safeloc.provers.antecedents import Outcome, found
-from safeloc.provers.base import Base, base
-from safeloc.provers.bmc import bmc
-from safeloc.provers.falsify import falsify
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove, prove_one
-from safeloc.provers.spacer import spacer
-from safeloc.spec import Goal, observe
-from safeloc.verdict import Proved, Result, Unknown, Vacuous, Violated
+from safeloc.language.expr import Bool
+from safeloc.language.spec import Goal, observe
+from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
+from safeloc.proof.provers.antecedents import Outcome, found
+from safeloc.proof.provers.base import Base, base
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.provers.spacer import spacer
 from tests.fuzz.build import read
 from tests.fuzz.case import Case
 from tests.fuzz.explore import Edge, Space, Truth, allowed_by, anyhow, false_somewhere, lawful, occurs, truth
@@ -117,7 +117,7 @@ def wrong_verdict(case: Case, one: Claim, true: Truth, name: str, said: Result, 
 
 def _shown(case: Case, one: Claim, true: Truth, name: str, trace: object, allowed: Callable[[Edge], int]) -> str:
     """A run as evidence: it must be one, show what it is to show, and be a shortest one of bounded search."""
-    from safeloc.trace import Trace
+    from safeloc.language.trace import Trace
 
     if not isinstance(trace, Trace):
         return "no run as evidence"

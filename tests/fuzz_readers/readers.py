@@ -16,24 +16,24 @@ from io import BytesIO
 from pathlib import Path
 
 from safeloc.catalogue import load_target
-from safeloc.embedding import Controller, Program
 from safeloc.errors import InputError, SnapshotError, UnforeseenError
-from safeloc.guard.fields import Columns
-from safeloc.guard.nmea import nmea_deliveries
-from safeloc.guard.streams import csv_deliveries, jsonl_deliveries
-from safeloc.line.imports.formats import FORMATS
-from safeloc.line.recorded_run import read_fixes
-from safeloc.line.toml_files import load_line, shipped_lines
-from safeloc.outside import UNFORESEEN
-from safeloc.service.lines import LineCutter
-from safeloc.service.messages import Reader, Refused
+from safeloc.railway.guard.fields import Columns
+from safeloc.railway.guard.nmea import nmea_deliveries
+from safeloc.railway.guard.streams import csv_deliveries, jsonl_deliveries
+from safeloc.railway.map.imports.formats import FORMATS
+from safeloc.railway.map.recorded_run import read_fixes
+from safeloc.railway.map.toml_files import load_line, shipped_lines
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.outside import UNFORESEEN
+from safeloc.runtime.service.lines import LineCutter
+from safeloc.runtime.service.messages import Reader, Refused
+from safeloc.runtime.streams.record_files import read_raw, read_records
+from safeloc.runtime.streams.records import RECORD
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.signals.fibre.recordings import read_array
 from safeloc.signals.satellite.android import read_android
 from safeloc.signals.satellite.navigation import read_navigation
 from safeloc.signals.satellite.observations import read_observations
-from safeloc.streams.record_files import read_raw, read_records
-from safeloc.streams.records import RECORD
-from safeloc.streams.steps import read_steps
 from tests.line.imports.documents import STATION
 from tests.line.imports.test_geojson import SWITCH
 from tests.line.imports.test_ttobench import TRACK

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.guard import Guard
-from safeloc.guard.tracks import Tracks
-from safeloc.line.elements import Geometry, Node, Switch, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.routes import Route
 from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.guard import Guard
+from safeloc.railway.guard.tracks import Tracks
+from safeloc.railway.map.elements import Geometry, Node, Switch, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Route
 
 CRS = "+proj=tmerc +lat_0=48 +lon_0=9 +datum=WGS84 +units=m +no_defs"
 EAST_M, NORTH_M = 0, 0

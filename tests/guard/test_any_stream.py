@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.guard import MODES, Judgement
-from safeloc.guard.told import as_data
 from safeloc.models.guard_parts.variables import JUDGED
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.guard import MODES, Judgement
+from safeloc.railway.guard.told import as_data
 from tests.guard.made import fix, guard, place
 
 pytest.importorskip("shapely")

@@ -8,11 +8,11 @@ import random
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.guard import Guard, Judgement
-from safeloc.line.places import Place
-from safeloc.line.routes import Route
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Run, Topology
 from tests.guard.made import CONFIG, edge, fix, fork, guard, place
 
 pytest.importorskip("shapely")

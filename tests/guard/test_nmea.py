@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.nmea import nmea_deliveries
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.nmea import nmea_deliveries
 
 pytest.importorskip("pynmeagps")
 

@@ -8,19 +8,19 @@ from itertools import groupby, pairwise
 
 import pytest
 
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.fields import Columns
-from safeloc.guard.figures import find_vehicle, guard_config
-from safeloc.guard.guard import Guard, Judgement
-from safeloc.guard.nmea import nmea_deliveries
-from safeloc.guard.streams import csv_deliveries
-from safeloc.guard.tracks import Tracks
-from safeloc.line.imports.geojson_path import route_over
-from safeloc.line.model import Line
-from safeloc.line.routes import Route
-from safeloc.line.toml_files import load_line, to_toml
-from safeloc.line.topology import Topology
 from safeloc.models.guard_positions import FAULTS, FOLDER, csv_text, junction, nmea_text, told
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.fields import Columns
+from safeloc.railway.guard.figures import find_vehicle, guard_config
+from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.guard.nmea import nmea_deliveries
+from safeloc.railway.guard.streams import csv_deliveries
+from safeloc.railway.guard.tracks import Tracks
+from safeloc.railway.map.imports.geojson_path import route_over
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.toml_files import load_line, to_toml
+from safeloc.railway.map.topology import Topology
 from tests.data_sources import data_file
 from tests.line.recorded import network, route_of
 

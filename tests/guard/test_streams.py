@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError, StreamError
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.fields import Columns, columns_of, milliseconds
-from safeloc.guard.streams import csv_deliveries, jsonl_deliveries
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.fields import Columns, columns_of, milliseconds
+from safeloc.railway.guard.streams import csv_deliveries, jsonl_deliveries
 
 COLUMNS = Columns(time="t", x="x", y="y", speed="v", flag="q", received="r", no_fix=frozenset({"NONE"}))
 HEAD = "t,x,y,v,q,r"

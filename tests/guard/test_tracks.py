@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.guard.tracks import Laid, Match, Tracks, Window
-from safeloc.line.elements import TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.places import Place
-from safeloc.line.routes import Route
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.guard.tracks import Laid, Match, Tracks, Window
+from safeloc.railway.map.elements import TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Run, Topology
 from tests.guard.made import edge, fork, place, tracks
 
 pytest.importorskip("shapely")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from safeloc.line.elements import Balise, BaliseGroup, Direction, Node, Reflector, StopPoint, Switch, TrackEdge
-from safeloc.line.model import Line
+from safeloc.railway.map.elements import Balise, BaliseGroup, Direction, Node, Reflector, StopPoint, Switch, TrackEdge
+from safeloc.railway.map.model import Line
 
 
 def straight(*lengths_mm: int, travel: str = "increasing", **more: Any) -> Line:

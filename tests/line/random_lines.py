@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
-from safeloc.line.elements import BaliseGroup, Direction, KilometrePoint, Node, Reflector, Switch, TrackEdge
-from safeloc.line.model import Line
+from safeloc.railway.map.elements import BaliseGroup, Direction, KilometrePoint, Node, Reflector, Switch, TrackEdge
+from safeloc.railway.map.model import Line
 from tests.line.made import group, reflector
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from functools import cache
 
-from safeloc.line.imports.geojson import read_geojson
-from safeloc.line.imports.geojson_path import read_path, route_over
-from safeloc.line.model import Line
-from safeloc.line.placing import with_balise_groups
-from safeloc.line.recorded_run import OnRoute, on_route, read_fixes
-from safeloc.line.routes import Route
-from safeloc.line.topology import Topology
+from safeloc.railway.map.imports.geojson import read_geojson
+from safeloc.railway.map.imports.geojson_path import read_path, route_over
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.placing import with_balise_groups
+from safeloc.railway.map.recorded_run import OnRoute, on_route, read_fixes
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Topology
 from tests.data_sources import data_file
 
 PATHS = {

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from safeloc.line.clearance import Pair, clear_mm, pairs
-from safeloc.line.elements import KilometrePoint, Node, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.toml_files import find_line
-from safeloc.line.walk import Walk
+from safeloc.railway.map.clearance import Pair, clear_mm, pairs
+from safeloc.railway.map.elements import KilometrePoint, Node, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.walk import Walk
 from tests.line.made import fork, reflector, straight
 
 REACH = 200_000

@@ -7,12 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from safeloc.audit import audit
-from safeloc.audit.rules import Rule, Rules
-from safeloc.line.integrity import kinds
-from safeloc.line.model import Line
-from safeloc.line.toml_files import find_line, from_toml
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit import audit
+from safeloc.railway.audit.rules import Rule, Rules
+from safeloc.railway.map.integrity import kinds
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.toml_files import find_line, from_toml
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "line.md").read_text(encoding="utf-8")

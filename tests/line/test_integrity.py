@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from safeloc.line.elements import (
+from safeloc.railway.map.elements import (
     AxleCounter,
     Balise,
     BaliseGroup,
@@ -28,7 +28,7 @@ from safeloc.line.elements import (
     Tunnel,
     VirtualSection,
 )
-from safeloc.line.model import Line
+from safeloc.railway.map.model import Line
 from tests.line.made import fork, group, reflector, stop, straight
 
 N = tuple(Node(id=name) for name in "abc")

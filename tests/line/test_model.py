@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from safeloc.line.elements import Reflector, TrackEdge, opposite
-from safeloc.line.model import Line, content_checksum, sealed
+from safeloc.railway.map.elements import Reflector, TrackEdge, opposite
+from safeloc.railway.map.model import Line, content_checksum, sealed
 from tests.line.made import group, reflector, straight
 
 

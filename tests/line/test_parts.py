@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from safeloc.audit import audit
 from safeloc.errors import InputError
-from safeloc.line.elements import (
+from safeloc.railway.audit import audit
+from safeloc.railway.map.elements import (
     AxleCounter,
     DetectionSection,
     Fibre,
@@ -22,9 +22,9 @@ from safeloc.line.elements import (
     TelegramReflector,
     Tunnel,
 )
-from safeloc.line.model import Line, sealed
-from safeloc.line.parts import LinePart, PartialMap, cut
-from safeloc.line.toml_files import find_line
+from safeloc.railway.map.model import Line, sealed
+from safeloc.railway.map.parts import LinePart, PartialMap, cut
+from safeloc.railway.map.toml_files import find_line
 from tests.line.made import group, reflector, stop, straight
 
 NAMES = {"e0": "west", "e1": "middle", "e2": "east"}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from safeloc.line.elements import KilometrePoint, TrackEdge
-from safeloc.line.places import along, kilometre_mm, kilometre_text
+from safeloc.railway.map.elements import KilometrePoint, TrackEdge
+from safeloc.railway.map.places import along, kilometre_mm, kilometre_text
 
 
 def edge(*points: KilometrePoint) -> TrackEdge:

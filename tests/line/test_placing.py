@@ -6,11 +6,11 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Node, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.placing import with_balise_groups
-from safeloc.line.routes import Route
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.map.elements import Node, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.placing import with_balise_groups
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Run, Topology
 
 LINE = Line(
     name="two",

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Node, Switch, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.plan import track_plan
-from safeloc.line.routes import Route, through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
-from safeloc.pictures import TrackPlan
+from safeloc.railway.map.elements import Node, Switch, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.plan import track_plan
+from safeloc.railway.map.routes import Route, through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
+from safeloc.railway.pictures import TrackPlan
 
 
 def eastward(line: Line) -> list[Route]:

@@ -8,10 +8,10 @@ import sys
 import pytest
 
 from safeloc.errors import EngineError, InputError
-from safeloc.line.elements import Geometry, Node, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.places import Place
-from safeloc.line.projection import LAMBERT72, Projector
+from safeloc.railway.map.elements import Geometry, Node, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.projection import LAMBERT72, Projector
 from tests.data_sources import rows
 from tests.line.recorded import network
 

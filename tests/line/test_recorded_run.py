@@ -11,10 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.backends.compiled import Compiled, compile_system
-from safeloc.border import channels_of
+from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import StreamError
-from safeloc.line.recorded_run import (
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import Enumeration
+from safeloc.models import odometry
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.railway.map.recorded_run import (
     Columns,
     OnRoute,
     Reading,
@@ -27,13 +31,9 @@ from safeloc.line.recorded_run import (
     trusted_times,
     truth_records,
 )
-from safeloc.models import odometry
-from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.nodes import Value
-from safeloc.streams.cycles import Cycle, cycles
-from safeloc.streams.records import MarkerRecord
-from safeloc.system import lower, without_ghosts
-from safeloc.units import Enumeration
+from safeloc.runtime.border import channels_of
+from safeloc.runtime.streams.cycles import Cycle, cycles
+from safeloc.runtime.streams.records import MarkerRecord
 from tests.line.recorded import equipped, fixes_of, route_of
 
 PERIOD_MS = 400

@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.line.elements import AxleCounter, Node, Signal, Switch, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.places import Place
-from safeloc.line.routes import Route, routes_between, through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.map.elements import AxleCounter, Node, Signal, Switch, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Route, routes_between, through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Run, Topology
 from tests.line.made import fork, group, reflector, stop, straight
 
 FIG3 = Topology(find_line("fig3"))

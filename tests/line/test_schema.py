@@ -7,8 +7,8 @@ import json
 import jsonschema
 import pytest
 
-from safeloc.line.schema import PUBLISHED, line_schema, schema_text
-from safeloc.line.toml_files import find_line
+from safeloc.railway.map.schema import PUBLISHED, line_schema, schema_text
+from safeloc.railway.map.toml_files import find_line
 
 
 def test_the_published_schema_is_that_of_the_models() -> None:

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.audit.vehicle import find_layout
 from safeloc.errors import InputError
-from safeloc.line.model import sealed
-from safeloc.line.toml_files import find_line, from_json, from_toml, load_line, shipped_lines, to_toml
-from safeloc.line.toml_place import line_of
+from safeloc.railway.audit.vehicle import find_layout
+from safeloc.railway.map.model import sealed
+from safeloc.railway.map.toml_files import find_line, from_json, from_toml, load_line, shipped_lines, to_toml
+from safeloc.railway.map.toml_place import line_of
 from tests.line.made import straight
 
 TEXT = """# a line

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.line.elements import Crossing, Node, TrackEdge
-from safeloc.line.model import Line
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.map.elements import Crossing, Node, TrackEdge
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Run, Topology
 from tests.line.made import fork, straight
 
 

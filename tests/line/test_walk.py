@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from safeloc.line.topology import Run
-from safeloc.line.walk import Walk, carried
+from safeloc.railway.map.topology import Run
+from safeloc.railway.map.walk import Walk, carried
 from tests.line.made import fork, group, reflector, straight
 
 STEM, LEFT, RIGHT = (Run(name, "increasing") for name in ("stem", "left", "right"))

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
 from safeloc.models import balise
 from safeloc.models.balise_parts.groups import Group, announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.odometry_parts.error_law import ErrorLaw
-from safeloc.nodes import Value
-from safeloc.streams.steps import Cell
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
+from safeloc.runtime.streams.steps import Cell
 
 PLAIN = BaliseConfig(
     odometer=ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000),

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from safeloc.catalogue import load_target
-from safeloc.interpret import run
-from safeloc.machine import Machine
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.provers.recorded import Recording
-from safeloc.spec import Property
-from safeloc.streams.steps import Cell, read_steps
-from safeloc.system import TransitionSystem, lower
-from safeloc.trace import Trace
-from safeloc.verdict import word
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import word
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.recorded import Recording
+from safeloc.runtime.streams.steps import Cell, read_steps
 
 REMARK = "truth_mm"
 

@@ -6,26 +6,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
 from safeloc.catalogue import ENTRIES, Target
-from safeloc.expr import Expr, Num
-from safeloc.interpret import run
-from safeloc.line.elements import Balise, BaliseGroup
-from safeloc.line.model import Line
-from safeloc.line.places import Place
-from safeloc.line.routes import Route, routes_between, through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
-from safeloc.line.walk import Walk
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.expr import Expr, Num
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Held
 from safeloc.models.line_configs import LineVehicle
 from safeloc.models.line_drive import Journey, Stream, streams
 from safeloc.models.line_faults import parse
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
-from safeloc.verdict import Held
+from safeloc.railway.map.elements import Balise, BaliseGroup
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Route, routes_between, through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
+from safeloc.railway.map.walk import Walk
 from tests.line.made import straight
 
 TRUSTING = LineVehicle(trust_first=True)

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from safeloc.backends.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.nodes import Value
+from safeloc.language.system import without_ghosts
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer_streams import Journey, simulate
-from safeloc.nodes import Value
-from safeloc.reported import Reported
-from safeloc.system import without_ghosts
+from safeloc.runtime.reported import Reported
 
 CONFIG = LocalizerConfig()
 REPORTED = Reported(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from safeloc.backends.smtlib import Query
-from safeloc.machine import Machine
-from safeloc.provers.base import ranges_and_lemmas
-from safeloc.provers.implication import unproved
-from safeloc.spec import Property, observe
-from safeloc.system import TransitionSystem, environment, in_range, lower
-from safeloc.terms import Substitution, variables
+from safeloc.codegen.smtlib import Query
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property, observe
+from safeloc.language.system import TransitionSystem, environment, in_range, lower
+from safeloc.language.terms import Substitution, variables
+from safeloc.proof.provers.base import ranges_and_lemmas
+from safeloc.proof.provers.implication import unproved
 from tests.models.spoilt import rebuilt
 
 

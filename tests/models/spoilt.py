@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from safeloc.machine import Machine, Transition
+from safeloc.language.machine import Machine, Transition
 
 
 def rebuilt(machine: Machine, transitions: Sequence[Transition]) -> Machine:

@@ -9,18 +9,18 @@ from itertools import combinations
 import pytest
 from pydantic import ValidationError
 
-from safeloc.expr import TRUE
-from safeloc.interpret import run
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Vacuous
 from safeloc.models import arbitration
 from safeloc.models.arbitration import SOURCES, Arbitration, ArbitrationConfig
-from safeloc.nodes import Value
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.arbitration import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Vacuous
 from tests.models.one_step import changed, not_kept, without
 
 SUBSETS = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]

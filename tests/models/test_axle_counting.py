@@ -9,8 +9,10 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.errors import InputError
-from safeloc.expr import FALSE, TRUE
-from safeloc.interpret import run
+from safeloc.language.expr import FALSE, TRUE
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
 from safeloc.models import axle_counter, axle_head, axle_section
 from safeloc.models.axle_counter import AxleCounter, AxleCounterConfig
 from safeloc.models.axle_head import AxleHead, AxleHeadConfig, axle_speed_mm_s
@@ -18,9 +20,7 @@ from safeloc.models.axle_section import AxleSection, AxleSectionConfig
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, unproved_of
 from tests.models.one_step import changed, not_kept
 

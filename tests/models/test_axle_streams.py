@@ -10,7 +10,11 @@ from types import ModuleType
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.system import without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import word
 from safeloc.models import (
     axle_counter_streams,
     axle_head_streams,
@@ -19,15 +23,11 @@ from safeloc.models import (
     train_order_streams,
 )
 from safeloc.models.emitter import EmitterConfig
-from safeloc.monitor import check_all
-from safeloc.provers.evidence import admissible_run
+from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.verification.replay import replay_stream
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped.making import STREAMS
-from safeloc.streams.steps import read_steps
-from safeloc.system import without_ghosts
 from safeloc.target import Target
-from safeloc.trace import Trace
-from safeloc.verdict import word
-from safeloc.verification.replay import replay_stream
 from tests.models.fibre_family import labels, mode_labels
 
 STREAMS_OF: Mapping[str, ModuleType] = {

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from safeloc.models.balise_parts.groups import announcement, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.odometry_parts.error_law import ErrorLaw
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.balise_runs import (
     LATER,
     NEXT,

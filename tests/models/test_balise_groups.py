@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 
-from safeloc.interpret import run
-from safeloc.line.imports.balise_table import read_balise_table
-from safeloc.line.model import Line
-from safeloc.line.routes import Inventory, through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
+from safeloc.language.interpret import run
 from safeloc.models.balise_parts.groups import Group, announcement, groups_along, telegram
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.balise_streams import simulate
+from safeloc.railway.map.imports.balise_table import read_balise_table
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Inventory, through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 from safeloc.simulation.motion import Leg
 from tests.data_sources import data_file
 from tests.models.balise_runs import board_only, label, on_board, out, step, wrong

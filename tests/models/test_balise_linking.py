@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from safeloc.models.balise_parts.groups import Group, announcement, telegram
-from safeloc.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell
 from tests.models.balise_runs import LATER, NEXT, drive, label, located, out, read_at, step, until
 
 

@@ -8,22 +8,22 @@ from functools import cache
 
 import pytest
 
-from safeloc.expr import FALSE, Bool, Expr, Num, Var, ite, minimum
-from safeloc.machine import Machine, Transition
+from safeloc.language.expr import FALSE, Bool, Expr, Num, Var, ite, minimum
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.nodes import Value
+from safeloc.language.spec import observe
+from safeloc.language.system import lower
+from safeloc.language.terms import Substitution
+from safeloc.language.verdict import Proved, word
 from safeloc.models.balise import Balise, build
 from safeloc.models.balise_parts import variables as v
 from safeloc.models.balise_parts.telegram import PASSED
 from safeloc.models.balise_parts.variables import BaliseConfig, parts
 from safeloc.models.odometry_parts.error_law import EDDY_CURRENT, RADAR
-from safeloc.nodes import Value
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.balise import properties
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import observe
-from safeloc.system import lower
-from safeloc.terms import Substitution
-from safeloc.verdict import Proved, word
 
 Table = Sequence[Transition]
 Breaking = Callable[[Balise], Table]

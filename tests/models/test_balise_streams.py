@@ -9,21 +9,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.backends.compiled import compile_system
 from safeloc.catalogue import load_target
+from safeloc.codegen.compiled import compile_system
 from safeloc.errors import InputError
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.system import lower
+from safeloc.language.verdict import Held
 from safeloc.models import balise
 from safeloc.models.balise_parts.variables import BaliseConfig, parts
 from safeloc.models.balise_streams import GroupFault, RouteSet, line, simulate
-from safeloc.monitor import check_all
+from safeloc.proof.verification.replay import replay_stream
 from safeloc.properties.balise import properties
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
-from safeloc.streams.steps import Cell
-from safeloc.system import lower
-from safeloc.verdict import Held
-from safeloc.verification.replay import replay_stream
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
 
 

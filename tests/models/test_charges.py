@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import Lit, Num, abs_, as_num, exact_to, ite
-from safeloc.machine import Machine
+from safeloc.language.expr import Lit, Num, abs_, as_num, exact_to, ite
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import MM, NM, PPM
 from safeloc.models import fibre, guard, sections
 from safeloc.models.area import AreaConfig
 from safeloc.models.area_parts.slot import Reach, Slot
@@ -17,9 +20,6 @@ from safeloc.models.guard_parts.variables import parts as guard_parts
 from safeloc.properties.fibre import properties as fibre_properties
 from safeloc.properties.guard import properties as guard_properties
 from safeloc.properties.sections import properties as section_properties
-from safeloc.spec import Property
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import MM, NM, PPM
 from tests.models.one_step import not_kept_by
 
 Found = tuple[TransitionSystem, dict[str, Property]]

@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.expr import TRUE
+from safeloc.language.expr import TRUE
+from safeloc.language.verdict import Proved, Violated
 from safeloc.models import satellite
 from safeloc.models.satellite_parts import law
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.provers.dead_ends import lasts
-from safeloc.provers.limits import Limits
-from safeloc.provers.recorded import Recording
+from safeloc.proof.provers.dead_ends import lasts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recorded import Recording
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
-from safeloc.streams.steps import read_steps
-from safeloc.verdict import Proved, Violated
 
 SLOW = {"localizer", "localizer_sections", "fibre_area", "guard", "odometry", "supervised_odometry", "reflector"}
 SYSTEMS = [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in ENTRIES]

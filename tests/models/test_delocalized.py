@@ -7,19 +7,19 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE, BoolVar
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition
+from safeloc.language.expr import FALSE, TRUE, BoolVar
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
+from safeloc.language.spec import observe
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.verdict import Held, Proved, Violated
 from safeloc.models.delocalized import DelocalizedConfig, machine
 from safeloc.models.odometry_parts.variables import REASON
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
 from safeloc.properties.delocalized import properties
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.spec import observe
-from safeloc.system import lower, without_ghosts
-from safeloc.verdict import Held, Proved, Violated
 
 REASONS = [one.label for one in REASON]
 CONFIG = DelocalizedConfig(tolerance_mm=1_000)

@@ -8,16 +8,16 @@ from functools import cache
 import pytest
 from pydantic import ValidationError
 
-from safeloc.expr import FALSE, TRUE
+from safeloc.language.expr import FALSE, TRUE
+from safeloc.language.monitor import check_all
+from safeloc.language.spec import Property
+from safeloc.language.system import lower
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Violated
 from safeloc.models.fibre import Fibre, FibreConfig, build, parts
 from safeloc.models.fibre_parts.code import Symbol
 from safeloc.models.fibre_streams import Drive, Section, simulate, steady
-from safeloc.monitor import check_all
 from safeloc.properties.fibre import properties
-from safeloc.spec import Property
-from safeloc.system import lower
-from safeloc.trace import Trace
-from safeloc.verdict import Violated
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept
 

@@ -9,8 +9,11 @@ from functools import cache
 import pytest
 from pydantic import ValidationError
 
-from safeloc.expr import FALSE, TRUE, Expr, Var
-from safeloc.interpret import run
+from safeloc.language.expr import FALSE, TRUE, Expr, Var
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models import area as area_model
 from safeloc.models import emitter as emitter_model
 from safeloc.models import fibre as fibre_model
@@ -25,14 +28,11 @@ from safeloc.models.fibre_area_parts.entry import Entry, entry
 from safeloc.models.fibre_area_streams import REMARK, Journey, first_state, simulate_journey
 from safeloc.models.sections import SectionsConfig, section
 from safeloc.models.verification import Verification, VerificationConfig
-from safeloc.monitor import check_all
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_area import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.streams.steps import Cell
-from safeloc.testing import run_tests
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, Violated, word
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, recordings_of
 from tests.models.one_step import changed, not_kept_by
 

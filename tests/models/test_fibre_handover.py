@@ -8,23 +8,23 @@ from functools import cache
 import pytest
 from pydantic import ValidationError
 
-from safeloc.expr import TRUE
-from safeloc.interpret import run
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Violated, word
 from safeloc.models.fibre_area_parts import border as border_model
 from safeloc.models.fibre_area_parts.border import BorderConfig
 from safeloc.models.fibre_area_parts.speaker import speaker
 from safeloc.models.fibre_handover import FibreHandover, FibreHandoverConfig, compose_machines, joined
 from safeloc.models.fibre_streams import Stay, simulate_stay
 from safeloc.models.verification import build, parts
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.fibre_handover import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.streams.steps import Cell
-from safeloc.testing import run_tests
-from safeloc.trace import Trace
-from safeloc.verdict import Violated, word
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept_by
 
 CONFIG = FibreHandoverConfig()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from safeloc.language.system import lower
 from safeloc.models.fibre import machine
 from safeloc.models.fibre_parts.variables import FibreConfig
 from safeloc.models.fibre_worked import RUNS
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped.making import STREAMS
-from safeloc.streams.steps import read_steps
-from safeloc.system import lower
 from tests.models.fibre_family import labels, mode_labels, replayed
 
 NAME = "fibre-no-end-of-section"

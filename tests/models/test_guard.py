@@ -8,23 +8,23 @@ from dataclasses import replace
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.expr import FALSE, TRUE, as_num
-from safeloc.interpret import run
-from safeloc.machine import Machine
+from safeloc.language.expr import FALSE, TRUE, as_num
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held, Proved
 from safeloc.models.guard import Guard, build
 from safeloc.models.guard_parts import box
 from safeloc.models.guard_parts.variables import FAULT, JUDGED, GuardConfig, parts
 from safeloc.models.guard_streams import FIRST_TRUTH, simulate
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.streams.steps import read_steps
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import COUNT
-from safeloc.verdict import Held, Proved
+from safeloc.runtime.streams.steps import read_steps
 from tests.models.one_step import changed, not_kept, without
 from tests.models.spoilt import rebuilt
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import pytest
 
-from safeloc.backends.smtlib import Query, to_smtlib
-from safeloc.expr import FALSE, Bool, Lit, Num, abs_, as_num, between, exact_to, number
+from safeloc.codegen.smtlib import Query, to_smtlib
+from safeloc.language.expr import FALSE, Bool, Lit, Num, abs_, as_num, between, exact_to, number
+from safeloc.language.units import MM, NM, PPM
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.provers.implication import Refuted, unproved
-from safeloc.provers.recheck import recheck
-from safeloc.units import MM, NM, PPM
+from safeloc.proof.provers.implication import Refuted, unproved
+from safeloc.proof.provers.recheck import recheck
 
 LAYOUTS = {
     "default": LayoutConfig(),

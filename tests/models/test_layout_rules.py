@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from safeloc.expr import FALSE, TRUE, Bool, Num, as_num
-from safeloc.interpret import evaluate
+from safeloc.language.expr import FALSE, TRUE, Bool, Num, as_num
+from safeloc.language.interpret import evaluate
+from safeloc.language.units import COUNT, MM
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.units import COUNT, MM
 
 LAYOUT = LayoutConfig()
 OFFSET = LayoutConfig(sensor_offset_mm=2_000, antenna_offset_mm=5_000)

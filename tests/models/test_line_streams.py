@@ -4,12 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.audit.vehicle import SHIPPED, find_layout
 from safeloc.errors import InputError
-from safeloc.line.elements import SpeedLimit
-from safeloc.line.routes import Route, through_routes
-from safeloc.line.topology import Run, Topology
-from safeloc.line.walk import Walk
 from safeloc.models.line_configs import LineVehicle
 from safeloc.models.line_drive import Journey, streams
 from safeloc.models.line_faults import FAULTS, MACHINES, parse
@@ -26,6 +21,11 @@ from safeloc.models.line_streams import (
     switches_ahead,
 )
 from safeloc.models.stop_point_streams import StopPlace
+from safeloc.railway.audit.vehicle import SHIPPED, find_layout
+from safeloc.railway.map.elements import SpeedLimit
+from safeloc.railway.map.routes import Route, through_routes
+from safeloc.railway.map.topology import Run, Topology
+from safeloc.railway.map.walk import Walk
 from safeloc.simulation.speed_profile import Limit
 from safeloc.simulation.vehicles import load_vehicle
 from tests.line.made import group, reflector, straight

@@ -9,18 +9,18 @@ from typing import get_args
 import pytest
 from pydantic import ValidationError
 
-from safeloc.composition import compose
-from safeloc.expr import TRUE, Expr, Lit, Num, minimum
+from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE, Expr, Lit, Num, minimum
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import MM
+from safeloc.language.verdict import Proved
 from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties import arbitration
 from safeloc.properties.localizer import properties
-from safeloc.provers.base import base
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import MM
-from safeloc.verdict import Proved
 from tests.provers.small import told as names
 
 SOURCES: tuple[SourceName, ...] = get_args(SourceName)

@@ -9,9 +9,13 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from safeloc.expr import TRUE, Expr, Var
-from safeloc.interpret import run
-from safeloc.machine import Machine
+from safeloc.language.expr import TRUE, Expr, Var
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Step
+from safeloc.language.verdict import Proved, word
 from safeloc.models import localizer_sections, train_ends
 from safeloc.models.area import AreaConfig, moves_clause, reports_clause
 from safeloc.models.localizer import LocalizerConfig
@@ -19,16 +23,12 @@ from safeloc.models.localizer_sections import LocalizerSections, LocalizerSectio
 from safeloc.models.localizer_sections_streams import ENDS, FOLDER, SCENES, SECTION, first_state, simulate, write
 from safeloc.models.localizer_streams import NM_PER_MM
 from safeloc.models.sections import SectionsConfig
-from safeloc.nodes import Value
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.localizer_sections import properties
-from safeloc.provers.base import base
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.testing import run_tests
-from safeloc.trace import Step
-from safeloc.verdict import Proved, word
 from tests.models.one_step import changed
 from tests.provers.small import told
 

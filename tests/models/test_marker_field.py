@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.machine import Machine
+from safeloc.language.machine import Machine
+from safeloc.language.spec import observe
+from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models.marker_field import ONE_LAW, MarkerField, compose_field
 from safeloc.models.odometry_parts.field import LONGER, QUEUED, SHORTER, WITHOUT_LENGTH, Arrangement
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.proof.provers.assumption import assumption_kept
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.marker_field import properties
-from safeloc.provers.assumption import assumption_kept
-from safeloc.provers.base import base
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import observe
-from safeloc.verdict import Proved, Violated, word
 from tests.provers.small import told
 
 ONE_WAITS = ONE_LAW.model_copy(update={"pending_markers": 1})

@@ -9,23 +9,23 @@ import pytest
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from safeloc.composition import compose
-from safeloc.expr import Expr, Var, as_num, maximum
-from safeloc.interpret import run
+from safeloc.language.composition import compose
+from safeloc.language.expr import Expr, Var, as_num, maximum
+from safeloc.language.interpret import run
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.units import NM
+from safeloc.language.verdict import Proved
 from safeloc.models.balise_parts.variables import BaliseConfig
 from safeloc.models.localizer import CHECKED, Localizer, LocalizerConfig, SourceName, compose_machines
 from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.motion_streams import told
 from safeloc.models.odometry_parts.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
-from safeloc.provers.base import base
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.motion import Motion as Drive
 from safeloc.simulation.sensors import Distances, Fault, FaultKind, Law, measure
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.units import NM
-from safeloc.verdict import Proved
 from tests.provers.small import told as names
 
 KINDS: tuple[FaultKind, ...] = ("stuck", "runaway", "slip", "slide", "freeze", "drop-out")

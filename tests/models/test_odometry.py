@@ -8,22 +8,22 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.backends.compiled import compile_system
-from safeloc.interpret import run
-from safeloc.machine import Machine
+from safeloc.codegen.compiled import compile_system
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.error_law import ErrorLaw
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
 from safeloc.models.odometry_streams import simulate
-from safeloc.monitor import check_all
-from safeloc.nodes import Value
+from safeloc.proof.runs.driver import Driver
 from safeloc.properties.odometry import properties
-from safeloc.runs.driver import Driver
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import Held
 from tests.data_sources import log_steps_mm, rows
 from tests.models.one_step import not_kept
 

@@ -7,17 +7,17 @@ from dataclasses import replace
 import pytest
 
 from safeloc.errors import PropertyError
-from safeloc.expr import Num
-from safeloc.interpret import run
+from safeloc.language.expr import Num
+from safeloc.language.interpret import run
+from safeloc.language.spec import observe
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.odometry_faults import containment, properties
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import observe
-from safeloc.system import lower, without_ghosts
-from safeloc.verdict import Proved, Violated, word
 
 SAFE = OdometryConfig(single_fault_safe=True)
 

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.machine import Machine
+from safeloc.language.machine import Machine
+from safeloc.language.spec import observe, reachable
+from safeloc.language.verdict import Proved, word
 from safeloc.models.odometry_front_only import compose_comparison
 from safeloc.models.odometry_line_ahead import compose_line
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.proof.provers.assumption import assumption_kept
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.odometry_front_only import line_properties, properties
-from safeloc.provers.assumption import assumption_kept
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import observe, reachable
-from safeloc.verdict import Proved, word
 
 
 @pytest.mark.slow

@@ -8,8 +8,12 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.backends.compiled import compile_system
-from safeloc.interpret import run
+from safeloc.codegen.compiled import compile_system
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Violated
 from safeloc.models.odometry_parts.error_law import ACCELEROMETER, ErrorLaw
 from safeloc.models.reflector import MODES, build, machine
 from safeloc.models.reflector_parts.step_inputs import completed
@@ -29,13 +33,9 @@ from safeloc.models.reflector_streams import (
     simulate,
     stopping,
 )
-from safeloc.monitor import check_all
 from safeloc.properties.reflector import properties
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion
-from safeloc.streams.steps import Cell
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import Violated
 
 PLAIN = ReflectorConfig(
     odometer=ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=50_000),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.map_data import MODEL
 from safeloc.models.reflector_parts.step_inputs import completed
@@ -13,7 +14,6 @@ from safeloc.signals.figures import RadarConfig
 from safeloc.signals.radar import Frame
 from safeloc.signals.reflector_inputs import step_inputs
 from safeloc.signals.signature import Doubt, Model
-from safeloc.system import lower, without_ghosts
 
 CONFIG, RADAR = ReflectorConfig(), RadarConfig()
 STILL = Delay(0, 0, 0, 0)

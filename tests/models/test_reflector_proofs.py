@@ -7,8 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.expr import Bool, Expr, Lit, Num, Var
-from safeloc.machine import Machine
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.system import lower
+from safeloc.language.verdict import word
 from safeloc.models.odometry_parts import marker_reading
 from safeloc.models.reflector import ReflectorMachine, build
 from safeloc.models.reflector_parts import echo
@@ -21,12 +24,9 @@ from safeloc.models.reflector_parts.echo import (
     WEAK,
 )
 from safeloc.models.reflector_parts.variables import ReflectorConfig, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import Property, always, earlier_bool
-from safeloc.system import lower
-from safeloc.verdict import word
 from tests.models.one_step import changed, not_kept, without
 
 ONE_SLOT = ReflectorConfig(echo_slots=1)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from safeloc.backends.compiled import compile_system
+from safeloc.codegen.compiled import compile_system
+from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
@@ -16,6 +17,7 @@ from safeloc.models.reflector_streams import Balise as RouteBalise
 from safeloc.models.reflector_streams import Reflector as MapReflector
 from safeloc.models.reflector_streams import Route, board, simulate
 from safeloc.models.reflector_streams import Scene as RouteScene
+from safeloc.runtime.streams.steps import Cell
 from safeloc.signals.along_track import Delay
 from safeloc.signals.figures import Installation, RadarConfig
 from safeloc.signals.images import RadarImage
@@ -26,8 +28,6 @@ from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.radar import image
 from safeloc.simulation.radar_scene import Clutter, World, seen, world
 from safeloc.simulation.radar_track import Reflector
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
 
 RADAR = RadarConfig(installation=Installation(least_radius_mm=3_000_000))
 CONFIG = ReflectorConfig(echo_slots=3, frame_latency_ms=0)

@@ -7,23 +7,23 @@ from dataclasses import replace
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.expr import TRUE
-from safeloc.interpret import run
-from safeloc.line.routes import through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
-from safeloc.machine import Machine
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.monitor import check_all
+from safeloc.language.system import lower
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Proved
 from safeloc.models import route
 from safeloc.models.route_parts.variables import RouteConfig, parts
 from safeloc.models.route_streams import Steps, Way, answers, quiet, simulate, way
-from safeloc.monitor import check_all
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.route import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
+from safeloc.railway.map.routes import through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
 from safeloc.simulation.motion import Leg
-from safeloc.system import lower
-from safeloc.trace import Trace
-from safeloc.verdict import Held, Proved
 from tests.models.spoilt import rebuilt
 
 CONFIG = RouteConfig()

@@ -8,8 +8,12 @@ from typing import Any, Literal
 
 import pytest
 
-from safeloc.expr import TRUE, Bool, Num, floor_div
-from safeloc.interpret import run
+from safeloc.language.expr import TRUE, Bool, Num, floor_div
+from safeloc.language.interpret import run
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, word
 from safeloc.models.satellite import Satellite, build, compose_machines
 from safeloc.models.satellite_parts.law import Trusted
 from safeloc.models.satellite_parts.variables import (
@@ -24,14 +28,10 @@ from safeloc.models.satellite_parts.variables import (
 )
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.models.satellite_streams import STREET, first_of, simulate
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import Property
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.testing import run_tests
-from safeloc.trace import Trace
-from safeloc.verdict import Proved, word
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
 MACHINE = build(parts(CONFIG))

@@ -9,16 +9,18 @@ from functools import cache
 
 import pytest
 
-from safeloc.border import Reason
-from safeloc.interpret import run
-from safeloc.line.routes import through_routes
-from safeloc.line.toml_files import find_line
-from safeloc.line.topology import Topology
+from safeloc.language.interpret import run
+from safeloc.language.system import without_ghosts
+from safeloc.language.verdict import Proved
 from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite_parts.variables import FIX, MISSING, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.provers.protection import protected
+from safeloc.proof.provers.protection import protected
+from safeloc.railway.map.routes import through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.topology import Topology
+from safeloc.runtime.border import Reason
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, received
 from safeloc.signals.satellite.line_track import LineTrack
 from safeloc.signals.satellite.navigation import Navigation, read_navigation
@@ -26,8 +28,6 @@ from safeloc.signals.satellite.observations import read_observations
 from safeloc.signals.satellite.places import Place
 from safeloc.signals.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.run import SimulatedRun, World, simulate
-from safeloc.system import without_ghosts
-from safeloc.verdict import Proved
 from tests.data_sources import data_file
 from tests.simulation.satellite.sky import ride, sky, straight
 

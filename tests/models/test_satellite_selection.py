@@ -7,15 +7,15 @@ from typing import get_args
 
 import pytest
 
-from safeloc.expr import FALSE
-from safeloc.interpret import run
+from safeloc.language.expr import FALSE
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.verdict import Proved
 from safeloc.models import satellite_selection as selection
 from safeloc.models.satellite_selection import Compared, Removal, SelectionConfig, build, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.satellite_selection import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.system import lower, without_ghosts
-from safeloc.verdict import Proved
 from tests.models.one_step import not_kept
 from tests.models.spoilt import rebuilt
 

@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.interpret import run
+from safeloc.language.interpret import run
 from safeloc.models.satellite_chain import ChainConfig
 from safeloc.models.satellite_parts.variables import FIX, SatelliteConfig
 from safeloc.models.satellite_streams import (
@@ -25,10 +25,10 @@ from safeloc.models.satellite_streams import (
     track,
     worked_line,
 )
+from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
 from safeloc.simulation.satellite.run import Spoofer
 from safeloc.simulation.satellite.scenery import SceneKind, tunnel
-from safeloc.streams.steps import read_steps
 
 pytest.importorskip("pyproj")
 CONFIG = SatelliteConfig()

@@ -7,21 +7,21 @@ from dataclasses import replace
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.expr import TRUE
-from safeloc.interpret import run
-from safeloc.machine import Machine
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.monitor import check_all
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Proved
 from safeloc.models import sections
 from safeloc.models.area import AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
 from safeloc.models.sections import Sections, SectionsConfig, compose_machines
 from safeloc.models.sections_streams import Scene, TrainRun, first_state, simulate
-from safeloc.monitor import check_all
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.sections import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.trace import Trace
-from safeloc.verdict import Held, Proved
 from tests.models.spoilt import rebuilt
 
 CONFIG = SectionsConfig(area=AreaConfig(trains=2), sections=4)

@@ -7,18 +7,18 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Violated
 from safeloc.models.area import AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
 from safeloc.models.area_parts.judged import EVIDENCE, TRUST
 from safeloc.models.sections import Sections, SectionsConfig, compose_machines, joined, section
 from safeloc.models.sections_streams import Scene, TrainRun, first_state, simulate
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.sections import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.trace import Trace
-from safeloc.verdict import Violated
 
 CONFIG = SectionsConfig(area=AreaConfig(trains=2), sections=2)
 MODEL = compose_machines(CONFIG)

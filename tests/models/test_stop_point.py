@@ -8,21 +8,21 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.backends.compiled import compile_system
-from safeloc.expr import TRUE
-from safeloc.interpret import run
+from safeloc.codegen.compiled import compile_system
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Violated, word
 from safeloc.models.stop_point import MODES, StopPoint, build, machine
 from safeloc.models.stop_point_parts.variables import StopPointConfig, parts
 from safeloc.models.stop_point_streams import IN_PLACE, OVERRUN, SHORT, Stop, simulate_stop
-from safeloc.monitor import check_all
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.stop_point import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import Violated, word
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 
 CONFIG = StopPointConfig()

@@ -7,13 +7,13 @@ from functools import cache
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE
-from safeloc.interpret import run
+from safeloc.language.expr import FALSE, TRUE
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
 from safeloc.models.train_order import TrainOrder, TrainOrderConfig, build, parts
 from safeloc.properties.train_order import properties
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import unproved_of
 from tests.models.one_step import changed, not_kept
 

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.expr import TRUE
-from safeloc.interpret import run
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved
 from safeloc.models import transmission
 from safeloc.models.transmission import Transmission, TransmissionConfig
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.transmission import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import Proved
 from tests.models.one_step import changed, not_kept
 
 CONFIG = TransmissionConfig(max_speed_mm_s=10_000, age_limit_ms=500)

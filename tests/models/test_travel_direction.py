@@ -6,19 +6,19 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.expr import FALSE
-from safeloc.interpret import run
-from safeloc.machine import Machine
+from safeloc.language.expr import FALSE
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import word
 from safeloc.models.travel_direction import TravelDirection, build, machine, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.travel_direction import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.spec import Property
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import word
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 
 ON_BOARD = without_ghosts(lower(machine()))

@@ -7,16 +7,16 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import word
 from safeloc.models.turn_off import TurnOff, TurnOffConfig, build, machine, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.turn_off import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.streams.steps import Cell
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.verdict import word
+from safeloc.runtime.streams.steps import Cell
 from tests.models.one_step import changed, not_kept
 
 ON_BOARD = without_ghosts(lower(machine()))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from safeloc.language.system import lower
+from safeloc.language.verdict import word
 from safeloc.models.odometry import build
 from safeloc.models.odometry_parts.error_law import ACCELEROMETER, EDDY_CURRENT, OPTICAL
 from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.odometry import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.system import lower
-from safeloc.verdict import word
 
 VARIANTS = {
     "one device": OdometryConfig(devices=1),

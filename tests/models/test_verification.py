@@ -7,17 +7,17 @@ from functools import cache
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE, any_of
+from safeloc.language.expr import FALSE, TRUE, any_of
+from safeloc.language.monitor import check_all
+from safeloc.language.system import lower
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Violated, word
 from safeloc.models.fibre_streams import Stay, simulate_stay
 from safeloc.models.verification import Verification, VerificationConfig, build, parts
-from safeloc.monitor import check_all
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.verification import properties
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.streams.steps import Cell
-from safeloc.system import lower
-from safeloc.trace import Trace
-from safeloc.verdict import Violated, word
+from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept
 

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from itertools import product
 
 from safeloc.errors import InputError
-from safeloc.expr import TRUE, Bool, BoolVar, Num, Var, boolean, ite, maximum, minimum, number, optional
-from safeloc.interpret import Program, start, step
-from safeloc.machine import ANY, Any_, Machine, Transition, modes
-from safeloc.nodes import Value
-from safeloc.system import TransitionSystem, environment, lower
-from safeloc.units import COUNT
+from safeloc.language.expr import TRUE, Bool, BoolVar, Num, Var, boolean, ite, maximum, minimum, number, optional
+from safeloc.language.interpret import Program, start, step
+from safeloc.language.machine import ANY, Any_, Machine, Transition, modes
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, environment, lower
+from safeloc.language.units import COUNT
 
 State = tuple[Value, ...]
 (S,) = modes("S")

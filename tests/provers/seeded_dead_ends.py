@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from safeloc.composition import compose
-from safeloc.expr import TRUE, Bool, abs_, between, boolean, floor_div, ite, maximum, minimum, number, optional
-from safeloc.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
+from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE, Bool, abs_, between, boolean, floor_div, ite, maximum, minimum, number, optional
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
 
 (S,) = modes("S")
 A, B, C = modes("A", "B", "C")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from safeloc.expr import TRUE, Bool, boolean, minimum, number
-from safeloc.machine import Machine, Transition, current_mode, modes
-from safeloc.provers.facts import Fact
-from safeloc.spec import Goal, always, observe
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
+from safeloc.language.expr import TRUE, Bool, boolean, minimum, number
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.spec import Goal, always, observe
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.proof.provers.facts import Fact
 
 LOW, HIGH = modes("LOW", "HIGH")
 MODE = current_mode((LOW, HIGH))

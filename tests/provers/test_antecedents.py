@@ -6,21 +6,21 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.antecedents import cases
-from safeloc.composition import compose
-from safeloc.expr import TRUE, Bool, Num, as_num, boolean, ite, minimum, number
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.provers.antecedents import Never, Open, Seen, found, search
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.provers.recorded import Recording
-from safeloc.results import Finding
-from safeloc.spec import Property, always, never, reachable, within
-from safeloc.system import TransitionSystem, lower
-from safeloc.testing import run_tests
-from safeloc.units import COUNT
-from safeloc.verdict import Proved, Unknown, Vacuous, word
+from safeloc.language.antecedents import cases
+from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE, Bool, Num, as_num, boolean, ite, minimum, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import Property, always, never, reachable, within
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, Unknown, Vacuous, word
+from safeloc.proof.provers.antecedents import Never, Open, Seen, found, search
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.results import Finding
+from safeloc.proof.testing import run_tests
 
 A, B, C = modes("A", "B", "C")
 X, N = number("x", COUNT, 0, 10), number("n", COUNT, 0, 1000)

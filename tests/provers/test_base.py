@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.provers import base as module
-from safeloc.provers.base import base
-from safeloc.provers.facts import Fact
-from safeloc.provers.implication import Refuted, Undecided
-from safeloc.provers.recheck import Certificate, certify
+from safeloc.proof.provers import base as module
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.facts import Fact
+from safeloc.proof.provers.implication import Refuted, Undecided
+from safeloc.proof.provers.recheck import Certificate, certify
 from tests.provers.small import HIGH, LEVEL, LOW, MODE, TICK, counter, system, told
 
 TRUE_LEMMA = MODE.eq(HIGH).iff(LEVEL > 4)

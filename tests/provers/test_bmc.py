@@ -2,12 +2,12 @@
 
 import pytest
 
-from safeloc.backends.smt import Unrolling
+from safeloc.codegen.smt import Unrolling
 from safeloc.errors import EngineError
-from safeloc.provers.bmc import bmc
-from safeloc.provers.limits import Limits
-from safeloc.spec import always, observe, reachable
-from safeloc.verdict import Proved, Unknown, Violated
+from safeloc.language.spec import always, observe, reachable
+from safeloc.language.verdict import Proved, Unknown, Violated
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.limits import Limits
 from tests.provers.small import HIGH, LEVEL, MODE, counter, goal, system
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from safeloc.composition import compose
-from safeloc.expr import Expr, Var, number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.provers.base import base
+from safeloc.language.composition import compose
+from safeloc.language.expr import Expr, Var, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import MM
+from safeloc.proof.provers.base import base
 from safeloc.shipped import ENTRIES
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import MM
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import FALSE, TRUE, Bool, boolean, minimum, number
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.provers import assumption
-from safeloc.provers.assumption import Ended, assumption_kept, comes_round
-from safeloc.provers.dead_ends import lasts
-from safeloc.provers.evidence import admissible_run
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligation import Obligation
-from safeloc.provers.portfolio import prove, prove_one
-from safeloc.provers.recheck import decide
-from safeloc.provers.recorded import Recording
-from safeloc.provers.spacer import spacer
-from safeloc.spec import Property, always, observe, reachable
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
-from safeloc.verdict import Proved, Unknown, Vacuous, Violated
+from safeloc.language.expr import FALSE, TRUE, Bool, boolean, minimum, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import Property, always, observe, reachable
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
+from safeloc.proof.provers import assumption
+from safeloc.proof.provers.assumption import Ended, assumption_kept, comes_round
+from safeloc.proof.provers.dead_ends import lasts
+from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.provers.recheck import decide
+from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.spacer import spacer
 from tests.provers.explicit_dead_ends import dead_end, random_system
 from tests.provers.seeded_dead_ends import SEEDS
 
@@ -201,7 +201,7 @@ def test_a_given_that_lasts_is_part_of_the_proof() -> None:
 
 def test_a_given_that_nobody_can_judge_leaves_a_proof_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """Proved would say more than is known."""
-    monkeypatch.setattr("safeloc.provers.dead_ends.lasts", lambda *_args, **_more: Unknown("no time", 3))
+    monkeypatch.setattr("safeloc.proof.provers.dead_ends.lasts", lambda *_args, **_more: Unknown("no time", 3))
     verdict = prove_one(observe(lower(machine(TRUE)), small(X < 7)), LIMITS)
     assert isinstance(verdict, Unknown)
     assert "not known whether what it is given can be kept for ever: no time" in verdict.reason

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from safeloc.expr import number
-from safeloc.interpret import run
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.monitor import check
-from safeloc.provers.drawn import drawn
-from safeloc.provers.reachability import without_assumption
-from safeloc.spec import Goal, observe, reachable
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
-from safeloc.verdict import Held
+from safeloc.language.expr import number
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.monitor import check
+from safeloc.language.spec import Goal, observe, reachable
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held
+from safeloc.proof.provers.drawn import drawn
+from safeloc.proof.provers.reachability import without_assumption
 
 SLOW, FAST, BROKEN = modes("SLOW", "FAST", "BROKEN")
 X = number("x", COUNT, 0, 1000)

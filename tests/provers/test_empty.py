@@ -5,16 +5,16 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import PropertyError, UnitError
-from safeloc.expr import FALSE, Bool, number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove
-from safeloc.spec import NO_ASSUMPTION, Property, always, never
-from safeloc.system import lower
-from safeloc.testing import run_tests
-from safeloc.units import COUNT
-from safeloc.verdict import Held, Proved, Unknown, Vacuous, Violated
+from safeloc.language.expr import FALSE, Bool, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import NO_ASSUMPTION, Property, always, never
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held, Proved, Unknown, Vacuous, Violated
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.testing import run_tests
 
 A, B = modes("A", "B")
 X, N = number("x", COUNT, 0, 10), number("n", COUNT, 0, 20)

@@ -2,13 +2,13 @@
 
 import pytest
 
-from safeloc.provers.bmc import bmc
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.recheck import ENGINE
-from safeloc.provers.spacer import spacer
-from safeloc.spec import observe
-from safeloc.verdict import Proved, Unknown, Violated, require_proved
+from safeloc.language.spec import observe
+from safeloc.language.verdict import Proved, Unknown, Violated, require_proved
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.spacer import spacer
 from tests.examples import EXAMPLES, Example
 
 EVERY = pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)

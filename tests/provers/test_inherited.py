@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.composition import Clause, Composition, compose
 from safeloc.errors import ModelError
-from safeloc.expr import Expr, NumVar, Var, number
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.provers.base import base
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.spec import always
-from safeloc.system import lower
-from safeloc.terms import variables
-from safeloc.units import MM
-from safeloc.verdict import Proved, Violated
+from safeloc.language.composition import Clause, Composition, compose
+from safeloc.language.expr import Expr, NumVar, Var, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.system import lower
+from safeloc.language.terms import variables
+from safeloc.language.units import MM
+from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 from tests.provers.small import told
 
 IDLE, BUSY = modes("IDLE", "BUSY")

@@ -6,19 +6,19 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.composition import Composition, compose
 from safeloc.errors import ModelError
-from safeloc.expr import TRUE, Expr, NumVar, Var, before, floor_div, number
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.monitor import check
-from safeloc.provers.base import Base, remember
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.results import Finding
-from safeloc.spec import Property, always, reachable
-from safeloc.units import MM
-from safeloc.verdict import Held, Proved, Violated
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import TRUE, Expr, NumVar, Var, before, floor_div, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.monitor import check
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import MM
+from safeloc.language.verdict import Held, Proved, Violated
+from safeloc.proof.provers.base import Base, remember
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.results import Finding
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.provers.limits import Limits, deadline, milliseconds
+from safeloc.proof.provers.limits import Limits, deadline, milliseconds
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan, math.inf])

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import Bool, boolean, number, optional, product
-from safeloc.interpret import run
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.provers import obligations as module
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import CHECKS, obligations
-from safeloc.provers.recheck import ENGINE
-from safeloc.results import Finding
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Proved, Unknown, Violated, word
+from safeloc.language.expr import Bool, boolean, number, optional, product
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.proof.provers import obligations as module
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import CHECKS, obligations
+from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.results import Finding
 from tests.examples import EXAMPLES, Example
 from tests.provers.small import LEVEL, TICK, counter, system
 

@@ -7,13 +7,13 @@ import time
 import pytest
 
 from safeloc.errors import EngineError, PropertyError
-from safeloc.provers import portfolio as module
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove, prove_one
-from safeloc.results import Finding
-from safeloc.spec import Goal, always, reachable
-from safeloc.system import TransitionSystem
-from safeloc.verdict import Proved, Unknown, Verdict, Violated, require_proved, word
+from safeloc.language.spec import Goal, always, reachable
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated, require_proved, word
+from safeloc.proof.provers import portfolio as module
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.results import Finding
 from tests.examples import EXAMPLES, Example
 from tests.provers.small import FULL_TOGETHER, HIGH, LEVEL, LOW, MODE, SAME, TICK, counter, goal, pair, system, told
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.provers.protection import protected
-from safeloc.verdict import Proved, Violated
+from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.provers.protection import protected
 
 SHARES = {"G01": Fraction(3, 7), "G02": Fraction(-10, 7), "G03": Fraction(1)}
 BOUNDS = {"G01": 7_000, "G02": 700, "G03": 1}

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 
 import pytest
 
-from safeloc.expr import (
+from safeloc.language.expr import (
     TRUE,
     Bool,
     BoolVar,
@@ -29,14 +29,14 @@ from safeloc.expr import (
     members,
     number,
 )
-from safeloc.machine import ANY, Initial, Machine, Transition, modes
-from safeloc.provers.bmc import bmc
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove_one
-from safeloc.spec import Goal, always, never, observe
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Violated, word
+from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
+from safeloc.language.spec import Goal, always, never, observe
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Violated, word
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove_one
 
 RUN = modes("RUN")[0]
 Var = NumVar | BoolVar

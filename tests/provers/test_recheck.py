@@ -7,16 +7,16 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.expr import NumVar
-from safeloc.provers import kinduction as prover
-from safeloc.provers import recheck as module
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.recheck import certify, decide, file_name, recheck
-from safeloc.units import ONE
-from safeloc.verdict import Proved, require_proved
+from safeloc.language.expr import NumVar
+from safeloc.language.units import ONE
+from safeloc.language.verdict import Proved, require_proved
+from safeloc.proof.provers import kinduction as prover
+from safeloc.proof.provers import recheck as module
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recheck import certify, decide, file_name, recheck
 from tests.provers.small import FULL_TOGETHER, LEVEL, SAME, counter, goal, pair
 
 X = NumVar("x", ONE, 0, 9)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from safeloc.expr import number
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.recorded import Recording, lasting, shown
-from safeloc.results import Finding
-from safeloc.spec import Goal, observe, reachable
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
-from safeloc.verdict import Proved, word
+from safeloc.language.expr import number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import Goal, observe, reachable
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, word
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.recorded import Recording, lasting, shown
+from safeloc.proof.results import Finding
 
 IDLE, FULL = modes("IDLE", "FULL")
 X, N, START = number("x", COUNT, 0, 9), number("n", COUNT, 0, 100), number("start", COUNT, 0, 5)

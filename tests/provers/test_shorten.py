@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import EngineError
-from safeloc.expr import boolean, number, optional
-from safeloc.machine import Machine, Transition, modes
-from safeloc.provers.evidence import replayed
-from safeloc.provers.shorten import shortened
-from safeloc.spec import Goal, always, observe
-from safeloc.system import lower
-from safeloc.units import COUNT, MM
+from safeloc.language.expr import boolean, number, optional
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import Goal, always, observe
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT, MM
+from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.shorten import shortened
 
 (ON,) = modes("ON")
 PRESS, NOISE, N = boolean("press"), number("noise_mm", MM, -9, 9), number("n", COUNT, 0, 90)

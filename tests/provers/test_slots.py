@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from functools import partial
 
-from safeloc.provers.slots import Slots, shared, sharing
-from safeloc.provers.workers import Task, in_processes
+from safeloc.proof.provers.slots import Slots, shared, sharing
+from safeloc.proof.provers.workers import Task, in_processes
 
 
 def test_places_are_taken_and_given_back() -> None:

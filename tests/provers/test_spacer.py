@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.backends.smtlib import Query
-from safeloc.expr import TRUE, Bool
-from safeloc.interpret import holds
-from safeloc.provers import spacer as module
-from safeloc.provers.limits import Limits
-from safeloc.provers.recheck import Certificate, certify
-from safeloc.provers.spacer import spacer
-from safeloc.verdict import Unknown, require_proved
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import TRUE, Bool
+from safeloc.language.interpret import holds
+from safeloc.language.verdict import Unknown, require_proved
+from safeloc.proof.provers import spacer as module
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recheck import Certificate, certify
+from safeloc.proof.provers.spacer import spacer
 from tests.provers.small import FULL_TOGETHER, LEFT, LEVEL, RIGHT, TICK, counter, goal, pair
 
 LIMITS = Limits(seconds=20.0)

@@ -6,16 +6,16 @@ import pickle
 
 import pytest
 
-from safeloc.backends.smtlib import Query, to_smtlib
-from safeloc.expr import Num
-from safeloc.interpret import evaluate
-from safeloc.provers.base import base, ranges_and_lemmas
-from safeloc.provers.bmc import bmc
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.transfer import pack, pack_base, pack_term, unpack, unpack_base, unpack_term
-from safeloc.spec import observe
-from safeloc.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.codegen.smtlib import Query, to_smtlib
+from safeloc.language.expr import Num
+from safeloc.language.interpret import evaluate
+from safeloc.language.spec import observe
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.proof.provers.base import base, ranges_and_lemmas
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.transfer import pack, pack_base, pack_term, unpack, unpack_base, unpack_term
 from tests.examples import EXAMPLES, Example
 from tests.provers.small import LEFT, LEVEL, counter, pair, system
 

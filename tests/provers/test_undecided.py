@@ -10,31 +10,31 @@ from typing import Any
 import pytest
 import z3
 
-from safeloc.backends.smtlib import Query
+from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.expr import number, optional
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import FloorDiv, Truth
-from safeloc.provers import absence, arithmetic, never, overlap, settle
-from safeloc.provers import kinduction as kinduction_module
-from safeloc.provers import spacer as spacer_module
-from safeloc.provers.assumption import assumption_kept
-from safeloc.provers.bmc import bmc
-from safeloc.provers.evidence import admissible_run, replayed
-from safeloc.provers.implication import Undecided, unproved
-from safeloc.provers.kinduction import kinduction
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligation import Obligation
-from safeloc.provers.portfolio import prove
-from safeloc.provers.reachability import first_runs
-from safeloc.provers.reading import UnreadableError, read_bool
-from safeloc.provers.spacer import spacer
-from safeloc.provers.transfer import unpack
-from safeloc.provers.workers import in_processes
-from safeloc.spec import observe, reachable
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Unknown, Verdict, Violated
+from safeloc.language.expr import number, optional
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import FloorDiv, Truth
+from safeloc.language.spec import observe, reachable
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Unknown, Verdict, Violated
+from safeloc.proof.provers import absence, arithmetic, never, overlap, settle
+from safeloc.proof.provers import kinduction as kinduction_module
+from safeloc.proof.provers import spacer as spacer_module
+from safeloc.proof.provers.assumption import assumption_kept
+from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.evidence import admissible_run, replayed
+from safeloc.proof.provers.implication import Undecided, unproved
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.reading import UnreadableError, read_bool
+from safeloc.proof.provers.spacer import spacer
+from safeloc.proof.provers.transfer import unpack
+from safeloc.proof.provers.workers import in_processes
 from tests.provers.small import FULL_TOGETHER, LEVEL, TICK, counter, goal, pair, system
 
 

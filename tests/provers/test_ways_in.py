@@ -9,27 +9,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from safeloc.backends.batch import simulate
-from safeloc.backends.c_loader import load_c
-from safeloc.composition import compose
+from safeloc.codegen.batch import simulate
+from safeloc.codegen.c_loader import load_c
 from safeloc.errors import InputError, ModelError, PropertyError
-from safeloc.expr import TRUE, Num, as_num, boolean, floor_div, ite, minimum, number, optional, was
-from safeloc.interpret import run
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.monitor import Broken, Monitor
-from safeloc.nodes import INT64_MAX, Lit
-from safeloc.provers import reachability
-from safeloc.provers.evidence import replayed
-from safeloc.provers.falsify import falsify
-from safeloc.provers.limits import Limits
-from safeloc.provers.obligations import obligations
-from safeloc.provers.portfolio import prove, prove_one
-from safeloc.results import Finding
-from safeloc.spec import Goal, Property, always, observe, previous, reachable, within
-from safeloc.system import TransitionSystem, lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import ONE
-from safeloc.verdict import Proved, Unknown, Violated, word
+from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE, Num, as_num, boolean, floor_div, ite, minimum, number, optional, was
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.monitor import Broken, Monitor
+from safeloc.language.nodes import INT64_MAX, Lit
+from safeloc.language.spec import Goal, Property, always, observe, previous, reachable, within
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import ONE
+from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.proof.provers import reachability
+from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.results import Finding
 
 LIMITS = Limits(depth=12, seconds=10)
 (S,), (T,) = modes("S"), modes("T")

@@ -4,17 +4,29 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import Bool, Expr, NumVar, between, boolean, floor_div, ite, maximum, minimum, number, optional
-from safeloc.interpret import evaluate, holds
-from safeloc.nodes import Value
-from safeloc.provers.cover import Cover, Group, Learned, cover_facts
-from safeloc.provers.dead_ends import lasts
-from safeloc.provers.limits import Limits, deadline
-from safeloc.provers.witness_functions import Generalisation, at_rest
-from safeloc.system import in_range
-from safeloc.terms import Substitution
-from safeloc.units import COUNT
-from safeloc.verdict import Proved
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    NumVar,
+    between,
+    boolean,
+    floor_div,
+    ite,
+    maximum,
+    minimum,
+    number,
+    optional,
+)
+from safeloc.language.interpret import evaluate, holds
+from safeloc.language.nodes import Value
+from safeloc.language.system import in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved
+from safeloc.proof.provers.cover import Cover, Group, Learned, cover_facts
+from safeloc.proof.provers.dead_ends import lasts
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.witness_functions import Generalisation, at_rest
 from tests.provers.seeded_dead_ends import SEEDS
 
 S, T = number("s", COUNT, -50, 50), number("t", COUNT, -50, 50)

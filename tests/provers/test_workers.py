@@ -9,7 +9,7 @@ from functools import partial
 import pytest
 
 from safeloc.errors import EngineError
-from safeloc.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Task, in_processes
 
 
 def _fail() -> None:

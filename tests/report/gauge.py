@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from safeloc.expr import Expr, Var, boolean, choice, enumeration, members, number, optional
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, current_mode, modes
-from safeloc.nodes import Value
-from safeloc.pictures import Deviation, Things
+from safeloc.language.expr import Expr, Var, boolean, choice, enumeration, members, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT, MM
+from safeloc.railway.pictures import Deviation, Things
 from safeloc.report.told import Broken, Told
-from safeloc.reported import Reported
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT, MM
+from safeloc.runtime.reported import Reported
 
 MODEL = members("gauge_model", "NONE", "A", "B")
 SILENT, TELLING = modes("SILENT", "TELLING")

@@ -5,15 +5,15 @@ from __future__ import annotations
 from functools import cache
 
 from safeloc.catalogue import Target
-from safeloc.expr import boolean, number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.provers.limits import Limits
-from safeloc.provers.portfolio import prove
-from safeloc.results import Finding
-from safeloc.spec import Property, always, never
-from safeloc.system import lower
-from safeloc.units import COUNT
-from safeloc.verdict import Unknown
+from safeloc.language.expr import boolean, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import Property, always, never
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Unknown
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.results import Finding
 
 DOC = "<script>alert('doc')</script> & more"
 DARK, LIT = modes("DARK", "LIT")

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from safeloc.catalogue import Target, load_target
+from safeloc.proof.verification.replay import whole_run
 from safeloc.report.told import Told
-from safeloc.streams.steps import Cell, read_steps, write_steps
-from safeloc.verification.replay import whole_run
+from safeloc.runtime.streams.steps import Cell, read_steps, write_steps
 
 P = TypeVar("P")
 Change = Callable[[int, dict[str, Cell]], Mapping[str, Cell]]

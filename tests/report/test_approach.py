@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from safeloc.pictures import Approach
+from safeloc.railway.pictures import Approach
 from safeloc.report.approach import approach_picture, due_mm_s
 from safeloc.report.told import Broken, Told
 from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, upright, words

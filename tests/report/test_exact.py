@@ -7,11 +7,11 @@ import re
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.expr import between, ite, minimum, number
-from safeloc.nodes import Expr, Num
+from safeloc.language.expr import between, ite, minimum, number
+from safeloc.language.nodes import Expr, Num
+from safeloc.language.units import MM
 from safeloc.report.exact import Exact, Line
 from safeloc.report.machines import machine_data
-from safeloc.units import MM
 
 A, B = number("a_mm", MM, 0, 100), number("b_mm", MM, 0, 100)
 

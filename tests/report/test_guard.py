@@ -9,16 +9,16 @@ from xml.etree import ElementTree
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.guard.deliveries import Delivery
-from safeloc.guard.fields import Columns
-from safeloc.guard.figures import find_vehicle, guard_config
-from safeloc.guard.guard import Guard, Judgement
-from safeloc.guard.streams import csv_deliveries
-from safeloc.guard.tracks import Tracks
-from safeloc.line.imports.geojson_path import route_over
-from safeloc.line.topology import Topology
 from safeloc.models.guard_parts.variables import JUDGED
 from safeloc.models.guard_positions import csv_text, junction
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.fields import Columns
+from safeloc.railway.guard.figures import find_vehicle, guard_config
+from safeloc.railway.guard.guard import Guard, Judgement
+from safeloc.railway.guard.streams import csv_deliveries
+from safeloc.railway.guard.tracks import Tracks
+from safeloc.railway.map.imports.geojson_path import route_over
+from safeloc.railway.map.topology import Topology
 from safeloc.report.guard_folder import guard_page, write_guard_folder
 from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot

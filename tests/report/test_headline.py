@@ -8,12 +8,12 @@ from xml.etree import ElementTree
 import jsonschema
 import pytest
 
+from safeloc.language.verdict import WORST_FIRST, Held, NotAsked, Proved, Result, Vacuous
+from safeloc.proof.results import Finding
 from safeloc.report.data import report_data, schema
 from safeloc.report.headline import ALWAYS_COUNTED, Said, counted, headline
 from safeloc.report.junit import to_junit
 from safeloc.report.page import to_html
-from safeloc.results import Finding
-from safeloc.verdict import WORST_FIRST, Held, NotAsked, Proved, Result, Vacuous
 from tests.report.lamp import findings, target
 
 

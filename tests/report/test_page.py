@@ -11,19 +11,19 @@ from xml.etree import ElementTree
 
 import pytest
 
-from safeloc.cache import engine
 from safeloc.catalogue import Target, load_target
 from safeloc.errors import InputError
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Proved, Result, Unknown, Violated
+from safeloc.proof.cache import engine
+from safeloc.proof.results import Finding
 from safeloc.report import data as data_module
 from safeloc.report.data import report_data, versions
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.report.page import to_html
 from safeloc.report.traces import shown_value, trace_charts
-from safeloc.results import Finding
-from safeloc.streams.columns import read_runs
-from safeloc.trace import Trace
-from safeloc.verdict import Held, Proved, Result, Unknown, Violated
+from safeloc.runtime.streams.columns import read_runs
 
 DOOR = f"{Path(__file__).parents[1] / 'data' / 'door_controller.py'}:machine"
 

@@ -17,7 +17,7 @@ from safeloc.report.data import report_data
 from safeloc.report.extract import extract
 from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.page import to_html, to_pages
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams.steps import read_steps
 from tests.report.test_page import door, findings
 
 PART = re.compile(r'safelocPart\("([^"]+)", "([0-9a-f]{16})", "([A-Za-z0-9+/=]+)"\);\n')

@@ -15,14 +15,14 @@ from typer.testing import CliRunner
 from safeloc.catalogue import load_target
 from safeloc.cli.entry import app
 from safeloc.errors import InputError
-from safeloc.packed import read_packed
-from safeloc.pictures import Approach, Deviation, Recognition, unreadable
+from safeloc.language.verdict import Violated
+from safeloc.proof.verification.replay import replay_stream
+from safeloc.railway.pictures import Approach, Deviation, Recognition, unreadable
 from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
-from safeloc.streams.steps import read_steps, write_steps
-from safeloc.verdict import Violated
-from safeloc.verification.replay import replay_stream
+from safeloc.runtime.packed import read_packed
+from safeloc.runtime.streams.steps import read_steps, write_steps
 from tests.report.reading import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
 
@@ -158,11 +158,11 @@ def test_a_wrong_name_is_told_before_anything_runs() -> None:
 
 
 OWN = """
-from safeloc.expr import number
-from safeloc.machine import Machine, Transition, modes
-from safeloc.pictures import Deviation
-from safeloc.reported import Reported
-from safeloc.units import MM
+from safeloc.language.expr import number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.railway.pictures import Deviation
+from safeloc.runtime.reported import Reported
+from safeloc.language.units import MM
 
 (ON,) = modes("ON")
 place = number("place_mm", MM, 0, 9)

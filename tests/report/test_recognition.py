@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.pictures import Recognition
+from safeloc.railway.pictures import Recognition
 from safeloc.report.recognition import recognition_picture
 from safeloc.report.told import Broken, Told
 from tests.report.reading import Drawing, across, begin, drawing, end, kinds, points, words

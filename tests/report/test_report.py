@@ -19,8 +19,10 @@ from hypothesis import strategies as st
 
 from safeloc.catalogue import load_target
 from safeloc.errors import InputError
-from safeloc.interpret import run
-from safeloc.monitor import check_all
+from safeloc.language.interpret import run
+from safeloc.language.monitor import check_all
+from safeloc.language.verdict import Held, Proved, Unknown, Violated, word
+from safeloc.proof.results import Finding
 from safeloc.report.certificates import read_archives
 from safeloc.report.data import report_data, schema
 from safeloc.report.extract import extract
@@ -28,9 +30,7 @@ from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.junit import to_junit
 from safeloc.report.page import file_names, to_html
 from safeloc.report.plot import line_chart
-from safeloc.results import Finding
-from safeloc.streams.columns import read_runs
-from safeloc.verdict import Held, Proved, Unknown, Violated, word
+from safeloc.runtime.streams.columns import read_runs
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"

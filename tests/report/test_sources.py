@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from functools import cache
 
-from safeloc.expr import Bool, Lit, Num, Var, boolean, choice, enumeration, members, number
-from safeloc.interpret import run
-from safeloc.machine import Any_, Machine, Transition, modes
-from safeloc.pictures import Interval, Refusals, Sources, unreadable
+from safeloc.language.expr import Bool, Lit, Num, Var, boolean, choice, enumeration, members, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Any_, Machine, Transition, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import MM
+from safeloc.railway.pictures import Interval, Refusals, Sources, unreadable
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
 from safeloc.report.told import Told
-from safeloc.reported import Reported
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import MM
+from safeloc.runtime.reported import Reported
 from tests.report.reading import drawing, kinds, words
 
 VERDICT = members("verdict", "NONE", "TOO_LATE", "CONTRADICTION")

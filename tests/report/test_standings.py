@@ -6,15 +6,15 @@ from functools import cache
 
 import pytest
 
-from safeloc.expr import TRUE, choice, enumeration, members, number
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.pictures import Standing, Standings, unreadable
+from safeloc.language.expr import TRUE, choice, enumeration, members, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.railway.pictures import Standing, Standings, unreadable
 from safeloc.report.standings import standings_picture
 from safeloc.report.told import Broken, Told
-from safeloc.reported import Reported
-from safeloc.system import TransitionSystem, lower
-from safeloc.units import COUNT
+from safeloc.runtime.reported import Reported
 from tests.report.reading import across, begin, drawing, end, kinds, words
 
 STATE = members("seat", "FREE", "TAKEN", "BROKEN")

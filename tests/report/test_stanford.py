@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.pictures import Stanford, unreadable
+from safeloc.railway.pictures import Stanford, unreadable
 from safeloc.report.stanford import REGIONS, Region, region, stanford_picture
 from safeloc.report.told import Broken, Told
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from tests.report.gauge import drive, system
 from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 

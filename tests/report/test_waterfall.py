@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, unreadable
+from safeloc.railway.pictures import Interval, LoudFibre, Stretch, TrueEnds, Waterfall, unreadable
 from safeloc.report.png import SIGNATURE
 from safeloc.report.told import Told
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from tests.report.gauge import drive, system
 from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import picture

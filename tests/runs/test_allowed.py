@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.expr import TRUE, Bool, abs_, all_of, between, boolean, ite, maximum, number
-from safeloc.interpret import evaluate
-from safeloc.runs.allowed import Condition, Slack, common, conjuncts
-from safeloc.units import MM
+from safeloc.language.expr import TRUE, Bool, abs_, all_of, between, boolean, ite, maximum, number
+from safeloc.language.interpret import evaluate
+from safeloc.language.units import MM
+from safeloc.proof.runs.allowed import Condition, Slack, common, conjuncts
 
 X, Y, FLAG = number("x", MM, -60, 60), number("y", MM, -60, 60), boolean("flag")
 CONDITIONS = [

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.expr import boolean, number
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.runs.driver import Driver
-from safeloc.spec import always, within
-from safeloc.system import TransitionSystem, lower
-from safeloc.testing import run_tests
-from safeloc.units import COUNT
-from safeloc.verdict import word
+from safeloc.language.expr import boolean, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always, within
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import word
+from safeloc.proof.runs.driver import Driver
+from safeloc.proof.testing import run_tests
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")

@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.expr import all_of, between, boolean, exact_to, number, optional
-from safeloc.interpret import evaluate, start
-from safeloc.machine import ANY, Machine, Transition, modes
+from safeloc.language.expr import all_of, between, boolean, exact_to, number, optional
+from safeloc.language.interpret import evaluate, start
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.system import TransitionSystem, environment, lower
+from safeloc.language.units import MM, NM
 from safeloc.models import odometry
-from safeloc.runs.lawful import Repair, first_state
-from safeloc.runs.profiles import PLAUSIBLE, Profile
-from safeloc.system import TransitionSystem, environment, lower
-from safeloc.units import MM, NM
+from safeloc.proof.runs.lawful import Repair, first_state
+from safeloc.proof.runs.profiles import PLAUSIBLE, Profile
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")

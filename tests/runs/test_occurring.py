@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.composition import compose
-from safeloc.expr import before, boolean, number
-from safeloc.interpret import run
-from safeloc.machine import ANY, Machine, Transition, modes
-from safeloc.monitor import NEVER
-from safeloc.runs.driver import Driver
-from safeloc.runs.lawful import NoFirstStateError
-from safeloc.spec import Property, always, once, previous, within
-from safeloc.system import TransitionSystem, lower
-from safeloc.testing import run_tests
-from safeloc.trace import Trace
-from safeloc.units import COUNT
-from safeloc.verdict import Held, Result, Unknown, Vacuous
+from safeloc.language.composition import compose
+from safeloc.language.expr import before, boolean, number
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.monitor import NEVER
+from safeloc.language.spec import Property, always, once, previous, within
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Held, Result, Unknown, Vacuous
+from safeloc.proof.runs.driver import Driver
+from safeloc.proof.runs.lawful import NoFirstStateError
+from safeloc.proof.testing import run_tests
 
 (ON,) = modes("ON")
 P, N = boolean("p"), number("n", COUNT, 0, 50)

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.expr import NumVar, boolean, choice, enumeration, members, number, optional
-from safeloc.interpret import run
-from safeloc.machine import Machine, Transition, modes
-from safeloc.nodes import Value
-from safeloc.runs.profiles import FAULTY, PLAUSIBLE, Profile
-from safeloc.system import TransitionSystem, canonical, lower
-from safeloc.units import COUNT, MM
+from safeloc.language.expr import NumVar, boolean, choice, enumeration, members, number, optional
+from safeloc.language.interpret import run
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical, lower
+from safeloc.language.units import COUNT, MM
+from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
 
 KINDS = tuple(dict.fromkeys(PLAUSIBLE + FAULTY))
 (ON,) = modes("ON")

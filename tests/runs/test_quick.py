@@ -6,13 +6,13 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.errors import EngineError, InputError
-from safeloc.expr import NumVar
-from safeloc.interpret import run
-from safeloc.monitor import Checks, check_all
-from safeloc.runs import quick
-from safeloc.runs.quick import SAMPLED, Quick, quick_run
-from safeloc.streams.steps import read_steps
-from safeloc.units import ONE
+from safeloc.language.expr import NumVar
+from safeloc.language.interpret import run
+from safeloc.language.monitor import Checks, check_all
+from safeloc.language.units import ONE
+from safeloc.proof.runs import quick
+from safeloc.proof.runs.quick import SAMPLED, Quick, quick_run
+from safeloc.runtime.streams.steps import read_steps
 
 TARGET = load_target("stop_point")
 STREAM = read_steps(TARGET.streams[0])

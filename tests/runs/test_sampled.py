@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from safeloc.catalogue import load_target
-from safeloc.interpret import holds, read_inputs, run
-from safeloc.runs.sampled import drawn_run, sampled_runs
-from safeloc.system import environment, lower, without_ghosts
+from safeloc.language.interpret import holds, read_inputs, run
+from safeloc.language.system import environment, lower, without_ghosts
+from safeloc.proof.runs.sampled import drawn_run, sampled_runs
 from tests.examples import EXAMPLES, build_odometer
 
 

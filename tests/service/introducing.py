@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from safeloc.service.introduction import COMMON_NAME, SIGNATURE, TLS
+from safeloc.runtime.service.introduction import COMMON_NAME, SIGNATURE, TLS
 
 ADDRESSES = bytes([127, 0, 0, 1, 127, 0, 0, 1, 0x80, 0, 0x23, 0x28])
 VERSION = 0x21

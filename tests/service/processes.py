@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from safeloc.streams.records import Record
+from safeloc.runtime.streams.records import Record
 from tests.embedding.driving import drive
 
 ROOT = Path(__file__).parents[2]

@@ -10,17 +10,17 @@ from typing import Any
 
 import pytest
 
-from safeloc.embedding import Controller, Program
 from safeloc.errors import InputError, SnapshotError
-from safeloc.service import messages
-from safeloc.service.feeds import Arrived, Event, Feed, Over
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.journal import Journal
-from safeloc.service.lines import Line
-from safeloc.service.loop import Loop, Parts
-from safeloc.service.outlets import Outlet
-from safeloc.service.saving import Saver, read_saved
-from safeloc.system import lower
+from safeloc.language.system import lower
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.service import messages
+from safeloc.runtime.service.feeds import Arrived, Event, Feed, Over
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.journal import Journal
+from safeloc.runtime.service.lines import Line
+from safeloc.runtime.service.loop import Loop, Parts
+from safeloc.runtime.service.outlets import Outlet
+from safeloc.runtime.service.saving import Saver, read_saved
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import distances, drive

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.embedding import Controller, Program
-from safeloc.embedding.controller import MOST_RECORDS
+from safeloc.language.system import lower
 from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.lines import Line
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.controller import MOST_RECORDS
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.lines import Line
+from safeloc.runtime.streams.steps import SCHEMA
 from safeloc.shipped import ENTRIES
-from safeloc.streams.steps import SCHEMA
-from safeloc.system import lower
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.embedding.driving import distances, drive, trusting

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.service.introduction import LONGEST, SIGNATURE, Introduction
+from safeloc.runtime.service.introduction import LONGEST, SIGNATURE, Introduction
 from tests.service.introducing import header, part, tls
 
 

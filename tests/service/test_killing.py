@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from safeloc.embedding import Controller
-from safeloc.service.pace import AT_ONCE_CYCLES
+from safeloc.runtime.embedding import Controller
+from safeloc.runtime.service.pace import AT_ONCE_CYCLES
 from tests.embedding.driving import distances, drive, trusting
 from tests.service.processes import ROOT, Data, lines, numbered, ran, read, reports, running, wait_for
 

@@ -11,14 +11,14 @@ from typing import Any
 
 import pytest
 
-from safeloc.service import udp
-from safeloc.service.address import Address
-from safeloc.service.feeds import Arrived, Event, Left
-from safeloc.service.journal import Journal
-from safeloc.service.replies import FACTOR, FIRST_BYTES, Allowance
-from safeloc.service.tcp import AT_ONCE, LINES_AT_ONCE, TcpPort
-from safeloc.service.udp import LINES_AT_ONCE as LINES_OF_A_TURN
-from safeloc.service.udp import MOST_LINES, UdpPort
+from safeloc.runtime.service import udp
+from safeloc.runtime.service.address import Address
+from safeloc.runtime.service.feeds import Arrived, Event, Left
+from safeloc.runtime.service.journal import Journal
+from safeloc.runtime.service.replies import FACTOR, FIRST_BYTES, Allowance
+from safeloc.runtime.service.tcp import AT_ONCE, LINES_AT_ONCE, TcpPort
+from safeloc.runtime.service.udp import LINES_AT_ONCE as LINES_OF_A_TURN
+from safeloc.runtime.service.udp import MOST_LINES, UdpPort
 from tests.service.processes import wait_for
 
 HERE = Address("127.0.0.1", 0)
@@ -81,7 +81,7 @@ def lines_of(events: list[Event], origin: str) -> list[bytes]:
 
 def test_who_says_little_is_heard_before_who_says_much(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a flood only a few lines come before another peer's own; then the flood goes on where it was, in order."""
-    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
+    monkeypatch.setattr("safeloc.runtime.service.tcp.FLOODS_S", 0.0)
     loud, calm = tcp.peer(), tcp.peer()
     flood = [b"%07d" % n for n in range(AT_ONCE // 4)]
     loud.sendall(b"\n".join(flood) + b"\n")
@@ -90,7 +90,7 @@ def test_who_says_little_is_heard_before_who_says_much(tcp: Turns, monkeypatch: 
     heard = list(first)
     wait_for(lambda: heard.extend(tcp.turn()) or lines_of(heard, "tcp:2") == [b"calm"], "calm is not heard")
     assert len(lines_of(heard, "tcp:1")) <= 4 * LINES_AT_ONCE
-    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.003)
+    monkeypatch.setattr("safeloc.runtime.service.tcp.FLOODS_S", 0.003)
     wait_for(lambda: heard.extend(tcp.turn()) or len(lines_of(heard, "tcp:1")) == len(flood), "the rest is not heard")
     assert lines_of(heard, "tcp:1") == flood
     loud.close()
@@ -101,7 +101,7 @@ def test_who_says_little_is_heard_before_who_says_much(tcp: Turns, monkeypatch: 
 def test_who_fell_behind_is_heard_in_every_turn(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """What piled up while the process had no time: some lines a turn, no more than of those that keep up, and beside a flood
     that has no time left."""
-    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
+    monkeypatch.setattr("safeloc.runtime.service.tcp.FLOODS_S", 0.0)
     loud, late, later = tcp.peer(), tcp.peer(), tcp.peer()
     loud.sendall(b"x\n" * AT_ONCE)
     for peer in (late, later):
@@ -120,7 +120,7 @@ def test_who_fell_behind_is_heard_in_every_turn(tcp: Turns, monkeypatch: pytest.
 
 def test_no_more_is_read_of_a_peer_than_is_heard(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its sender waits instead: a peer in arrears is not read from."""
-    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
+    monkeypatch.setattr("safeloc.runtime.service.tcp.FLOODS_S", 0.0)
     loud = tcp.peer()
     loud.setblocking(False)
     sent = 0
@@ -134,7 +134,7 @@ def test_no_more_is_read_of_a_peer_than_is_heard(tcp: Turns, monkeypatch: pytest
 
 def test_a_held_port_gives_nothing(tcp: Turns, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor does it keep the loop awake."""
-    monkeypatch.setattr("safeloc.service.tcp.FLOODS_S", 0.0)
+    monkeypatch.setattr("safeloc.runtime.service.tcp.FLOODS_S", 0.0)
     loud = tcp.peer()
     loud.sendall(b"x\n" * 1_000)
     wait_for(lambda: bool(tcp.turn()), "nothing is heard")

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.embedding import Controller
 from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runtime.embedding import Controller
+from safeloc.runtime.streams.records import TruthRecord
 from safeloc.shipped import ENTRIES
-from safeloc.streams.records import TruthRecord
 from tests.cli.calling import Call, caller
 from tests.embedding.driving import drive, trusting
 from tests.service.processes import PATIENCE_S, Data, line, lines, numbered, ran, read, reports, running, wait_for

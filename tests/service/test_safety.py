@@ -16,10 +16,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from safeloc.service.by_steps import StepsVehicle
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.lines import Line, LineCutter
-from safeloc.service.vehicle import Told
+from safeloc.runtime.service.by_steps import StepsVehicle
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.lines import Line, LineCutter
+from safeloc.runtime.service.vehicle import Told
 from tests.embedding.driving import STEP_MM, drive
 from tests.service.test_fleet import ODOMETRY, inputs
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from safeloc.embedding.snapshot import sealed
 from safeloc.errors import InputError, SnapshotError
-from safeloc.service import saving
-from safeloc.service.address import Address, address
-from safeloc.service.journal import MOST_A_SECOND, Journal
-from safeloc.service.saving import KIND, VERSION, Saver, claimed, read_saved, write_whole
-from safeloc.service.watchdog import Watchdog
+from safeloc.runtime.embedding.snapshot import sealed
+from safeloc.runtime.service import saving
+from safeloc.runtime.service.address import Address, address
+from safeloc.runtime.service.journal import MOST_A_SECOND, Journal
+from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, read_saved, write_whole
+from safeloc.runtime.service.watchdog import Watchdog
 
 
 def content(number: int) -> Mapping[str, Any]:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.service.supervised import Supervised
+from safeloc.runtime.service.supervised import Supervised
 from tests.service.processes import PATIENCE_S, ROOT, running, wait_for
 
 UNIT = ROOT / "packaging" / "safeloc@.service"

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from safeloc.border import Reason
+from safeloc.runtime.border import Reason
 from safeloc.signals.images import NoFrame, Order, RadarImage, Refusal, admitted, floor_cdb, in_cdb
 from tests.signals.scenes import CONFIG
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from safeloc.border import Reason
+from safeloc.runtime.border import Reason
 from safeloc.signals.echoes import Echo
 from safeloc.signals.figures import Detection, RadarConfig, Reflectors, Sensor
 from safeloc.signals.images import NoFrame, RadarImage, Refusal

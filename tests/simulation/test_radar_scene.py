@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.border import Reason
 from safeloc.errors import InputError
+from safeloc.runtime.border import Reason
 from safeloc.signals.figures import RadarConfig
 from safeloc.signals.images import NoFrame, Refusal
 from safeloc.signals.radar import Frame, FrontEnd, Outcome

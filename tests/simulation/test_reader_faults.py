@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace, shown
 from safeloc.models import odometry
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.models.odometry_streams import Steps, simulate
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.reader_faults import ReaderFault, ReaderFaultKind, with_faults
 from safeloc.simulation.sensors import FOREIGN, Reading
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace, shown
 
 MARKERS = [(number, number * 100_000) for number in range(1, 9)]
 READINGS = [

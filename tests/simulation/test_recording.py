@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from safeloc.border import Reason
 from safeloc.errors import InputError
 from safeloc.models.odometry_parts.variables import OdometryConfig
 from safeloc.models.odometry_streams import simulate
+from safeloc.runtime.border import Reason
+from safeloc.runtime.streams.cycles import cycles
+from safeloc.runtime.streams.record_files import read_records, write_records
+from safeloc.runtime.streams.records import MarkerRecord, Record
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.record_faults import RecordFault, RecordFaultKind, disturb
 from safeloc.simulation.recording import records
 from safeloc.simulation.sensors import Fault, Law, measure, read_markers
-from safeloc.streams.cycles import cycles
-from safeloc.streams.record_files import read_records, write_records
-from safeloc.streams.records import MarkerRecord, Record
 
 PERIOD_MS = 100
 CHANNELS = {"front_wheel": 1, "rear_radar": 1}

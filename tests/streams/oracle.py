@@ -25,9 +25,9 @@ from random import Random
 from typing import Any
 
 from safeloc.catalogue import load_target
-from safeloc.embedding import Program
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.lines import LineCutter
+from safeloc.runtime.embedding import Program
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.lines import LineCutter
 from tests.embedding.driving import trusting
 from tests.kept_lines import keep, kept_lines
 

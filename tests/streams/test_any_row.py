@@ -12,14 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.embedding import Controller
 from safeloc.errors import InputError, StreamError, UnforeseenError
-from safeloc.outside import UNFORESEEN
-from safeloc.service.fleet import Fleet, Ways
-from safeloc.service.lines import Line
-from safeloc.streams.record_files import FIELDS, OWN, read_raw, read_records, record_or_fault
-from safeloc.streams.records import Unusable
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.embedding import Controller
+from safeloc.runtime.outside import UNFORESEEN
+from safeloc.runtime.service.fleet import Fleet, Ways
+from safeloc.runtime.service.lines import Line
+from safeloc.runtime.streams.record_files import FIELDS, OWN, read_raw, read_records, record_or_fault
+from safeloc.runtime.streams.records import Unusable
+from safeloc.runtime.streams.steps import read_steps
 from tests.embedding.driving import shipped
 
 PROGRAM = shipped("odometry")

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import StreamError
-from safeloc.streams import files
-from safeloc.streams.files import LONGEST_LINE, csv_rows, json_object
-from safeloc.streams.record_files import read_raw
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams import files
+from safeloc.runtime.streams.files import LONGEST_LINE, csv_rows, json_object
+from safeloc.runtime.streams.record_files import read_raw
+from safeloc.runtime.streams.steps import read_steps
 
 
 def refused(path: Path, *words: str) -> None:
@@ -108,7 +108,7 @@ def test_many_empty_columns_in_parquet(tmp_path: Path, monkeypatch: pytest.Monke
     from pyarrow import parquet
 
     path = tmp_path / "run.parquet"
-    monkeypatch.setattr("safeloc.streams.parquet.MOST_CELLS", 1_000_000)
+    monkeypatch.setattr("safeloc.runtime.streams.parquet.MOST_CELLS", 1_000_000)
     parquet.write_table(pyarrow.table({f"c{at}": pyarrow.nulls(10_001, "int64") for at in range(100)}), path)
     refused(path, "more than 1000000 cells")
 

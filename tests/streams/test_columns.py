@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import StreamError
-from safeloc.interpret import run
-from safeloc.packed import packed, read_packed
+from safeloc.language.interpret import run
 from safeloc.report.data import trace_data
-from safeloc.streams.columns import Shown, read_runs, runs_file
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.packed import packed, read_packed
+from safeloc.runtime.streams.columns import Shown, read_runs, runs_file
+from safeloc.runtime.streams.steps import read_steps
 from tests.report.test_page import door
 
 ROW = st.fixed_dictionaries(

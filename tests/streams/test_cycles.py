@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.border import Channel, Fault, Reason
 from safeloc.errors import InputError
-from safeloc.streams.cycles import cycles
-from safeloc.streams.records import (
+from safeloc.runtime.border import Channel, Fault, Reason
+from safeloc.runtime.streams.cycles import cycles
+from safeloc.runtime.streams.records import (
     DistanceRecord,
     MarkerRecord,
     PulseRecord,

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import StreamError
-from safeloc.streams.record_files import FIELDS, read_raw
-from safeloc.streams.steps import read_steps
+from safeloc.runtime.streams.record_files import FIELDS, read_raw
+from safeloc.runtime.streams.steps import read_steps
 
 Reader = Callable[[Path], object]
 BOTH = pytest.mark.parametrize("read", [read_steps, read_raw])

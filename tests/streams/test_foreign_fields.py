@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.errors import InputError, StreamError
-from safeloc.service.lines import Line
-from safeloc.service.messages import Message, Reader, Refused, Said
-from safeloc.streams.record_files import FIELDS, MEASURED, OWN, read_raw, read_records, record_or_fault
-from safeloc.streams.records import RECORD, Record, Unusable
+from safeloc.runtime.border import Reason
+from safeloc.runtime.service.lines import Line
+from safeloc.runtime.service.messages import Message, Reader, Refused, Said
+from safeloc.runtime.streams.record_files import FIELDS, MEASURED, OWN, read_raw, read_records, record_or_fault
+from safeloc.runtime.streams.records import RECORD, Record, Unusable
 from tests.embedding.driving import shipped
 
 SOUND: dict[str, dict[str, object]] = {
@@ -149,7 +149,7 @@ def test_what_nobody_foresaw_is_told_as_our_own_fault(reader: Reader, monkeypatc
     def broken(_: object) -> Record:
         raise ZeroDivisionError("a defect")
 
-    monkeypatch.setattr("safeloc.service.messages.record_or_fault", broken)
+    monkeypatch.setattr("safeloc.runtime.service.messages.record_or_fault", broken)
     told = heard(reader, {"vehicle": "7", **SOUND["distance"]})
     assert isinstance(told, Refused)
     assert told.vehicle == "7"

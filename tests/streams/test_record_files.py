@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.errors import StreamError
-from safeloc.streams.record_files import FIELDS, read_raw, read_records, write_records
-from safeloc.streams.records import (
+from safeloc.runtime.border import Reason
+from safeloc.runtime.streams.record_files import FIELDS, read_raw, read_records, write_records
+from safeloc.runtime.streams.records import (
     DistanceRecord,
     MarkerRecord,
     PulseRecord,

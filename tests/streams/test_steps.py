@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import StreamError
-from safeloc.streams.steps import Cell, read_steps, write_steps
+from safeloc.runtime.streams.steps import Cell, read_steps, write_steps
 
 STEPS: list[dict[str, Cell]] = [
     {"speed": -3, "door_closed": True, "state": "OPEN"},

@@ -10,14 +10,14 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.errors import EngineError, StreamError
-from safeloc.provers.limits import Limits
+from safeloc.language.verdict import word
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.results import Finding
+from safeloc.proof.verification.many import Began, Event, Found, Over, in_order, verify_targets
+from safeloc.proof.verification.one import Plan, Work
+from safeloc.proof.verification.plain import pack_findings, unpack_findings
 from safeloc.report.data import result_data
-from safeloc.results import Finding
 from safeloc.target import Target
-from safeloc.verdict import word
-from safeloc.verification.many import Began, Event, Found, Over, in_order, verify_targets
-from safeloc.verification.one import Plan, Work
-from safeloc.verification.plain import pack_findings, unpack_findings
 
 PLAN = Plan(Limits(depth=6, seconds=20), examples=4, steps=10, seed=1)
 

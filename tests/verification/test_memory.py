@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.verification import memory
-from safeloc.verification.memory import Memory, descendants, taken_bytes
+from safeloc.proof.verification import memory
+from safeloc.proof.verification.memory import Memory, descendants, taken_bytes
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="the system does not tell")
 HOLD = "import sys; held = bytearray(80_000_000); print('held', flush=True); sys.stdin.read()"

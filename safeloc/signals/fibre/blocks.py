@@ -12,7 +12,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.border import Deliveries, Raw, Reason
+from safeloc.runtime.border import Deliveries, Raw, Reason
 from safeloc.signals.fibre.figures import MS_PER_S, FibreConfig
 
 Single = NDArray[np.float32]

@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Fibre, FibrePoint, Stretch
+from safeloc.railway.map.elements import Fibre, FibrePoint, Stretch
 from safeloc.signals.rounding import Exact, Interval
 
 
@@ -50,7 +50,7 @@ class FibreMap:
 
 
 def from_line(fibre: Fibre, error_mm: int = 5_000) -> FibreMap:
-    """The map of a line's fibre (safeloc.line)."""
+    """The map of a line's fibre (safeloc.railway.map)."""
     return FibreMap(tuple((point.fibre_mm, _along(point, fibre)) for point in fibre.map_points), error_mm)
 
 

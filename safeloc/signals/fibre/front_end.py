@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from safeloc.border import Reason
+from safeloc.runtime.border import Reason
 from safeloc.signals.fibre.axles import Counter
 from safeloc.signals.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, Single, admitted, unusable
 from safeloc.signals.fibre.emitters import Heard, Listener

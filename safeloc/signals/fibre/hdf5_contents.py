@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from safeloc.errors import EngineError, SafelocError, StreamError
-from safeloc.outside import refuse_beyond, shortened, shown
-from safeloc.streams.files import streaming
+from safeloc.runtime.outside import refuse_beyond, shortened, shown
+from safeloc.runtime.streams.files import streaming
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import EngineError, InputError, StreamError
-from safeloc.outside import refuse_beyond, shortened, shown
+from safeloc.runtime.outside import refuse_beyond, shortened, shown
+from safeloc.runtime.streams.files import existing, streaming
 from safeloc.signals.fibre.blocks import FibreBlock
 from safeloc.signals.fibre.figures import MS_PER_S, FibreConfig
 from safeloc.signals.fibre.hdf5_contents import require_harmless
-from safeloc.streams.files import existing, streaming
 
 MM_PER_M = 1_000
 LARGEST_RECORDING = 4_000_000_000

@@ -12,7 +12,7 @@ from itertools import groupby
 from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
-from safeloc.outside import reading_file
+from safeloc.runtime.outside import reading_file
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
 from safeloc.signals.satellite.figures import L1_HZ, LIGHT_M_PER_S, WEEK_S
 from safeloc.signals.satellite.log_lines import decimal, log_lines, whole

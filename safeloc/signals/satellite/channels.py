@@ -9,8 +9,8 @@ import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
-from safeloc.border import Fault, Reason
 from safeloc.errors import InputError
+from safeloc.runtime.border import Fault, Reason
 from safeloc.signals.satellite.residuals import Residuals
 from safeloc.signals.satellite.windows import Window
 

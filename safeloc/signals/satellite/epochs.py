@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from safeloc.border import Fault, Reason
 from safeloc.errors import InputError
+from safeloc.runtime.border import Fault, Reason
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ from itertools import pairwise
 from typing import Any
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Geometry, Gradient, TrackEdge
-from safeloc.line.imports.building import missing
-from safeloc.line.routes import Route
-from safeloc.line.topology import Run
+from safeloc.railway.map.elements import Geometry, Gradient, TrackEdge
+from safeloc.railway.map.imports.building import missing
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Run
 from safeloc.signals.satellite.places import Vector
 from safeloc.signals.satellite.track_prediction import Portion
 

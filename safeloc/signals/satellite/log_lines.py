@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from safeloc.outside import read_bytes, refuse_beyond
+from safeloc.runtime.outside import read_bytes, refuse_beyond
 
 LARGEST_LOG = 500_000_000
 MOST_LINES = 10_000_000

@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
-from safeloc.outside import reading_file
+from safeloc.runtime.outside import reading_file
 from safeloc.signals.satellite.atmosphere import Four, Klobuchar
 from safeloc.signals.satellite.ephemeris import FIT_HOURS, Ephemeris, usable
 from safeloc.signals.satellite.log_lines import decimal, log_lines, whole

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from safeloc.errors import StreamError
-from safeloc.outside import reading_file
+from safeloc.runtime.outside import reading_file
 from safeloc.signals.satellite.epochs import Epoch, Measured, in_order
 from safeloc.signals.satellite.log_lines import decimal, log_lines, whole
 from safeloc.signals.satellite.predicted import rate_of_doppler

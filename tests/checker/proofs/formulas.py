@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from safeloc.checker.proofs.goals import RULES
-from safeloc.checker.proofs.rewrites import FAMILIES
-from safeloc.checker.proofs.steps import Inference, Step
-from safeloc.checker.proofs.terms import Term, make, number
-from safeloc.checker.proofs.texts import read_goals
+from safeloc.proof.checker.proofs.goals import RULES
+from safeloc.proof.checker.proofs.rewrites import FAMILIES
+from safeloc.proof.checker.proofs.steps import Inference, Step
+from safeloc.proof.checker.proofs.terms import Term, make, number
+from safeloc.proof.checker.proofs.texts import read_goals
 
 DECLARED = "".join(
     [*(f"(declare-const {name} Bool)" for name in "abcd"), *(f"(declare-const {name} Int)" for name in "xyz")]

@@ -6,10 +6,10 @@ from fractions import Fraction
 
 import pytest
 
-from safeloc.checker.proofs.goals import RULES
-from safeloc.checker.proofs.polynomials import direction, polynomial
-from safeloc.checker.proofs.steps import Inference, WrongStep
-from safeloc.checker.proofs.terms import TRUE, Term, make, number, same
+from safeloc.proof.checker.proofs.goals import RULES
+from safeloc.proof.checker.proofs.polynomials import direction, polynomial
+from safeloc.proof.checker.proofs.steps import Inference, WrongStep
+from safeloc.proof.checker.proofs.terms import TRUE, Term, make, number, same
 from tests.checker.proofs.formulas import figure, follows, formula
 
 X, Y = figure("x"), figure("y")

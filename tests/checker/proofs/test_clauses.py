@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.checker.proofs.steps import WrongStep
-from safeloc.checker.proofs.terms import FALSE, TRUE, Term
+from safeloc.proof.checker.proofs.steps import WrongStep
+from safeloc.proof.checker.proofs.terms import FALSE, TRUE, Term
 from tests.checker.proofs.formulas import follows, formula, listed
 
 A, B = formula("a"), formula("b")

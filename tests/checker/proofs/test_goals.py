@@ -9,14 +9,14 @@ from random import Random
 
 import pytest
 
-from safeloc.checker.proofs import goals as module
-from safeloc.checker.proofs.goals import RULES, GoalProof, check_unsat_proofs
-from safeloc.checker.proofs.rewrites import FAMILIES
-from safeloc.checker.proofs.solver import written
-from safeloc.checker.proofs.steps import Checked, Failed, Step, check
-from safeloc.checker.proofs.terms import Term, exact, make, no, number
-from safeloc.checker.proofs.texts import Goal, read_goals
 from safeloc.errors import EngineError
+from safeloc.proof.checker.proofs import goals as module
+from safeloc.proof.checker.proofs.goals import RULES, GoalProof, check_unsat_proofs
+from safeloc.proof.checker.proofs.rewrites import FAMILIES
+from safeloc.proof.checker.proofs.solver import written
+from safeloc.proof.checker.proofs.steps import Checked, Failed, Step, check
+from safeloc.proof.checker.proofs.terms import Term, exact, make, no, number
+from safeloc.proof.checker.proofs.texts import Goal, read_goals
 from tests.checker.proofs.formulas import DECLARED
 
 CHOICES = f"""(set-logic QF_LIA){DECLARED}

@@ -6,11 +6,11 @@ from itertools import product
 
 import pytest
 
-from safeloc.checker.proofs.cases import valid
-from safeloc.checker.proofs.goals import RULES
-from safeloc.checker.proofs.logic import RULES as LOGIC
-from safeloc.checker.proofs.steps import Inference, WrongStep
-from safeloc.checker.proofs.terms import FALSE, TRUE, Term, make, no, same, variable
+from safeloc.proof.checker.proofs.cases import valid
+from safeloc.proof.checker.proofs.goals import RULES
+from safeloc.proof.checker.proofs.logic import RULES as LOGIC
+from safeloc.proof.checker.proofs.steps import Inference, WrongStep
+from safeloc.proof.checker.proofs.terms import FALSE, TRUE, Term, make, no, same, variable
 from tests.checker.proofs.formulas import at, figure, follows, formula
 
 RIGHT = [

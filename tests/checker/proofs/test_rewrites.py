@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import pytest
 
-from safeloc.checker.proofs import cases
-from safeloc.checker.proofs.cases import valid
-from safeloc.checker.proofs.rewrites import FAMILIES
-from safeloc.checker.proofs.steps import Inference, WrongStep
-from safeloc.checker.proofs.terms import Term, make, number, same, variable
+from safeloc.proof.checker.proofs import cases
+from safeloc.proof.checker.proofs.cases import valid
+from safeloc.proof.checker.proofs.rewrites import FAMILIES
+from safeloc.proof.checker.proofs.steps import Inference, WrongStep
+from safeloc.proof.checker.proofs.terms import Term, make, number, same, variable
 from tests.checker.proofs.formulas import at, figure, follows, formula, listed
 
 VALID = [

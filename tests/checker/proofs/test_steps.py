@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from safeloc.checker.proofs.goals import RULES
-from safeloc.checker.proofs.rewrites import FAMILIES
-from safeloc.checker.proofs.steps import Checked, Failed, Step, check
-from safeloc.checker.proofs.terms import FALSE
+from safeloc.proof.checker.proofs.goals import RULES
+from safeloc.proof.checker.proofs.rewrites import FAMILIES
+from safeloc.proof.checker.proofs.steps import Checked, Failed, Step, check
+from safeloc.proof.checker.proofs.terms import FALSE
 from tests.checker.proofs.formulas import assume, at, formula, step
 
 ASSERTED = ["a", "(=> a b)", "(not b)"]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.checker.proofs.terms import FALSE, make, number, variable
-from safeloc.checker.proofs.texts import read_goals
 from safeloc.errors import InputError
+from safeloc.proof.checker.proofs.terms import FALSE, make, number, variable
+from safeloc.proof.checker.proofs.texts import read_goals
 
 TEXT = """; relies on other.smt2
 ; odd names

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.line.imports.notes import Imported
-from safeloc.line.imports.railml import read_railml
+from safeloc.railway.map.imports.notes import Imported
+from safeloc.railway.map.imports.railml import read_railml
 from tests.line.imports.documents import Read
 
 

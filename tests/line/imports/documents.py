@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from safeloc.line.imports.notes import Imported
+from safeloc.railway.map.imports.notes import Imported
 
 RAILML = '<railML xmlns="https://www.railml.org/schemas/3.2" version="3.2">'
 

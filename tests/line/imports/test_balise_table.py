@@ -11,9 +11,9 @@ import openpyxl
 import pytest
 
 from safeloc.errors import EngineError, InputError
-from safeloc.line.imports.balise_table import COLUMNS, read_balise_table
-from safeloc.line.imports.notes import Note
-from safeloc.line.places import kilometre_mm
+from safeloc.railway.map.imports.balise_table import COLUMNS, read_balise_table
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.places import kilometre_mm
 from tests.data_sources import data_file
 
 Cell = int | float | str | None

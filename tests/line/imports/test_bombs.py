@@ -18,16 +18,16 @@ import pytest
 
 from safeloc import catalogue
 from safeloc.errors import InputError
-from safeloc.line import toml_files
-from safeloc.line.imports import building, json_text, railml_xml, workbook_parts
-from safeloc.line.imports.balise_table import COLUMNS, read_balise_table
-from safeloc.line.imports.geojson import read_geojson
-from safeloc.line.imports.geojson_path import read_path
-from safeloc.line.imports.lengths import decimal
-from safeloc.line.imports.railml import read_railml
-from safeloc.line.imports.ttobench import read_ttobench
-from safeloc.line.toml_files import load_line
-from safeloc.line.topology import Topology
+from safeloc.railway.map import toml_files
+from safeloc.railway.map.imports import building, json_text, railml_xml, workbook_parts
+from safeloc.railway.map.imports.balise_table import COLUMNS, read_balise_table
+from safeloc.railway.map.imports.geojson import read_geojson
+from safeloc.railway.map.imports.geojson_path import read_path
+from safeloc.railway.map.imports.lengths import decimal
+from safeloc.railway.map.imports.railml import read_railml
+from safeloc.railway.map.imports.ttobench import read_ttobench
+from safeloc.railway.map.toml_files import load_line
+from safeloc.railway.map.topology import Topology
 from safeloc.signals.fibre import recordings
 from safeloc.signals.satellite import log_lines
 from tests.line.imports.documents import RAILML, STATION
@@ -276,13 +276,13 @@ def test_large_and_broken_lines_are_refused(tmp_path: Path, name: str, monkeypat
     digits = "9" * 5_000
     path.write_text(f'{{"a": {digits}}}' if name.endswith("json") else f"a = {digits}")
     refused(load_line, path, "not JSON" if name.endswith("json") else "not TOML")
-    monkeypatch.setattr("safeloc.line.toml_files.LARGEST_TEXT", 100)
+    monkeypatch.setattr("safeloc.railway.map.toml_files.LARGEST_TEXT", 100)
     refused(load_line, path, "more than 100 bytes", "split it")
 
 
 def test_map_files_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also what never ends."""
-    monkeypatch.setattr("safeloc.line.imports.building.LARGEST_MAP", 100)
+    monkeypatch.setattr("safeloc.railway.map.imports.building.LARGEST_MAP", 100)
     for read in (read_railml, read_geojson, read_ttobench, read_balise_table):
         path = tmp_path / "large"
         path.write_bytes(b" " * 101)

@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from safeloc.errors import EngineError, InputError
-from safeloc.line.elements import Crossing, Switch
-from safeloc.line.imports.geojson import read_geojson
-from safeloc.line.imports.notes import Note
+from safeloc.railway.map.elements import Crossing, Switch
+from safeloc.railway.map.imports.geojson import read_geojson
+from safeloc.railway.map.imports.notes import Note
 from tests.data_sources import data_file
 
 Collection = dict[str, Any]

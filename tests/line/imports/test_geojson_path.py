@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.imports.geojson import read_geojson
-from safeloc.line.imports.geojson_path import read_path, route_over
-from safeloc.line.imports.notes import Note
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.map.imports.geojson import read_geojson
+from safeloc.railway.map.imports.geojson_path import read_path, route_over
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.topology import Run, Topology
 from tests.line.imports.test_geojson import SWITCH, written
 from tests.line.recorded import route_of
 

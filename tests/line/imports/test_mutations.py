@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.imports.formats import FORMATS
-from safeloc.line.imports.notes import Imported
+from safeloc.railway.map.imports.formats import FORMATS
+from safeloc.railway.map.imports.notes import Imported
 from tests.line.imports.documents import STATION, Read
 from tests.line.imports.test_geojson import SWITCH
 from tests.line.imports.test_ttobench import TRACK

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.imports.formats import FORMATS, importer
-from safeloc.line.imports.lengths import decimal, millimetres
-from safeloc.line.imports.notes import Note, similar
+from safeloc.railway.map.imports.formats import FORMATS, importer
+from safeloc.railway.map.imports.lengths import decimal, millimetres
+from safeloc.railway.map.imports.notes import Note, similar
 
 
 def test_similar_notes_are_told_once() -> None:

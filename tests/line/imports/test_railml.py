@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import EngineError, InputError
-from safeloc.line.elements import AxleCounter, Balise, KilometrePoint, Signal, SpeedLimit, Stretch, Switch
-from safeloc.line.imports.notes import Note
-from safeloc.line.imports.railml import read_railml
+from safeloc.railway.map.elements import AxleCounter, Balise, KilometrePoint, Signal, SpeedLimit, Stretch, Switch
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.railml import read_railml
 from tests.line.imports.documents import RAILML, STATION, Read, changed, line_of
 
 

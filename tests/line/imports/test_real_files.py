@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.audit import audit
-from safeloc.line.imports.formats import importer
-from safeloc.line.imports.notes import Imported
-from safeloc.line.model import sealed
-from safeloc.line.toml_files import from_toml, to_toml
+from safeloc.railway.audit import audit
+from safeloc.railway.map.imports.formats import importer
+from safeloc.railway.map.imports.notes import Imported
+from safeloc.railway.map.model import sealed
+from safeloc.railway.map.toml_files import from_toml, to_toml
 from tests.data_sources import data_file
 
 TRACKS = (

@@ -7,9 +7,9 @@ from itertools import pairwise
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Crossing, Switch
-from safeloc.line.imports.notes import Note
-from safeloc.line.imports.topology import End, Joined, Naming, Relation, join
+from safeloc.railway.map.elements import Crossing, Switch
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.topology import End, Joined, Naming, Relation, join
 
 
 def meet(one: End, other: End, *, passable: bool = True, name: str = "r") -> Relation:

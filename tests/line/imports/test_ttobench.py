@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Curve, Gradient, SpeedLimit, Stretch, Tunnel
-from safeloc.line.imports.notes import Note
-from safeloc.line.imports.ttobench import EDGE, read_ttobench
+from safeloc.railway.map.elements import Curve, Gradient, SpeedLimit, Stretch, Tunnel
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.ttobench import EDGE, read_ttobench
 from tests.data_sources import data_file
 
 TRACK: dict[str, Any] = {

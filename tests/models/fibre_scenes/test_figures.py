@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
 from safeloc.models import fibre
 from safeloc.models.fibre_parts.picture import loud
 from safeloc.models.fibre_scenes.figures import END_SCENES, EndScene
 from safeloc.models.fibre_scenes.recordings import recorded_end
-from safeloc.streams.steps import Cell, read_steps
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
+from safeloc.runtime.streams.steps import Cell, read_steps
 from tests.models.fibre_family import labels, mode_labels, replayed
 
 STREAMS = Path(fibre.__file__).parent / "streams"

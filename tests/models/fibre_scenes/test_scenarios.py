@@ -8,18 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.interpret import run
+from safeloc.language.interpret import run
+from safeloc.language.system import lower, without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
 from safeloc.models import fibre_area
 from safeloc.models.fibre_parts.picture import loud
 from safeloc.models.fibre_scenes.figures import END_SCENES
 from safeloc.models.fibre_scenes.recordings import Recording, recorded_order, recorded_stay
 from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENES, SCENARIOS, SPLIT_S, VERIFIED_20_KM
 from safeloc.models.train_order import machine as order_machine
-from safeloc.pictures import LoudFibre
-from safeloc.streams.steps import Cell, read_steps
-from safeloc.system import lower, without_ghosts
-from safeloc.trace import Trace
-from safeloc.units import Enumeration
+from safeloc.railway.pictures import LoudFibre
+from safeloc.runtime.streams.steps import Cell, read_steps
 
 STREAMS = Path(fibre_area.__file__).parent / "streams"
 NAMES = [one.name for one in SCENARIOS]

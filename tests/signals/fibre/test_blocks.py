@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from safeloc.border import Reason
+from safeloc.runtime.border import Reason
 from safeloc.signals.fibre.blocks import Content, FibreBlock, NoFibre, Order, Refusal, admitted, unusable
 from safeloc.signals.fibre.figures import FibreConfig, Interrogator
 

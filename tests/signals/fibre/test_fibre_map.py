@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.line.elements import Fibre, FibrePoint, Stretch
+from safeloc.railway.map.elements import Fibre, FibrePoint, Stretch
 from safeloc.signals.fibre.fibre_map import FibreMap, from_line, one_to_one, place_of
 from safeloc.signals.rounding import Interval
 

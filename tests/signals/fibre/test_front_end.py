@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from safeloc.border import Reason
+from safeloc.runtime.border import Reason
 from safeloc.signals.fibre.blocks import NoFibre, Refusal
 from safeloc.signals.fibre.features import FibreFrame, Trouble
 from safeloc.signals.fibre.figures import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
-from safeloc.expr import Optional
+from safeloc.language.expr import Optional
 from safeloc.models.fibre import FibreConfig, parts
 from safeloc.signals.fibre.features import Bounds, End
 from safeloc.signals.fibre.step_inputs import step_inputs

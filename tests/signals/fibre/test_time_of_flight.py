@@ -7,9 +7,9 @@ from fractions import Fraction
 import pytest
 
 from safeloc.errors import InputError
+from safeloc.language.units import MM, MM_S, ONE, S, Unit
 from safeloc.signals.fibre.time_of_flight import bounds_mm, distance_mm, most_pulses_hz, speed_mm_s, time_ps
 from safeloc.signals.rounding import Interval
-from safeloc.units import MM, MM_S, ONE, S, Unit
 
 INDEX_PPM = 1_468_000
 T2_PS = 100_000_000

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.errors import InputError
+from safeloc.runtime.border import Reason
 from safeloc.signals.satellite.channels import Channels, Heard, identity, satellite_name
 from safeloc.signals.satellite.residuals import Residuals
 

@@ -9,9 +9,9 @@ from itertools import pairwise
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.line.model import Line
-from safeloc.line.routes import Route, through_routes
-from safeloc.line.topology import Run, Topology
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Route, through_routes
+from safeloc.railway.map.topology import Run, Topology
 from safeloc.signals.satellite.line_track import LineTrack
 from safeloc.signals.satellite.places import Place
 from safeloc.signals.satellite.track_prediction import Portion

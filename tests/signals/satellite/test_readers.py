@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.border import Reason
 from safeloc.errors import InputError, StreamError
+from safeloc.runtime.border import Reason
 from safeloc.signals.satellite import log_lines
 from safeloc.signals.satellite.android import read_android
 from safeloc.signals.satellite.epochs import Epoch, Measured, Row, in_order, received

@@ -1,0 +1,136 @@
+"""The batch in C: many runs at once over numpy arrays, several in one register, on every core.
+
+batch = compile_lanes(system, keep=["position_mm"])     takes a C compiler, and seconds for a large machine
+trace = simulate(batch, inputs)                         as in `batch`: same arrays, same checks, same results
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import subprocess
+import tempfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from safeloc.codegen.batch import keepable, soundly_64_bits
+from safeloc.codegen.c99_build import build, compiler
+from safeloc.codegen.lanes_code import to_lanes
+from safeloc.codegen.numpy_code import Array
+from safeloc.errors import InputError
+from safeloc.language.system import TransitionSystem
+
+NATIVE = "-march=native"
+FLAGS = ("-O1",)  # of straight-line code -O2 makes nothing faster
+
+
+@dataclass(frozen=True)
+class LanesBatch:
+    """A system as compiled C over lanes. It keeps no state, and several simulations may use it at once.
+
+    threads  how many run at once; C lets go of the interpreter
+    """
+
+    system: TransitionSystem
+    keep: tuple[str, ...]
+    threads: int
+    library: ctypes.CDLL
+
+    @property
+    def lanes(self) -> int:
+        """How many runs a register holds on this processor."""
+        return ctypes.c_size_t.in_dll(self.library, "lanes_count").value
+
+    def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
+        """The last states of all runs; `kept` is filled."""
+        runs, lanes = len(state[0]), self.lanes
+        if 0 < runs < lanes:
+            return self._widened(columns, state, kept, lanes)
+        columns, state = [list(map(np.ascontiguousarray, arrays)) for arrays in (columns, state)]
+        after, steps = [np.empty_like(array) for array in state], len(columns[0])
+        given = [_pointers(arrays) for arrays in (state, after, columns, kept)]
+
+        def take(block: tuple[int, int]) -> None:
+            self.library.run_lanes(*given, *map(ctypes.c_size_t, (runs, *block, steps)))
+
+        with ThreadPoolExecutor(self.threads) as pool:
+            list(pool.map(take, _blocks(runs, min(block_runs, -(-runs // self.threads)), lanes)))
+        return after
+
+    def _widened(self, columns: list[Array], state: list[Array], kept: list[Array], lanes: int) -> list[Array]:
+        """Fewer runs than lanes: the last one is taken again, and not told."""
+        runs = len(state[0])
+        places = np.minimum(np.arange(lanes), runs - 1)
+        wide = [np.empty((len(array), lanes), array.dtype) for array in kept]
+        after = self.moved([array[:, places] for array in columns], [array[places] for array in state], wide, lanes)
+        for target, values in zip(kept, wide, strict=True):
+            target[:] = values[:, :runs]
+        return [array[:runs] for array in after]
+
+
+def compile_lanes(
+    system: TransitionSystem,
+    keep: Sequence[str] = (),
+    *,
+    threads: int | None = None,
+    folder: Path | None = None,
+    cc: str | None = None,
+) -> LanesBatch:
+    """Generate, compile for this processor, and load.
+
+    keep     as in `compile_batch`
+    threads  as many as there are cores without it
+    folder   where libraries are kept and found again, each for its kind of processor; a temporary one without
+    cc       the C compiler; else $CC, cc, gcc or clang
+
+    InputError as in `compile_batch`, and for threads below 1; EngineError where there is no compiler, or it refuses.
+    """
+    if threads is not None and threads < 1:
+        raise InputError(f"threads is {threads}; at least 1.")
+    soundly_64_bits(system)
+    for name in keep:
+        keepable(system, name)
+    source = to_lanes(system, keep)
+    library = _library(source, folder, compiler(cc))
+    return LanesBatch(system, tuple(keep), threads or os.cpu_count() or 1, library)
+
+
+def _library(source: str, folder: Path | None, cc: str) -> ctypes.CDLL:
+    flags, processor = _native(cc)
+    texts = {"lanes.c": f"/* For {processor}. */\n{source}"}
+    if folder is not None:
+        return _loaded(build(texts, folder, "lanes", cc=cc, flags=flags))
+    with tempfile.TemporaryDirectory() as place:  # once loaded, the file is not needed any more
+        return _loaded(build(texts, Path(place), "lanes", cc=cc, flags=flags))
+
+
+def _loaded(path: Path) -> ctypes.CDLL:
+    library = ctypes.CDLL(str(path))
+    library.run_lanes.restype = None
+    return library
+
+
+def _native(cc: str) -> tuple[tuple[str, ...], str]:
+    """Flags for this processor, and what tells it from others; none where the compiler has no such flag."""
+    command = [cc, NATIVE, "-dM", "-E", "-x", "c", "-"]
+    done = subprocess.run(command, input="", capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        return FLAGS, "any processor"
+    return (*FLAGS, NATIVE), f"processor {hashlib.sha256(done.stdout.encode()).hexdigest()[:16]}"
+
+
+def _pointers(arrays: Sequence[Array]) -> ctypes.Array[Any]:
+    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
+
+
+def _blocks(runs: int, size: int, lanes: int) -> Iterator[tuple[int, int]]:
+    """Begin and end of blocks of about `size` runs, none with fewer than there are lanes."""
+    size = -(-size // lanes) * lanes
+    begins = list(range(0, runs - lanes + 1, max(size, lanes)))
+    yield from zip(begins, [*begins[1:], runs], strict=False)  # of no runs there is no block

@@ -1,0 +1,190 @@
+"""What stands around the step in generated C: the checked step, the loop, snapshots, and what a status says.
+
+These texts are the same for every machine but for its name, its fields and its statuses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.codegen.c99_header import statuses
+from safeloc.codegen.c99_layout import Field, Layout, literal
+from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_terms import constant
+
+
+def stepping(layout: Layout) -> str:
+    """One checked step, and the outputs of a state."""
+    p, upper = layout.names.prefix, layout.names.upper
+    idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
+    return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
+{{
+    if (state == NULL || inputs == NULL || outputs == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    const int32_t status = judged(inputs);
+    if (status != {upper}_OK) {{
+        return status;
+    }}
+    advance(state, inputs, outputs);
+    show(state, outputs);
+    return {upper}_OK;
+}}
+
+int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
+{{
+    if (state == NULL || outputs == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    show(state, outputs);
+{idle}    return {upper}_OK;
+}}
+"""
+
+
+def running(layout: Layout) -> str:
+    """Many steps over rows or over columns, each row checked before it is taken."""
+    p = layout.names.prefix
+    gathered = (
+        "".join(_gathered(field) for field in layout.inputs)
+        or "    (void)inputs;\n    (void)columns;\n    (void)number;\n"
+    )
+    scattered = "".join(
+        f"    if (told->{field.name} != NULL) {{\n        told->{field.name}[number] = outputs->{field.name};\n    }}\n"
+        for field in layout.told
+    )
+    scattered = scattered or "    (void)outputs;\n    (void)told;\n    (void)number;\n"
+    return f"""static inline void gather({p}_inputs *inputs, const {p}_input_columns *columns, size_t number)
+{{
+{gathered}}}
+
+static void scatter(const {p}_outputs *outputs, const {p}_output_columns *told, size_t number)
+{{
+{scattered}}}
+
+{_loop(layout, "run", f"const {p}_inputs *rows", f"{p}_outputs *told", _ROWS)}
+{_loop(layout, "run_columns", f"const {p}_input_columns *columns", f"const {p}_output_columns *told", _COLUMNS)}"""
+
+
+@dataclass(frozen=True)
+class _Source:
+    """Where a loop takes its inputs from and leaves its outputs."""
+
+    missing: str
+    begin: str
+    taken: str
+    inputs: str
+    kept: str
+
+
+_ROWS = _Source("rows == NULL", "", "", "&rows[number]", "told[number] = outputs;")
+_COLUMNS = _Source(
+    "columns == NULL{columns}",
+    "    const {p}_input_columns read = *columns;\n    {p}_inputs inputs = {{0}};\n",
+    "            gather(&inputs, &read, number);\n",
+    "&inputs",
+    "scatter(&outputs, told, number);",
+)
+
+
+def _loop(layout: Layout, name: str, given: str, told: str, source: _Source) -> str:
+    """One loop without outputs, so that it need not work them out, and one with them."""
+    p, upper = layout.names.prefix, layout.names.upper
+    columns = "".join(f" || columns->{field.name} == NULL" for field in layout.inputs)
+    judging = f"""{source.taken}            status = judged({source.inputs});
+            if (status != {upper}_OK) {{
+                break;
+            }}
+            advance(&now, {source.inputs}, &outputs);
+"""
+    missing = line(f"if (state == NULL || done == NULL || {source.missing.format(columns=columns)}) {{", 1)
+    return f"""int32_t {p}_{name}({p}_state *state, {given}, {told}, size_t count, size_t *done)
+{{
+{missing}        return {upper}_NO_POINTER;
+    }}
+{source.begin.format(p=p)}    {p}_state now = *state;
+    {p}_outputs outputs = {{0}};
+    int32_t status = {upper}_OK;
+    size_t number = 0;
+    if (told == NULL) {{
+        for (; number < count; number++) {{
+{judging}        }}
+    }} else {{
+        for (; number < count; number++) {{
+{judging}            show(&now, &outputs);
+            {source.kept}
+        }}
+    }}
+    *state = now;
+    *done = number;
+    return status;
+}}
+"""
+
+
+def _gathered(field: Field) -> str:
+    """One input of a row; the value of an absent one is not read."""
+    value = f"columns->{field.name}[number]"
+    if field.present:
+        value = f"inputs->{field.present} != 0 ? {value} : {constant(field.absent)}"
+    return f"    inputs->{field.name} = {value};\n"
+
+
+def snapshots(layout: Layout) -> str:
+    """Saving and restoring, with a checksum over values, not over padding."""
+    p, upper = layout.names.prefix, layout.names.upper
+    mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
+    return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
+static uint64_t mixed(uint64_t sum, uint64_t value)
+{{
+    for (int shift = 0; shift < 64; shift += 8) {{
+        sum = (sum ^ ((value >> shift) & 0xFFU)) * UINT64_C(1099511628211);
+    }}
+    return sum;
+}}
+
+static uint64_t checksum(const {p}_state *state)
+{{
+    uint64_t sum = mixed(UINT64_C(14695981039346656037), {upper}_DECLARATION);
+{mixed}    return sum;
+}}
+
+int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
+{{
+    if (state == NULL || snapshot == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    snapshot->declaration = {upper}_DECLARATION;
+    snapshot->checksum = checksum(state);
+    snapshot->state = *state;
+    return {upper}_OK;
+}}
+
+int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
+{{
+    if (state == NULL || snapshot == NULL) {{
+        return {upper}_NO_POINTER;
+    }}
+    if (snapshot->declaration != {upper}_DECLARATION) {{
+        return {upper}_SNAPSHOT_FOREIGN;
+    }}
+    if (snapshot->checksum != checksum(&snapshot->state)) {{
+        return {upper}_SNAPSHOT_DAMAGED;
+    }}
+    const int32_t status = {p}_check_state(&snapshot->state);
+    if (status == {upper}_OK) {{
+        *state = snapshot->state;
+    }}
+    return status;
+}}
+"""
+
+
+def status_texts(layout: Layout) -> str:
+    """What every status says."""
+    p = layout.names.prefix
+    cases = "".join(f"    case {name}:\n        return {literal(text)};\n" for name, _, text in statuses(layout))
+    return (
+        f"const char *{p}_status_text(int32_t status)\n{{\n    switch (status) {{\n{cases}"
+        f'    default:\n        return "no status of {p}";\n    }}\n}}\n'
+    )

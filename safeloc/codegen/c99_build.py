@@ -1,0 +1,60 @@
+"""Generated C, compiled: into a shared library for this machine, in a folder of the caller's."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from safeloc.codegen.c99 import STRICT
+from safeloc.errors import EngineError
+
+SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
+
+
+def compiler(name: str | None = None) -> str:
+    """Path of the C compiler: `name`, else $CC, else cc, gcc or clang. EngineError where there is none."""
+    wanted = [name] if name else [*filter(None, [os.environ.get("CC")]), "cc", "gcc", "clang"]
+    for one in wanted:
+        found = shutil.which(one)
+        if found:
+            return found
+    raise EngineError(
+        f"no C compiler: {', '.join(wanted)} not found. Install one (gcc or clang), or name it in the variable CC."
+    )
+
+
+def build(
+    texts: Mapping[str, str], folder: Path, name: str, *, cc: str | None = None, flags: Sequence[str] = ()
+) -> Path:
+    """The shared library of these sources, `folder/NAME-DIGEST.so`; compiled only where it is not there yet.
+
+    The digest is of texts, compiler and flags, so a folder may be kept and shared. EngineError with the compiler's own
+    words where it refuses.
+    """
+    command = [compiler(cc), *STRICT, "-O2", "-fPIC", "-shared", *flags]
+    told = "\0".join([*command, *(part for item in sorted(texts.items()) for part in item)])
+    library = folder / f"{name}-{hashlib.sha256(told.encode('utf-8')).hexdigest()[:24]}{SUFFIX}"
+    if not library.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as place:
+            os.replace(_compiled(command, texts, Path(place)), library)  # at once: others may look for it
+    return library
+
+
+def _compiled(command: Sequence[str], texts: Mapping[str, str], place: Path) -> Path:
+    for file, text in texts.items():
+        (place / file).write_text(text, encoding="utf-8")
+    sources = sorted(file for file in texts if file.endswith(".c"))
+    library = place / f"library{SUFFIX}"
+    done = subprocess.run(
+        [*command, "-o", str(library), *sources], cwd=place, capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        raise EngineError(f"{command[0]} refuses the generated C: {done.stderr.strip() or done.returncode}")
+    return library

@@ -1,0 +1,97 @@
+"""C identifiers for everything a system names: its own letters, and a number where another one has that name already."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from safeloc.language.nodes import Expr, Lit, NumVar, Var
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import in_order
+from safeloc.language.units import Enumeration
+
+KEYWORDS = """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Bool _Complex
+    _Imaginary bool true false NULL errno EOF offsetof asm typeof
+"""
+OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged nothing"
+RESERVED = frozenset(f"{KEYWORDS} {OWN_WORDS}".split())
+TYPES = re.compile(r"u?int(_\w+)?\d*_t|u?int\w*_(min|max|c)|size_t|size_max|t\d+", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Names:
+    """Identifiers of one system.
+
+    prefix     begins every external name
+    variables  fields of the structures, and local names in functions: distinct among state and inputs
+    outputs    fields of the outputs, transitions that fired included
+    members    enumeration -> the constants of its members, in order
+    titles     enumeration -> what it is called
+    """
+
+    prefix: str
+    variables: Mapping[Var, str]
+    outputs: Mapping[str, str]
+    fired: Mapping[NumVar, str]
+    members: Mapping[Enumeration, tuple[str, ...]]
+    titles: Mapping[Enumeration, str]
+
+    @property
+    def upper(self) -> str:
+        """The prefix of constants."""
+        return self.prefix.upper()
+
+
+def names_of(system: TransitionSystem) -> Names:
+    """Identifiers that are no words of C, of its fixed-width types or of the generated text."""
+    prefix = identifier(system.name)
+    titles = _titles(system)
+    constants = set[str]()
+    members = {
+        unit: tuple(distinct(identifier(f"{prefix}_{title}_{label}").upper(), constants) for label in unit.members)
+        for unit, title in titles.items()
+    }
+    taken, shown = set(constants), set(constants)
+    variables = {var: distinct(identifier(var.name), taken) for var in (*system.state, *system.inputs)}
+    outputs = {name: distinct(identifier(name), shown) for name in system.outputs}
+    fired = {var: distinct(identifier(var.name), shown) for var in system.fired}
+    return Names(prefix, variables, outputs, fired, members, titles)
+
+
+def identifier(name: str) -> str:
+    """The letters, digits and underscores of a name, not beginning with a digit."""
+    plain = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "unnamed"
+    return f"n{plain}" if plain[0].isdigit() else plain
+
+
+def distinct(plain: str, taken: set[str]) -> str:
+    """The name, with a number where it is taken or means something else in C; it is taken from then on."""
+    name, number = plain, 1
+    while name in taken or name in RESERVED or TYPES.fullmatch(name):
+        number += 1
+        name = f"{plain}_{number}"
+    taken.add(name)
+    return name
+
+
+def _titles(system: TransitionSystem) -> dict[Enumeration, str]:
+    """What every enumeration is called; modes and fired transitions of several machines by their machine as well."""
+    known: dict[Enumeration, str] = {}
+    for machine in system.machines:
+        owner = f"{identifier(machine.name)}_" if len(system.machines) > 1 else ""
+        for var, word in ((machine.mode, "mode"), (machine.fired_name, "fired")):
+            if isinstance(var.unit, Enumeration):
+                known.setdefault(var.unit, owner + word)
+    taken: set[str] = set()
+    return {unit: distinct(known.get(unit, identifier(unit.name)), taken) for unit in _enumerations(system)}
+
+
+def _enumerations(system: TransitionSystem) -> Iterable[Enumeration]:
+    """Every enumeration of a variable or a constant, in order of first use."""
+    terms: list[Expr] = [*system.state, *system.inputs, *system.fired]
+    terms += in_order([*system.next.values(), *system.fired.values(), *system.outputs.values(), system.init])
+    units = [term.unit for term in terms if isinstance(term, (Lit, NumVar))]
+    return dict.fromkeys(unit for unit in units if isinstance(unit, Enumeration))

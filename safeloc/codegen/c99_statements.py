@@ -1,0 +1,95 @@
+"""Statements as C text: every name declared where it gets its value, or before the choice that gives it one."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import assert_never
+
+from safeloc.codegen.python_blocks import Bind, Block, Choice, End, Test
+
+WIDTH = 118
+Leaf = Callable[[Sequence[str]], Iterable[str]]
+"""The statements at the end of a branch, from the targets' values."""
+
+
+def statements(block: Block, leaf: Leaf, depth: int = 1, declared: frozenset[str] = frozenset()) -> str:
+    """The statements as text; `declared` names have their declaration already."""
+    text = ""
+    for statement in block:
+        match statement:
+            case Bind(name, value, is_truth):
+                kind = "" if name in declared else f"const {_kind(is_truth)} "
+                text += line(f"{kind}{name} = {value};", depth)
+            case Test(test, inner):
+                text += line(f"if ({test}) {{", depth) + statements(inner, leaf, depth + 1, declared) + line("}", depth)
+            case Choice():
+                text += _choice(statement, leaf, depth, declared)
+            case End(values):
+                text += "".join(line(one, depth) for one in leaf(values))
+            case _:
+                assert_never(statement)
+    return text
+
+
+def line(text: str, depth: int) -> str:
+    """One statement, indented; a long one goes on in lines that are indented further."""
+    indent = "    " * depth
+    return (
+        textwrap.fill(
+            text,
+            max(WIDTH, len(indent) + 60),
+            initial_indent=indent,
+            subsequent_indent=indent + "        ",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        + "\n"
+    )
+
+
+def _choice(choice: Choice, leaf: Leaf, depth: int, declared: frozenset[str]) -> str:
+    kept = {name: kind for name, kind in given(choice).items() if name not in declared}
+    inside = declared | kept.keys()
+    text = "".join(line(f"{_kind(is_truth)} {name};", depth) for name, is_truth in kept.items())
+    for number, (test, inner) in enumerate(choice.branches):
+        text += line(f"{'} else if' if number else 'if'} ({test}) {{", depth)
+        text += statements(inner, leaf, depth + 1, inside)
+    return text + line("} else {", depth) + statements(choice.otherwise, leaf, depth + 1, inside) + line("}", depth)
+
+
+def given(choice: Choice) -> dict[str, bool]:
+    """The names that get a value whichever branch is taken, and whether it is a truth value."""
+    branches = [_given_by(block) for block in (*(block for _, block in choice.branches), choice.otherwise)]
+    return {name: kind for name, kind in branches[0].items() if all(name in other for other in branches)}
+
+
+def given_names(block: Block) -> Iterator[str]:
+    """Every name that gets a value in the block, in whatever branch."""
+    for statement in block:
+        match statement:
+            case Bind(name, _, _):
+                yield name
+            case Test(_, inner):
+                yield from given_names(inner)
+            case Choice(branches, otherwise):
+                yield from given_names([one for _, inner in branches for one in inner])
+                yield from given_names(otherwise)
+            case End(_):
+                pass
+            case _:
+                assert_never(statement)
+
+
+def _given_by(block: Block) -> dict[str, bool]:
+    names: dict[str, bool] = {}
+    for statement in block:
+        if isinstance(statement, Bind):
+            names[statement.name] = statement.is_truth
+        elif isinstance(statement, Choice):
+            names |= given(statement)
+    return names
+
+
+def _kind(is_truth: bool) -> str:
+    return "bool" if is_truth else "int64_t"

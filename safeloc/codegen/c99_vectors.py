@@ -1,0 +1,98 @@
+"""Self-check vectors: runs as the interpreter takes them, as plain numbers that a small C program replays.
+
+    begin  FIRST ...                    a run begins with these open first values
+    step   INPUTS ... STATUS OUTPUTS ... STATE ...    one step, what it returns and leaves behind
+
+Now and then a step has one input out of its range: it is refused, and outputs and state stay as they were.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from safeloc.codegen.c99_header import FIRST_INPUT_STATUS
+from safeloc.codegen.c99_layout import Field, Layout
+from safeloc.errors import InputError
+from safeloc.language.interpret import Values, outputs, read_inputs, start, step
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, Value
+
+REFUSED_EVERY = 7
+INT32_MIN, INT32_MAX, UINT8_MAX = -(2**31), 2**31 - 1, 255
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run to check by: inputs by name, step by step; `first` chooses open first values."""
+
+    name: str
+    steps: Sequence[Mapping[str, object]]
+    first: Mapping[str, Value] | None = None
+
+
+def vectors(layout: Layout, runs: Sequence[Run]) -> str:
+    """The text of the vector file. InputError where a run cannot be taken, or where there is no step in any."""
+    if not any(run.steps for run in runs):
+        raise InputError(f"{layout.system.name}: no steps to check by; give at least one run with a step.")
+    lines = [f"# {layout.system.name}: runs as the reference interpreter takes them; written by safeloc."]
+    for run in runs:
+        lines += _run(layout, run)
+    return "\n".join(lines) + "\n"
+
+
+def _run(layout: Layout, run: Run) -> Iterator[str]:
+    system = layout.system
+    state = start(system, run.first)
+    yield f"# {' '.join(run.name.split())}"
+    yield _line("begin", (state[system.variable(field.source)] for field in layout.first))
+    told: Sequence[int] = [0] * len(layout.told)
+    for number, record in enumerate(run.steps):
+        admitted = read_inputs(system, record)
+        inputs = [int(admitted[var]) for var in system.inputs]
+        refused = spoilt(layout, inputs, number // REFUSED_EVERY) if number % REFUSED_EVERY == 0 else None
+        if refused is not None:
+            yield _line("step", [*refused.inputs, refused.status, *told, *state.values()])
+        state, told = _stepped(layout, state, admitted)
+        yield _line("step", [*inputs, 0, *told, *state.values()])
+
+
+def _stepped(layout: Layout, state: Values, inputs: Values) -> tuple[Values, list[int]]:
+    after, fired = step(layout.system, state, inputs)
+    return after, [*map(int, outputs(layout.system, after).values()), *fired.values()]
+
+
+def _line(word: str, values: Iterable[Value]) -> str:
+    return " ".join([word, *(str(int(value)) for value in values)])
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Inputs of which one is out of its range, and the status that says so."""
+
+    inputs: tuple[int, ...]
+    status: int
+
+
+def spoilt(layout: Layout, inputs: Sequence[int], turn: int) -> Refused | None:
+    """The inputs with one of them just out of its range, another one in every turn; None if none can be."""
+    able = [place for place, field in enumerate(layout.inputs) if _beyond(field)]
+    if not able:
+        return None
+    place = able[turn % len(able)]
+    field, values = layout.inputs[place], dict(zip(layout.inputs, inputs, strict=True))
+    wrong = _beyond(field)
+    values[field] = wrong[turn // len(able) % len(wrong)]
+    for other in layout.inputs:
+        if other.name == field.present:
+            values[other] = 1
+    return Refused(tuple(values.values()), FIRST_INPUT_STATUS + place)
+
+
+def _beyond(field: Field) -> list[int]:
+    """The values next to the range that the field's type can hold."""
+    lowest, highest = {
+        "int64_t": (INT64_MIN, INT64_MAX),
+        "int32_t": (INT32_MIN, INT32_MAX),
+        "uint8_t": (0, UINT8_MAX),
+    }[field.kind]
+    return [value for value in (field.low - 1, field.high + 1) if lowest <= value <= highest]

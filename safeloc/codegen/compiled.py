@@ -1,0 +1,87 @@
+"""Generated Python, loaded: one step, a step that keeps its state, a fused loop over a stream, and the outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from safeloc.codegen.python_code import terms_to_python, to_python
+from safeloc.language.interpret import fired_names, read_inputs, start
+from safeloc.language.nodes import Expr, Value, Var
+from safeloc.language.system import TransitionSystem
+
+__all__ = ["Compiled", "Row", "Tick", "compile_system", "compile_terms", "to_python"]
+
+Row = tuple[Value, ...]
+Tick = Callable[[Row], tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A system as Python functions. State and inputs are tuples in the order of `state_names` and `input_names`.
+
+    step     (state, inputs) -> (state after, fired transition numbers)
+    begin    state -> (tick, now): the same step keeping its state, `tick(inputs)` -> fired transition numbers,
+             `now()` -> state; the fastest way to run step by step
+    run      (rows of inputs, state) -> last state: the fused loop
+    history  (rows of inputs, state) -> states after every step
+    outputs  state -> outputs, in the order of `output_names`
+
+    Inputs are taken as they are: whoever has raw data uses `read` first, which refuses what the interpreter refuses.
+    """
+
+    system: TransitionSystem
+    source: str
+    state_names: tuple[str, ...]
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    step: Callable[[Row, Row], tuple[Row, tuple[int, ...]]]
+    begin: Callable[[Row], tuple[Tick, Callable[[], Row]]]
+    run: Callable[[Iterable[Row], Row], Row]
+    history: Callable[[Iterable[Row], Row], list[Row]]
+    outputs: Callable[[Row], Row]
+
+    def first(self, chosen: Mapping[str, Value] | None = None) -> Row:
+        """The first state; InputError as in `interpret.start`."""
+        return tuple(start(self.system, chosen).values())
+
+    def read(self, record: Mapping[str, object]) -> Row:
+        """One step's inputs by name, checked as the interpreter checks them."""
+        values = read_inputs(self.system, record)
+        return tuple(values[var] for var in self.system.inputs)
+
+    def named_outputs(self, state: Row) -> dict[str, Value]:
+        """The outputs by name."""
+        return dict(zip(self.output_names, self.outputs(state), strict=True))
+
+    def fired(self, numbers: Sequence[int]) -> dict[str, str]:
+        """Names of the transitions that fired, by fired variable."""
+        return fired_names(dict(zip(self.system.fired, numbers, strict=True)))
+
+
+def compile_system(system: TransitionSystem) -> Compiled:
+    """Generate and load the functions. For what runs on board, pass `without_ghosts(system)`."""
+    source = to_python(system)
+    space: dict[str, Any] = {}
+    exec(compile(source, f"<safeloc {system.name}>", "exec"), space)  # our own text, made from checked terms
+    return Compiled(
+        system,
+        source,
+        tuple(var.name for var in system.state),
+        tuple(var.name for var in system.inputs),
+        tuple(system.outputs),
+        space["step"],
+        space["begin"],
+        space["run"],
+        space["history"],
+        space["outputs"],
+    )
+
+
+def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Row]:
+    """The terms as a function of a row of values of `reads`."""
+    space: dict[str, Any] = {}
+    exec(compile(terms_to_python(reads, terms), "<safeloc terms>", "exec"), space)
+    function: Callable[[Sequence[Value]], Row] = space["terms"]
+    return function

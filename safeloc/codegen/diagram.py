@@ -1,0 +1,174 @@
+"""A machine as a picture and as a table: Mermaid, DOT, a self-contained SVG, and rows for a report."""
+
+from __future__ import annotations
+
+import html
+import math
+from dataclasses import dataclass
+
+from safeloc.language.expr import Bool, Num
+from safeloc.language.machine import Machine
+from safeloc.language.render import infix
+from safeloc.language.terms import Sharing
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of the transition table, as text."""
+
+    name: str
+    source: str
+    target: str
+    guard: str
+    sets: tuple[str, ...]
+    rank: int
+    requirements: tuple[str, ...]
+    declared: str
+
+
+def to_table(machine: Machine) -> list[Row]:
+    """The transition table in order of priority. Guards and updates are shortened, never left out."""
+    rows, share = [], Sharing()
+    names = {share(term): name for name, term in machine.definitions.items()}
+    for t in machine.transitions:
+        sets = tuple(
+            f"{var.name} := {infix(share(value), 80, names) if isinstance(value, (Num, Bool)) else value}"
+            for var, value in t.set.items()
+        )
+        sources = ", ".join(mode.label for mode in t.sources)
+        file, _, line = t.src.rpartition(":")
+        declared = f"{file.rpartition('/')[2]}:{line}"
+        rows.append(
+            Row(t.name, sources, t.target.label, infix(share(t.when), 160, names), sets, t.rank, t.trace, declared)
+        )
+    return rows
+
+
+def edges(machine: Machine) -> dict[tuple[str, str], list[str]]:
+    """(source, target) -> names of the transitions between them, in order."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for t in machine.transitions:
+        for source in t.sources:
+            found.setdefault((source.label, t.target.label), []).append(t.name)
+    return found
+
+
+def to_mermaid(machine: Machine) -> str:
+    """A Mermaid state diagram."""
+    lines = ["stateDiagram-v2", f"    [*] --> {_word(machine.modes[0].label)}"]
+    for mode in machine.modes:
+        lines.append(f'    state "{_mermaid(mode.label)}" as {_word(mode.label)}')
+    for (source, target), names in edges(machine).items():
+        label = "<br/>".join(_mermaid(name) for name in names)
+        lines.append(f"    {_word(source)} --> {_word(target)}: {label}")
+    return "\n".join(lines) + "\n"
+
+
+def _word(label: str) -> str:
+    return "".join(letter if letter.isalnum() else "_" for letter in label)
+
+
+def _mermaid(text: str) -> str:
+    return "".join(f"#{ord(letter)};" if letter in '#:;"<>{}' else letter for letter in text)
+
+
+def to_dot(machine: Machine) -> str:
+    """A Graphviz digraph."""
+    lines = [
+        f"digraph {_dot(machine.name)} {{",
+        '  rankdir=LR; node [shape=box, style="rounded"]; start [shape=point];',
+    ]
+    lines.append(f"  start -> {_dot(machine.modes[0].label)};")
+    for (source, target), names in edges(machine).items():
+        lines.append(f"  {_dot(source)} -> {_dot(target)} [label={_dot(chr(10).join(names))}];")
+    return "\n".join([*lines, "}"]) + "\n"
+
+
+def _dot(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+# ------------------------------------------------------------------ SVG
+
+BOX_WIDTH, BOX_HEIGHT, LINE = 150, 40, 15
+STYLE = """
+.mode { fill: var(--box, #f4f7fb); stroke: #35618e; stroke-width: 1.6 }
+.first { stroke-width: 3 }
+.edge { fill: none; stroke: #6d7a88; stroke-width: 1.3 }
+text { font: 12px system-ui, sans-serif; fill: var(--ink, #1c2733) }
+.name { font-weight: 600; text-anchor: middle }
+.label { font-size: 11px }
+.halo { paint-order: stroke; stroke: var(--page, #fff); stroke-width: 4px }
+"""
+
+
+@dataclass(frozen=True)
+class _Place:
+    x: float
+    y: float
+
+
+def to_svg(machine: Machine) -> str:
+    """A self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
+    number = {t.name: index for index, t in enumerate(machine.transitions, 1)}
+    labels = [mode.label for mode in machine.modes]
+    between = {pair: [number[n] for n in names] for pair, names in edges(machine).items()}
+    legend = [f"{index}  {name}" for name, index in number.items()]
+    gap = 130
+    height = max(len(labels) * gap + 20, len(legend) * LINE + 60)
+    places = {label: _Place(330, 60 + index * gap) for index, label in enumerate(labels)}
+    body = [_arrow_edge(places, labels, pair, numbers) for pair, numbers in between.items()]
+    body += [_box(places[label], label, label == labels[0]) for label in labels]
+    body += [_text(660, 40 + index * LINE, line, "label") for index, line in enumerate(legend)]
+    width = 680 + max((len(line) for line in legend), default=0) * 6.2
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height}" width="{width:.0f}" height="{height}" '
+        f'role="img" aria-label="state diagram of {html.escape(machine.name)}"><style>{STYLE}</style>'
+        '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
+        '<path d="M0 0L8 4L0 8z" fill="#6d7a88"/></marker></defs>'
+        f"{''.join(body)}</svg>"
+    )
+
+
+def _box(place: _Place, label: str, first: bool) -> str:
+    x, y = place.x - BOX_WIDTH / 2, place.y - BOX_HEIGHT / 2
+    kind = "mode first" if first else "mode"
+    rect = f'<rect class="{kind}" x="{x}" y="{y}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="8"/>'
+    return rect + _text(place.x, place.y + 4, label, "name")
+
+
+def _text(x: float, y: float, text: str, kind: str) -> str:
+    return f'<text class="{kind}" x="{x:.0f}" y="{y:.0f}">{html.escape(text)}</text>'
+
+
+def _arrow_edge(places: dict[str, _Place], labels: list[str], pair: tuple[str, str], numbers: list[int]) -> str:
+    """Downward edges bulge to the right, upward ones to the left, a self-loop is a small arc at the right."""
+    source, target = places[pair[0]], places[pair[1]]
+    shown = ", ".join(map(str, numbers))
+    if pair[0] == pair[1]:
+        x, y = source.x + BOX_WIDTH / 2, source.y
+        path = f"M{x} {y - 10} C{x + 46} {y - 30} {x + 46} {y + 30} {x} {y + 10}"
+        return _edge(path) + _text(x + 42, y + 4, shown, "label halo")
+    span = labels.index(pair[1]) - labels.index(pair[0])
+    side = 1 if span > 0 else -1
+    reach = 40 + 46 * abs(span)
+    x1, x2 = source.x + side * BOX_WIDTH / 2, target.x + side * BOX_WIDTH / 2
+    y1, y2 = source.y + side * 14, target.y - side * 14
+    if abs(span) == 1:
+        shift = side * 34
+        path = f"M{source.x + shift} {source.y + side * 20} L{target.x + shift} {target.y - side * 20}"
+        middle = _Place(source.x + shift + side * 8, (source.y + target.y) / 2 + 4)
+    else:
+        path = f"M{x1} {y1} C{x1 + side * reach} {y1} {x2 + side * reach} {y2} {x2} {y2}"
+        middle = _Place(x1 + side * reach * 0.76, (y1 + y2) / 2 + 4)
+    return _edge(path) + _label(middle, shown, side)
+
+
+def _label(place: _Place, shown: str, side: int) -> str:
+    width = math.ceil(len(shown) * 5.8)
+    return _text(place.x if side > 0 else place.x - width, place.y, shown, "label halo")
+
+
+def _edge(path: str) -> str:
+    return f'<path class="edge" d="{path}" marker-end="url(#tip)"/>'

@@ -1,0 +1,64 @@
+"""The variables of a co-simulation unit: one for each input, output and state variable, numbered from 1; 0 is the time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from safeloc.codegen.c99_layout import Field, Layout, unit_of
+from safeloc.language.nodes import Value
+from safeloc.language.units import Enumeration
+
+Causality = Literal["input", "output", "parameter", "local"]
+PLACES: Mapping[Causality, str] = {"input": "inputs", "output": "outputs", "parameter": "first", "local": "state"}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the unit, and where its value stands: `place` is an expression over the instance."""
+
+    reference: int
+    name: str
+    causality: Causality
+    field: Field
+    enumeration: Enumeration | None
+    start: int | None
+
+    @property
+    def is_truth(self) -> bool:
+        """A Boolean; all others are 64-bit numbers."""
+        return self.field.kind == "uint8_t"
+
+    @property
+    def place(self) -> str:
+        """The value within an instance."""
+        return f"unit->{PLACES[self.causality]}.{self.field.name}"
+
+    @property
+    def description(self) -> str:
+        """Unit, and when it counts."""
+        told = [f"in {self.field.unit}"] if self.field.unit else []
+        told += [f"read only where {self.field.source}.present is true"] if self.field.present else []
+        told += ["state after the last step"] if self.causality == "local" else []
+        return "; ".join(told)
+
+
+def variables_of(layout: Layout, first: Mapping[str, Value]) -> tuple[Variable, ...]:
+    """Inputs, outputs, open first values as parameters, and the state as locals. `first` is where parameters start."""
+    made = [
+        Variable(number, name, causality, field, unit_of(layout, field), start)
+        for number, (name, causality, field, start) in enumerate(_listed(layout, first), 1)
+    ]
+    return tuple(made)
+
+
+def _listed(layout: Layout, first: Mapping[str, Value]) -> Iterator[tuple[str, Causality, Field, int | None]]:
+    for field in layout.inputs:
+        yield field.source, "input", field, field.absent
+    for field in layout.told:
+        yield field.source, "output", field, None
+    for field in layout.first:
+        yield f"first.{field.source}", "parameter", field, int(first.get(field.source, field.absent))
+    for field in layout.state:
+        yield f"state.{field.source}", "local", field, None

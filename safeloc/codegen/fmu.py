@@ -1,0 +1,79 @@
+"""A machine as an FMI 3.0 co-simulation unit: description, sources, and the library for this platform, in one zip.
+
+FMI 3.0 knows 64-bit integers, so every value is exact; FMI 2.0 has 32 bits and floating point only.
+"""
+
+from __future__ import annotations
+
+import io
+import platform
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from safeloc.codegen.c99 import library_texts
+from safeloc.codegen.c99_build import SUFFIX, build
+from safeloc.codegen.c99_layout import layout_of
+from safeloc.codegen.fmi3_description import build_description, description
+from safeloc.codegen.fmi3_source import unit_source
+from safeloc.codegen.fmi3_variables import variables_of
+from safeloc.language.expr import Bool
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same machine gives the same file, whenever it is made
+
+
+def to_fmu(
+    system: TransitionSystem,
+    *,
+    period_ms: int | None = None,
+    first: Mapping[str, Value] | None = None,
+    doc: str = "",
+    kept: Mapping[str, Bool] | None = None,
+    cc: str | None = None,
+) -> bytes:
+    """The unit as the bytes of its .fmu file. `system` is what runs on board: without ghosts.
+
+    period_ms  cycle of the machine: communication steps of another length are refused; None: one step is one cycle,
+               however long
+    first      start values of the parameters that choose open first values
+    kept       what is asked of a state that is restored, beside the ranges; as `safeloc.proof.provers.lasting` proves it
+    cc         the C compiler; else $CC, cc, gcc or clang
+
+    EngineError where there is no compiler; InputError where the system cannot run in C.
+    """
+    layout = layout_of(system, kept)
+    variables = variables_of(layout, first or {})
+    texts = {**library_texts(layout, doc), "fmi3.c": unit_source(layout, variables, period_ms)}
+    sources = sorted(name for name in texts if name.endswith(".c"))
+    files: dict[str, bytes] = {
+        "modelDescription.xml": description(layout, variables, period_ms, doc).encode(),
+        "sources/buildDescription.xml": build_description(layout, sources).encode(),
+        **{f"sources/{name}": text.encode() for name, text in texts.items()},
+        f"binaries/{platform_tuple()}/{layout.names.prefix}{SUFFIX}": _library(texts, layout.names.prefix, cc),
+    }
+    return _zipped(files)
+
+
+def platform_tuple() -> str:
+    """This platform as FMI 3.0 names it, such as x86_64-linux."""
+    machine = platform.machine().lower()
+    architecture = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}.get(machine, machine)
+    system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
+    return f"{architecture}-{system}"
+
+
+def _library(texts: Mapping[str, str], name: str, cc: str | None) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        return build(texts, Path(folder), name, cc=cc, flags=["-fvisibility=hidden"]).read_bytes()
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), content, zipfile.ZIP_DEFLATED)
+    return packed.getvalue()

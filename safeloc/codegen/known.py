@@ -1,0 +1,250 @@
+"""Terms where something is known: what the facts decide is folded away, and what becomes equal becomes one node.
+
+    Known({present: FALSE})(term)    what is left of the term where nothing is present
+
+Units of folded terms are not kept: back ends compute with plain numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+from safeloc.codegen.shapes import is_magnitude
+from safeloc.language.nodes import (
+    FALSE,
+    TRUE,
+    Add,
+    And,
+    Bool,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    all_of,
+    any_of,
+)
+from safeloc.language.terms import children, rebuilt
+from safeloc.language.units import Enumeration
+
+MOST_VALUES = 16
+_FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
+    Add: lambda a, b: a + b,
+    Sub: lambda a, b: a - b,
+    Mul: lambda a, b: a * b,
+    Min: min,
+    Max: max,
+}
+
+
+class Known:
+    """Folds terms under facts: term -> the constant it is."""
+
+    def __init__(self, facts: Mapping[Expr, Expr]) -> None:
+        self._done: dict[Expr, Expr] = dict(facts)
+        self._kept: dict[tuple[object, ...], Expr] = {}
+        self._among: dict[Expr, frozenset[int]] = {}
+        self._distances: dict[tuple[int, int], Expr] = {}
+
+    def under(self, facts: Mapping[Expr, Expr]) -> Known:
+        """The same where more is known, for the terms that were asked of this one and that it left as they were.
+
+        Only what is made of a fact is looked at again.
+        """
+        if not self._settled:
+            return Known(facts)
+        more = Known({})
+        more._done, more._kept = dict(self._done), dict(self._kept)
+        more._among, more._distances = dict(self._among), dict(self._distances)
+        left = [*facts]
+        while left:
+            for whole in self._wholes.get(left.pop(), ()):
+                if more._done.pop(whole, None) is not None:
+                    left.append(whole)
+        more._done.update(facts)
+        return more
+
+    @cached_property
+    def _settled(self) -> bool:
+        return all(folded is node for node, folded in self._done.items())
+
+    @cached_property
+    def _wholes(self) -> Mapping[Expr, Sequence[Expr]]:
+        """Of each term, what is made of it."""
+        found: dict[Expr, list[Expr]] = {}
+        for node in self._done:
+            for part in children(node):
+                found.setdefault(part, []).append(node)
+        return found
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term under the facts; of a decided choice only the chosen branch is looked at."""
+        done = self._done
+        if term in done:
+            return done[term]
+        stack = [term]
+        while stack:
+            node = stack[-1]
+            if node in done:
+                stack.pop()
+                continue
+            waits = [part for part in self._read(node) if part not in done]
+            if waits:
+                stack += waits
+                continue
+            stack.pop()
+            folded = self._folded(node)
+            done[node] = self._kept.setdefault(_shape(folded), folded)
+        return done[term]
+
+    def _read(self, node: Expr) -> Sequence[Expr]:
+        if not isinstance(node, (Choose, ChooseBool)):
+            return children(node)
+        condition = self._done.get(node.condition)
+        if condition is None:
+            return (node.condition,)
+        if isinstance(condition, Truth):
+            return (node.then if condition.value else node.other,)
+        return (node.then, node.other)
+
+    def _folded(self, node: Expr) -> Expr:
+        assert isinstance(node, Node)
+        match node:
+            case Choose() | ChooseBool():
+                return self._choice(node)
+            case And(parts):
+                return _joined(node, [self._done[part] for part in parts], all_of)
+            case Or(parts):
+                return _joined(node, [self._done[part] for part in parts], any_of)
+            case Compare():
+                return self._comparison(node, self._done[node.left], self._done[node.right])
+            case Add() | Sub() | Mul() | Min() | Max():
+                return self._distance(_arithmetic(node, self._done[node.left], self._done[node.right]))
+            case FloorDiv(left, divisor, unit):
+                inner = self._done[left]
+                return Lit(inner.value // divisor, unit) if isinstance(inner, Lit) else rebuilt(node, (inner,))
+            case _:
+                return rebuilt(node, tuple(self._done[part] for part in children(node)))
+
+    def _choice(self, node: Choose | ChooseBool) -> Expr:
+        condition = self._done[node.condition]
+        if isinstance(condition, Truth):
+            return self._done[node.then if condition.value else node.other]
+        then, other = self._done[node.then], self._done[node.other]
+        if _same(then, other):
+            return then
+        chosen = rebuilt(node, (condition, then, other))
+        values = self._values(then) | self._values(other)
+        if self._values(then) and self._values(other) and len(values) <= MOST_VALUES:
+            self._among[chosen] = values
+        return chosen
+
+    def _distance(self, term: Expr) -> Expr:
+        """How far two terms are apart is the same from either side."""
+        if not isinstance(term, Max) or not isinstance(term.left, Sub) or not is_magnitude(term):
+            return term
+        one, two = id(term.left.left), id(term.left.right)
+        if (two, one) in self._distances:
+            return self._distances[two, one]
+        return self._distances.setdefault((one, two), term)
+
+    def _values(self, term: Expr) -> frozenset[int]:
+        """The constants a term is one of; empty if that is not known."""
+        return frozenset((term.value,)) if isinstance(term, Lit) else self._among.get(term, frozenset())
+
+    def _comparison(self, node: Compare, left: Expr, right: Expr) -> Expr:
+        if isinstance(left, Lit) and isinstance(right, Lit):
+            return _truth(node.op, left.value, right.value)
+        if left is right:
+            return FALSE if node.op == "<" else TRUE
+        one, two = self._values(left), self._values(right)
+        if node.op == "==" and one and two and one.isdisjoint(two):
+            return FALSE
+        return rebuilt(node, (left, right))
+
+
+def _shape(term: Expr) -> tuple[object, ...]:
+    """What tells two nodes apart, given that their parts are one node where equal."""
+    parts = children(term)
+    if isinstance(term, Lit):
+        return (Lit, term.value, term.unit if isinstance(term.unit, Enumeration) else None)  # a member keeps its label
+    if isinstance(term, Truth):
+        return (Truth, term.value)
+    if not parts:
+        return (id(term),)
+    if isinstance(term, (Compare, Past)):
+        return (type(term), term.op, *map(id, parts))
+    if isinstance(term, FloorDiv):
+        return (FloorDiv, term.divisor, id(parts[0]))
+    if isinstance(term, (Add, Mul, Min, Max)):
+        return (type(term), *sorted(map(id, parts)))  # in either order the same
+    return (type(term), *map(id, parts))
+
+
+def _truth(op: str, left: int, right: int) -> Bool:
+    holds = left < right if op == "<" else left <= right if op == "<=" else left == right
+    return TRUE if holds else FALSE
+
+
+def _same(one: Expr, two: Expr) -> bool:
+    if isinstance(one, (Lit, Truth)) and isinstance(two, (Lit, Truth)):
+        return one.value == two.value
+    return one is two
+
+
+def _joined(node: Expr, parts: list[Expr], join: Callable[[Sequence[Bool]], Bool]) -> Expr:
+    if all(new is old for new, old in zip(parts, children(node), strict=True)):
+        return node
+    return join([part for part in dict.fromkeys(parts) if isinstance(part, Bool)])
+
+
+def _arithmetic(node: Add | Sub | Mul | Min | Max, left: Expr, right: Expr) -> Expr:
+    if isinstance(left, Lit) and isinstance(right, Lit):
+        return Lit(_FOLDS[type(node)](left.value, right.value), node.unit)
+    if isinstance(node, (Add, Sub)) and isinstance(right, Lit) and right.value == 0:
+        return left
+    if isinstance(node, Add) and isinstance(left, Lit) and left.value == 0:
+        return right
+    if isinstance(node, (Min, Max)) and left is right:
+        return left
+    return rebuilt(node, (left, right))
+
+
+def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
+    """What is known where the condition holds, or fails: of all parts of a conjunction, or of a disjunction, too."""
+    known: dict[Expr, Expr] = {condition: TRUE if holds else FALSE}
+    if isinstance(condition, Not):
+        known |= implied(condition.inner, not holds)
+    elif isinstance(condition, And if holds else Or):
+        for part in condition.parts:
+            known |= implied(part, holds)
+    return known
+
+
+def work(terms: Sequence[Expr]) -> int:
+    """How much there is to compute: every operation once, and every condition once however much it chooses."""
+    seen, conditions, operations = set[Expr](), set[Expr](), 0
+    left = [*terms]
+    while left:
+        node = left.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        parts = children(node)
+        left += parts
+        if isinstance(node, (Choose, ChooseBool)):
+            conditions.add(parts[0])
+        elif parts:
+            operations += 1
+    return operations + len(conditions)

@@ -1,0 +1,284 @@
+"""Which cases a machine's moves are written out for apart, so that each computes only what it needs.
+
+Three kinds of case are tried, and kept where they pay:
+
+    a quiet step    none of the optional inputs is there that make much of the work, and every verdict is the one
+                    that is left where no fault applies: the usual step of a machine that measures often, mostly
+                    well, and gets messages seldom
+    a mode          what only the other modes' rows need is left out
+    a condition     that costs little: what only one side of it needs is computed only there
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.codegen.known import Known, implied, work
+from safeloc.codegen.python_blocks import Block, Blocks, Statement, Targets, Test
+from safeloc.codegen.shapes import chain
+from safeloc.language.nodes import (
+    FALSE,
+    TRUE,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    Lit,
+    Node,
+    Not,
+    NumVar,
+    Or,
+    Truth,
+    any_of,
+)
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import in_order
+
+WORTH = 1 / 8  # a case must save this share of the work
+LONGEST = 5
+DEEPEST_CASE = 12  # conditions within conditions: a long conjunction is one test
+MOST_LOOKED_AT = 4_000  # nodes, while a condition is chosen
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What is left of the targets where something is known, and how much work that is."""
+
+    targets: Targets
+    work: int
+
+    def under(self, facts: Mapping[Expr, Expr]) -> _Case:
+        """The case in which more is known."""
+        return self._folded(self._known.under(facts))
+
+    def decided(self, condition: Bool) -> _Decided:
+        """The case either way, and what testing first saves, both ways being equally likely."""
+        ways = [self._known.under(implied(condition, holds)) for holds in (True, False)]
+        holds, fails = (self._folded(known) for known in ways)
+        before, after = sum(_passing(self, known) for known in ways), _passing(holds) + _passing(fails)
+        return _Decided(condition, holds, fails, (before - after) / 2 - work([condition]))
+
+    @cached_property
+    def _known(self) -> Known:
+        """What the terms are now, for finding out what is left of them."""
+        known = Known({})
+        for _, term in self.targets:
+            known(term)
+        return known
+
+    def _folded(self, known: Known) -> _Case:
+        targets = [(name, known(term)) for name, term in self.targets]
+        return _Case(targets, work([term for _, term in targets]))
+
+    def nodes(self) -> list[Node]:
+        """All that it is made of."""
+        return in_order(term for _, term in self.targets)
+
+
+@dataclass(frozen=True)
+class _Decided:
+    """What is left of a case where a condition holds, where it fails, and what testing it first saves."""
+
+    condition: Bool
+    holds: _Case
+    fails: _Case
+    saved: float
+
+
+@dataclass(frozen=True)
+class _Split:
+    """What is left of a case in some modes, each apart, and in all others; what that saves, all modes equally likely."""
+
+    mode: NumVar
+    apart: Mapping[int, _Case]
+    rest: _Case
+    saved: float
+
+    @property
+    def written(self) -> int:
+        """The work that is written out."""
+        return self.rest.work + sum(case.work for case in self.apart.values())
+
+
+def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = LONGEST) -> Block:
+    """Statements that compute the targets: of the system's moves, all or those of one stage.
+
+    longest  all cases together may have so many times the work written out
+    """
+    whole = _Case(targets, 0).under({})
+    room, modes = whole.work * longest, _modes(system, whole)
+    events, quiet = _quiet(system, whole)
+    if not events:
+        return _by_mode(modes, whole, blocks, room)
+    return blocks.either(
+        any_of(events),
+        lambda: _by_mode(modes, whole, blocks, room / 2),
+        lambda: _by_mode(modes, quiet, blocks, room / 2),
+    )
+
+
+def _modes(system: TransitionSystem, whole: _Case) -> list[NumVar]:
+    """The machines' modes that are looked at, under whatever name the system holds them."""
+    units, read = {id(machine.mode.unit) for machine in system.machines}, set(whole.nodes())
+    return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units and var in read]
+
+
+def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
+    """What makes a step a busy one, and what is left to do where nothing does."""
+    events: list[Bool] = []
+    quiet = whole
+    heard = [*_records(system, whole), *_messages(system, whole)]
+    for find in (lambda _: heard, _faults):
+        found = find(quiet)
+        case = quiet.under({part: known for event in found for part, known in implied(event, False).items()})
+        if case.work <= quiet.work * (1 - WORTH):
+            events, quiet = [*events, *found], case
+    return events, quiet
+
+
+def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
+    """Presence flags of the inputs that make much of the work."""
+    flags = {option.present for option in system.optionals}
+    worth = whole.work * WORTH
+    likely = dict.fromkeys(flag for flag, branch in _guarded(whole) if flag in flags and work([branch]) >= worth)
+    return [flag for flag in likely if whole.under({flag: FALSE}).work <= whole.work - worth]
+
+
+def _records(system: TransitionSystem, whole: _Case) -> list[Bool]:
+    """Whether any field is there of a record of several, for the records that make much of the work."""
+    flags = {option.present for option in system.optionals}
+    found = [node for node in whole.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
+    worth = whole.work * (1 - WORTH)
+    return [node for node in found if whole.under(implied(node, False)).work <= worth]
+
+
+def _faults(whole: _Case) -> list[Bool]:
+    """Conditions of verdicts: of every chain of constants that is compared with its last one, the earlier rows."""
+    found: dict[Bool, None] = {}
+    for node in whole.nodes():
+        if isinstance(node, Compare) and node.op == "==" and isinstance(node.right, Lit):
+            rows, last = chain(node.left)
+            values = {value.value if isinstance(value, Lit) else None for _, value in rows}
+            if isinstance(last, Lit) and last.value == node.right.value and values.isdisjoint({last.value, None}):
+                found.update(dict.fromkeys(condition for condition, _ in rows))
+    return list(found)
+
+
+def _guarded(whole: _Case) -> Iterator[tuple[BoolVar, Expr]]:
+    """Flags, and terms that are needed only where they hold."""
+    for node in whole.nodes():
+        if isinstance(node, (Choose, ChooseBool)):
+            condition, branch = node.condition, node.then
+            if isinstance(condition, Not):
+                condition, branch = condition.inner, node.other
+            if isinstance(condition, BoolVar):
+                yield condition, branch
+
+
+def _by_mode(modes: Sequence[NumVar], whole: _Case, blocks: Blocks, room: float) -> Block:
+    """The moves mode by mode, for the machine where that saves most; as they are where it saves too little."""
+    worth = [split for split in (_split(mode, whole, room) for mode in modes) if split.saved >= WORTH]
+    if not worth:
+        return _by_condition(whole, blocks, room)
+    best = max(worth, key=lambda split: split.saved)
+    others, block = [mode for mode in modes if mode is not best.mode], list[Statement]()
+    share = room / max(1, best.written)
+    for value, case in best.apart.items():
+        inner = _by_mode(others, case, blocks, share * case.work)
+        block.append(Test(blocks.text(best.mode.eq(value)), inner))
+    return [*block, *_by_mode(others, best.rest, blocks, share * best.rest.work)]
+
+
+def _by_condition(whole: _Case, blocks: Blocks, room: float, depth: int = 0) -> Block:
+    """The moves for the cheap condition that saves most when it is tested first; as they are where none saves enough."""
+    tried = map(whole.decided, _cheap(whole)) if depth < DEEPEST_CASE else ()
+    decided = [one for one in tried if one.holds.work + one.fails.work <= room]
+    best = max(decided, key=lambda one: one.saved, default=None)
+    if best is None or best.saved < _passing(whole) * WORTH:
+        return blocks.ending(whole.targets)
+    share = room / max(1, best.holds.work + best.fails.work)
+    return blocks.either(
+        best.condition,
+        lambda: _by_condition(best.holds, blocks, share * best.holds.work, depth + 1),
+        lambda: _by_condition(best.fails, blocks, share * best.fails.work, depth),
+    )
+
+
+def _cheap(whole: _Case) -> list[Bool]:
+    """Conditions that cost little and have much behind them, the most first; fewer are looked at in large machines."""
+    behind: dict[Bool, list[Expr]] = {}
+    for condition, branch in _behind(whole):
+        behind.setdefault(condition, []).append(branch)
+    worth = _passing(whole) * WORTH
+    found = [(work(parts), condition) for condition, parts in behind.items() if work([condition]) <= worth]
+    found = sorted((one for one in found if one[0] >= worth), key=lambda one: one[0], reverse=True)
+    return [condition for _, condition in found[: MOST_LOOKED_AT // len(whole.nodes())]]
+
+
+def _behind(whole: _Case) -> Iterator[tuple[Bool, Expr]]:
+    """Conditions, and what is needed only where they hold, or only where they fail."""
+    for node in whole.nodes():
+        if isinstance(node, (Choose, ChooseBool)):
+            condition = node.condition.inner if isinstance(node.condition, Not) else node.condition
+            yield condition, node.then
+            yield condition, node.other
+        elif isinstance(node, (And, Or)):
+            for part in node.parts:
+                condition = part.inner if isinstance(part, Not) else part
+                yield from ((condition, other) for other in node.parts if other is not part)
+
+
+def _passing(case: _Case, known: Known | None = None) -> int:
+    """The work of a step in which no row's condition holds but one that is known to."""
+    terms: list[Expr] = []
+    for _, term in case.targets:
+        rows, last = chain(term)
+        for condition, value in rows:
+            terms.append(condition)
+            if known is not None and _is_true(known(condition)):
+                last = value
+                break
+        terms.append(last)
+    return work(terms)
+
+
+def _is_true(term: Expr) -> bool:
+    return isinstance(term, Truth) and term.value
+
+
+def _split(mode: NumVar, whole: _Case, room: float) -> _Split:
+    """As many modes apart as there is room for, those with the least to do first."""
+    tests = _tests(mode, whole)
+    cases = {value: whole.under(_told(tests, [value])) for value in range(mode.low, mode.high + 1)}
+    order = sorted(cases, key=lambda value: cases[value].work)
+    written, count = whole.work, 0
+    while count < len(order) - 1 and written + cases[order[count]].work <= room:
+        written += cases[order[count]].work
+        count += 1
+    apart, others = sorted(order[:count]), order[count:]
+    rest = whole.under(_told(tests, others)) if apart else whole
+    left = sum(cases[value].work for value in apart) + len(others) * rest.work
+    return _Split(mode, {value: cases[value] for value in apart}, rest, 1 - left / len(cases) / max(1, whole.work))
+
+
+def _tests(mode: NumVar, whole: _Case) -> dict[Expr, int]:
+    """Where it is looked whether the machine is in a mode, and in which."""
+    return {
+        node: node.right.value
+        for node in whole.nodes()
+        if isinstance(node, Compare) and node.op == "==" and node.left is mode and isinstance(node.right, Lit)
+    }
+
+
+def _told(tests: Mapping[Expr, int], values: Sequence[int]) -> dict[Expr, Expr]:
+    """What is known of the tests where the mode is one of the values."""
+    return {
+        test: TRUE if [value] == list(values) else FALSE
+        for test, value in tests.items()
+        if value not in values or len(values) == 1
+    }

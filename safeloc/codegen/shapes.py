@@ -1,0 +1,174 @@
+"""Shapes of terms that a back end can write in a better way.
+
+Of a chain of choices: in a transition table many rows give a variable the same value, so its chain names a few values
+again and again. Back ends that compute both branches of every choice want one choice a value; conditions are cheap
+there, and the same ones serve all variables:
+
+    ite(c, a, ite(d, b, ite(e, a, b)))  =  ite(c or (e and not (c or d)), a, b)
+    ite(c, a, ite(d, a, b))             =  ite(c or d, a, b)
+    ite(c, a, ite(d, b, a))             =  ite(not c and d, b, a)
+    ite(c, p, q)                        =  (c and p) or (not c and q)       of truth values
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from safeloc.language.nodes import (
+    FALSE,
+    TRUE,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Expr,
+    Lit,
+    Max,
+    Node,
+    Num,
+    NumVar,
+    Sub,
+    Truth,
+    all_of,
+    any_of,
+)
+from safeloc.language.terms import Sharing, children, in_order, rebuilt
+
+SHORTEST_TABLE = 3
+
+
+def is_magnitude(term: Expr) -> bool:
+    """max(x, 0 - x), as `abs_` builds it."""
+    match term:
+        case Max(a, Sub(Lit(0, _), b), _):
+            return a is b
+        case _:
+            return False
+
+
+def operations(results: Sequence[Expr]) -> list[Node]:
+    """What straight-line code has to compute or write, parts before wholes; variables are there already."""
+    wanted = set(results)
+    order = in_order(results)
+    for node in reversed(order):
+        if node in wanted:
+            wanted.update(operands(node))
+    return [node for node in order if node in wanted and not isinstance(node, (NumVar, BoolVar))]
+
+
+def operands(node: Expr) -> tuple[Expr, ...]:
+    """The terms that the node's operation reads: of a magnitude, only what it is the magnitude of."""
+    return children(node)[:1] if is_magnitude(node) else children(node)
+
+
+def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
+    """The rows of a table, condition and value, and what holds where no condition does."""
+    rows: list[tuple[Bool, Expr]] = []
+    while isinstance(term, (Choose, ChooseBool)):
+        rows.append((term.condition, term.then))
+        term = term.other
+    return rows, term
+
+
+def merged(terms: Sequence[Expr]) -> list[Expr]:
+    """Terms of equal value with few choices, and none of truth values; shared parts stay shared."""
+    rows = _Rows()
+    return _rewritten(_rewritten([rows.by_value(term) for term in terms], _merged), _logic)
+
+
+def _rewritten(terms: Sequence[Expr], rule: Callable[[Expr], Expr]) -> list[Expr]:
+    """The terms with the rule applied to every node, parts before wholes."""
+    share, done = Sharing(), dict[Expr, Expr]()
+    for node in in_order(terms):
+        done[node] = share(rule(rebuilt(node, tuple(done[part] for part in children(node)))))
+    return [done[term] for term in terms]
+
+
+class _Rows:
+    """Tables by value instead of by row; tables of the same conditions share what they are made of."""
+
+    def __init__(self) -> None:
+        self._taken: dict[tuple[int, int], tuple[Bool, Bool]] = {}
+
+    def by_value(self, term: Expr) -> Expr:
+        """A chain of choices as one choice for each value; the term itself where that saves none."""
+        rows, last = chain(term)
+        if len(rows) < SHORTEST_TABLE:
+            return term
+        places: dict[object, _Places] = {}
+        earlier: Bool = FALSE
+        for condition, value in [*rows, (TRUE, last)]:
+            taken, earlier = self._row(earlier, condition)
+            for only, part in _parts(value):
+                places.setdefault(_key(part), _Places(part, {})).where.setdefault(only, []).append(taken)
+        usual = max(places.values(), key=lambda place: sum(map(len, place.where.values())))
+        result = usual.value
+        for place in places.values():
+            if place is not usual:
+                result = _choose(
+                    any_of(all_of([any_of(t), only]) for only, t in place.where.items()), place.value, result
+                )
+        return result
+
+    def _row(self, earlier: Bool, condition: Bool) -> tuple[Bool, Bool]:
+        """Whether this row is the first whose condition holds; whether it or an earlier one holds."""
+        key = id(earlier), id(condition)
+        if key not in self._taken:
+            self._taken[key] = all_of([~earlier, condition]), any_of([earlier, condition])
+        return self._taken[key]
+
+
+@dataclass(frozen=True)
+class _Places:
+    """A value, and the rows that name it: condition within the row -> whether the row is taken, for each."""
+
+    value: Expr
+    where: dict[Bool, list[Bool]]
+
+
+def _parts(value: Expr) -> list[tuple[Bool, Expr]]:
+    """What a row says: one value, or a value under a condition of its own and else a constant, such as 0."""
+    if isinstance(value, Choose) and isinstance(value.other, Lit):
+        return [(value.condition, value.then), (~value.condition, value.other)]
+    return [(TRUE, value)]
+
+
+def _key(value: Expr) -> object:
+    return (type(value), value.value) if isinstance(value, (Lit, Truth)) else id(value)
+
+
+def _choose(condition: Bool, then: Expr, other: Expr) -> Expr:
+    if isinstance(then, Num) and isinstance(other, Num):
+        return Choose(condition, then, other, then.unit)
+    assert isinstance(then, Bool) and isinstance(other, Bool)
+    return ChooseBool(condition, then, other)
+
+
+def _merged(term: Expr) -> Expr:
+    assert isinstance(term, Node)
+    match term:
+        case Choose(_, a, b, _) | ChooseBool(_, a, b) if a is b:
+            return a
+        case Choose(c, a, Choose(d, b, e, _), unit):
+            if a is b:
+                return Choose(any_of([c, d]), a, e, unit)
+            return Choose(all_of([~c, d]), b, a, unit) if a is e else term
+        case ChooseBool(c, p, ChooseBool(d, q, r)):
+            if p is q:
+                return ChooseBool(any_of([c, d]), p, r)
+            return ChooseBool(all_of([~c, d]), q, p) if p is r else term
+        case _:
+            return term
+
+
+def _logic(term: Expr) -> Expr:
+    """A choice of truth values as and, or, not."""
+    if not isinstance(term, ChooseBool):
+        return term
+    condition, then, other = term.condition, term.then, term.other
+    if isinstance(then, Truth):
+        return any_of([condition, other]) if then.value else all_of([~condition, other])
+    if isinstance(other, Truth):
+        return any_of([~condition, then]) if other.value else all_of([condition, then])
+    return any_of([all_of([condition, then]), all_of([~condition, other])])

@@ -1,0 +1,144 @@
+"""z3 terms of a TransitionSystem, step by step.
+
+The only module besides `safeloc.proof` that imports z3. Numbers become mathematical integers (`Int`): the overflow
+obligation makes that sound for machine words. Sub-terms that several terms share stay shared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, assert_never
+
+import z3
+
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var, all_of
+from safeloc.language.nodes import (
+    Add,
+    And,
+    Choose,
+    ChooseBool,
+    Compare,
+    FloorDiv,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Value,
+)
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import in_order
+
+
+class Terms:
+    """Translates terms whose variables stand for given z3 terms; remembers what it has translated."""
+
+    def __init__(self, variables: Mapping[Var, z3.ExprRef]) -> None:
+        self._done: dict[Expr, z3.ExprRef] = {var: term for var, term in variables.items()}
+
+    def __call__(self, term: Expr) -> z3.ExprRef:
+        """The z3 term; KeyError for a variable that was not given."""
+        if term not in self._done:
+            for node in in_order([term]):
+                if node not in self._done:
+                    self._done[node] = _translate(node, self._done)
+        return self._done[term]
+
+    def bool(self, term: Bool) -> z3.BoolRef:
+        """The z3 term of a truth value."""
+        result = self(term)
+        assert isinstance(result, z3.BoolRef)
+        return result
+
+
+def _translate(node: Node, of: Mapping[Expr, Any]) -> Any:  # z3 builds terms by operators that type checkers cannot see
+    match node:
+        case Lit(value, _):
+            return z3.IntVal(value)
+        case Truth(value):
+            return z3.BoolVal(value)
+        case NumVar() | BoolVar():
+            raise KeyError(f"variable {node.name!r} has no z3 term here")
+        case Add(a, b):
+            return of[a] + of[b]
+        case Sub(a, b):
+            return of[a] - of[b]
+        case Mul(a, b):
+            return of[a] * of[b]
+        case FloorDiv(a, k):
+            return of[a] / k  # z3's integer division rounds down for a positive divisor
+        case Min(a, b):
+            return z3.If(of[a] <= of[b], of[a], of[b])
+        case Max(a, b):
+            return z3.If(of[a] >= of[b], of[a], of[b])
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
+            return z3.If(of[c], of[a], of[b])
+        case Not(inner):
+            return z3.Not(of[inner])
+        case And(parts):
+            return z3.And(*(of[part] for part in parts))
+        case Or(parts):
+            return z3.Or(*(of[part] for part in parts))
+        case Compare("<", a, b):
+            return of[a] < of[b]
+        case Compare("<=", a, b):
+            return of[a] <= of[b]
+        case Compare("==", a, b):
+            return of[a] == of[b]
+        case Compare() | Past():
+            raise TypeError(f"{type(node).__name__} has no z3 term; observe the property first")
+        case _:
+            assert_never(node)
+
+
+def constant(var: Var, suffix: str = "") -> z3.ExprRef:
+    """The z3 constant for a variable."""
+    return z3.Int(var.name + suffix) if isinstance(var, NumVar) else z3.Bool(var.name + suffix)
+
+
+class Unrolling:
+    """The system over steps 0, 1, 2 ...: constants and constraints of each, made on demand."""
+
+    def __init__(self, system: TransitionSystem, *, assume: bool = True) -> None:
+        self.system = system
+        self._states: list[Terms] = []
+        self._environment = environment(system, assume=assume)
+        self._range = in_range(system.state)
+
+    def at(self, term: Expr, step: int) -> z3.ExprRef:
+        """A term over state (and inputs of step `step` + 1) at this step."""
+        return self._terms(step)(term)
+
+    def initially(self) -> z3.BoolRef:
+        """The first state is a first state."""
+        return self._terms(0).bool(all_of([self.system.init, self._range]))
+
+    def in_range(self, step: int) -> z3.BoolRef:
+        """State variables are in their ranges."""
+        return self._terms(step).bool(self._range)
+
+    def transition(self, step: int) -> z3.BoolRef:
+        """Inputs of the step are admissible, and the state at `step` + 1 follows."""
+        now, after = self._terms(step), self._terms(step + 1)
+        moves = [after(var) == now(term) for var, term in self.system.next.items()]
+        step_: z3.BoolRef = z3.And(now.bool(self._environment), *moves)  # pyright: ignore[reportAssignmentType] # no Probe here
+        return step_
+
+    def values(self, model: z3.ModelRef, step: int, variables: Iterable[Var]) -> dict[str, Value]:
+        """What the model says of variables at a step."""
+        found: dict[str, Value] = {}
+        for var in variables:
+            value = model.eval(self.at(var, step), model_completion=True)
+            found[var.name] = value.as_long() if isinstance(value, z3.IntNumRef) else z3.is_true(value)
+        return found
+
+    def _terms(self, step: int) -> Terms:
+        while len(self._states) <= step:
+            number = len(self._states)
+            named = {var: constant(var, f"@{number}") for var in (*self.system.state, *self.system.inputs)}
+            self._states.append(Terms(named))
+        return self._states[step]

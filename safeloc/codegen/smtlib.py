@@ -1,0 +1,152 @@
+"""SMT-LIB2 text of a query, written from our own terms: z3 has no part in it.
+
+A query states hypotheses and goals over free variables; each goal follows from the hypotheses exactly when the
+answer to its `check-sat` is `unsat`. Shared sub-terms become definitions, so the text stays as small as the terms.
+Witness functions are definitions too, `|witness 1.2 of x|`: from group 1 of the inputs the second one's term for x.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar, assert_never
+
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
+from safeloc.language.nodes import (
+    Add,
+    And,
+    Choose,
+    ChooseBool,
+    Compare,
+    FloorDiv,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Or,
+    Past,
+    Sub,
+    Truth,
+)
+from safeloc.language.terms import in_order
+
+_TAKEN = re.compile(
+    r"true|false|not|and|or|xor|distinct|ite|forall|exists|let|match|par|as|div|mod|abs|to_real|to_int|is_int"
+    r"|divisible|int\..*|real\..*|t\d+|witness \d+\.\d+ of .*|[^A-Za-z0-9]+"
+)
+
+
+FORMAT = "safeloc-certificate/1"
+Key = TypeVar("Key", bound=Hashable)
+
+
+@dataclass(frozen=True, eq=False)
+class Query(Generic[Key]):
+    """Hypotheses, and goals that are to follow from them.
+
+    goals   by a key that no two of them share (an object or a number; what it is as text is for people)
+    about   what the query is part of (system, rule, property, ...), for whoever reads the text without us
+    witnesses  terms that may stand in the place of variables, one mapping each; nothing is said of them here
+    """
+
+    name: str
+    hypotheses: Sequence[Bool]
+    goals: Mapping[Key, Bool]
+    about: Mapping[str, str] = field(default_factory=dict)
+    witnesses: Mapping[str, Mapping[Var, Expr]] = field(default_factory=dict)
+
+
+def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
+    """The query as text with one `check-sat` a goal; every answer is expected to be `unsat`.
+
+    relies_on  files of the certificates whose results are hypotheses here
+    """
+    names: dict[Expr, str] = {}
+    told = {(key, var): term for key, witness in query.witnesses.items() for var, term in witness.items()}
+    nodes = in_order([*query.hypotheses, *query.goals.values(), *told.values()])
+    logic = "QF_NIA" if any(_is_product(node) for node in nodes) else "QF_LIA"
+    lines = [f"; {_comment(line)}" for line in _header(query, relies_on)]
+    lines += [f"(set-logic {logic})", "(set-info :status unsat)"]
+    for number, node in enumerate(nodes):
+        lines += _line(node, names, number)
+    lines += [f"(assert {names[term]})" for term in query.hypotheses]
+    lines += [
+        f"(define-fun |witness {key} of {var.name}| () {_sort(var)} {names[term]})" for (key, var), term in told.items()
+    ]
+    for key, goal in query.goals.items():
+        lines += ["(push 1)", f"; {_comment(str(key))}", f"(assert (not {names[goal]}))", "(check-sat)", "(pop 1)"]
+    return "\n".join(lines) + "\n"
+
+
+def _header(query: Query[Key], relies_on: Sequence[str]) -> list[str]:
+    about = [f"{key}: {value}" for key, value in query.about.items()]
+    return [FORMAT, f"name: {query.name}", *about, *(f"relies on: {file}" for file in relies_on)]
+
+
+def _is_product(node: Node) -> bool:
+    return isinstance(node, Mul) and not (isinstance(node.left, Lit) or isinstance(node.right, Lit))
+
+
+def _comment(text: str) -> str:
+    """On one line, whatever a name holds: the rest of it must not become a command."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
+def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:
+    """Registers the node's name, and declares or defines it where it is more than a constant."""
+    if isinstance(node, (Lit, Truth)):
+        names[node] = _text(node, names)
+        return []
+    if isinstance(node, (NumVar, BoolVar)):
+        names[node] = _symbol(node.name)
+        return [f"(declare-const {_symbol(node.name)} {_sort(node)})"]
+    names[node] = f"t{number}"
+    return [f"(define-fun t{number} () {_sort(node)} {_text(node, names)})"]
+
+
+def _symbol(name: str) -> str:
+    """A variable's name in the text. `|true|` would be true itself and `|t5|` a term of ours: those end in an apostrophe."""
+    taken = _TAKEN.fullmatch(name.rstrip("'"))
+    return f"|{name}'|" if taken else f"|{name}|"
+
+
+def _sort(node: Expr) -> str:
+    return "Int" if isinstance(node, Num) else "Bool"
+
+
+def _text(node: Node, of: Mapping[Expr, str]) -> str:
+    match node:
+        case Lit(value, _):
+            return str(value) if value >= 0 else f"(- {-value})"
+        case Truth(value):
+            return "true" if value else "false"
+        case NumVar() | BoolVar():
+            return _symbol(node.name)
+        case Add(a, b):
+            return f"(+ {of[a]} {of[b]})"
+        case Sub(a, b):
+            return f"(- {of[a]} {of[b]})"
+        case Mul(a, b):
+            return f"(* {of[a]} {of[b]})"
+        case FloorDiv(a, divisor, _):
+            return f"(div {of[a]} {divisor})"
+        case Min(a, b):
+            return f"(ite (<= {of[a]} {of[b]}) {of[a]} {of[b]})"
+        case Max(a, b):
+            return f"(ite (>= {of[a]} {of[b]}) {of[a]} {of[b]})"
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
+            return f"(ite {of[c]} {of[a]} {of[b]})"
+        case Not(inner):
+            return f"(not {of[inner]})"
+        case And(parts):
+            return f"(and {' '.join(of[part] for part in parts)})"
+        case Or(parts):
+            return f"(or {' '.join(of[part] for part in parts)})"
+        case Compare(op, a, b):
+            return f"({'=' if op == '==' else op} {of[a]} {of[b]})"
+        case Past():
+            raise TypeError("a past operator has no SMT-LIB text; observe the property first")
+        case _:
+            assert_never(node)

@@ -1,0 +1,185 @@
+"""Of which cases a property requires something at all: the trigger of `within`, and what stands before `implies`.
+
+Where such a case never occurs the property says nothing, however well it is proved. `p.implies(q)` is `~p | q`, so of
+every disjunction the case is that its first part does not hold; of a plain `a | b` too, where b is never needed if a
+always holds. No condition is `a.iff(b)`, nor `x.one_of(...)`: both require something in every case.
+
+In a composition a wire may tell a constant. What that decides is no part of the property: `ite(p, a, b)` is `p | b` where a
+has become true, and speaks of `~p`; `p | a` is plainly p where a has become false, and has no case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from safeloc.language.composition import inherited_term
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Var, before, was
+from safeloc.language.folding import settled
+from safeloc.language.machine import Initial
+from safeloc.language.nodes import And, Compare, Not, Or
+from safeloc.language.render import infix
+from safeloc.language.spec import Goal, Property, always, observe, once, previous, reachable
+from safeloc.language.system import Part, TransitionSystem
+from safeloc.language.terms import Substitution, alike, variables
+
+LONGEST = 110
+
+
+@dataclass(frozen=True, eq=False)
+class Antecedent:
+    """A case without which a property requires nothing, or one of its parts does not."""
+
+    prop: Property
+    term: Bool
+
+    @property
+    def words(self) -> str:
+        """For the reader; long terms are shortened."""
+        what = "its trigger" if self.prop.kind == "within" else "the case"
+        return f"{what} ({infix(self.term, LONGEST)})"
+
+
+def antecedents(prop: Property) -> list[Bool]:
+    """The cases of a property, in order; none for `reachable`, and none for what is required in every step."""
+    if prop.kind == "within":
+        return [prop.term]
+    if prop.kind == "reachable":
+        return []
+    return [~part.parts[0] for part in _conjuncts(settled(prop.term)) if isinstance(part, Or) and not _is_claim(part)]
+
+
+def cases(prop: Property) -> list[Antecedent]:
+    """The same, with the property they are of."""
+    return [Antecedent(prop, term) for term in antecedents(prop)]
+
+
+def occurs(system: TransitionSystem, antecedent: Antecedent, name: str) -> Goal:
+    """The goal that the case occurs where the property looks at it, under what the property relies on.
+
+    A property that looks at steps does not see a case that only the first state is.
+    """
+    prop, term = antecedent.prop, antecedent.term
+    goal = _comes(system, prop, term, name)
+    state_only = not goal.observers
+    return _comes(system, prop, once(term), name) if state_only and not of_states(system, prop) else goal
+
+
+def case_name(prop: Property, place: int) -> str:
+    """What the result about one case is called, the first one of the property being 1."""
+    return f"case {place} of {prop.name}"
+
+
+def occurs_alone(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
+    """A machine of a composition, and the goal that a case of the whole, by place from 0, occurs in it by itself.
+
+    Under what the machine's own property relies on, where it is kept by one; else where the case speaks of one machine
+    only. None where it is neither.
+    """
+    return _kept_case(system, prop, place) or _case_of_one(system, cases(prop)[place])
+
+
+def _kept_case(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
+    if prop.kept_by is None:
+        return None
+    machine, own = prop.kept_by
+    part = next(part for part in system.parts if part.machine is machine)
+    for mine in cases(own)[place : place + 1]:  # none where wires have made a case that the machine's property has not
+        if _becomes(part, mine, cases(prop)[place]):
+            return part, occurs(part.alone, mine, "case")
+    return None
+
+
+def _becomes(part: Part, mine: Antecedent, case: Antecedent) -> bool:
+    """Whether a case of a machine's own property is, in the terms of the whole, the very case of the inherited one."""
+    return alike(settled(inherited_term(part.into, replace(mine.prop, term=mine.term))), case.term)
+
+
+def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal] | None:
+    for part in system.parts if case.prop.given is TRUE else ():
+        term = _over(part, case.term)
+        if term is not None:
+            own = always("case", ~term, unconditional=case.prop.unconditional)
+            return part, occurs(part.alone, Antecedent(own, term), "case")
+    return None
+
+
+def _over(part: Part, term: Bool) -> Bool | None:
+    """A term over the whole as one over a machine's own variables; None where it speaks of others, or of what is wired."""
+    own = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
+    back = {twin: var for var in own if isinstance(twin := part.into(var), Var)}
+    replaced: dict[Var, Expr] = {}
+    for var in variables([term]):
+        mine = back.get(var if var.before is None else var.before)
+        if mine is None:
+            return None
+        replaced[var] = mine if var.before is None else before(mine) if isinstance(mine, NumVar) else was(mine)
+    return Substitution(replaced).bool(term)
+
+
+def of_states(system: TransitionSystem, prop: Property) -> bool:
+    """Whether a property is required of states, the first one too, and not of steps."""
+    return prop.kind == "always" and not observe(system, prop).observers
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Whether a case occurs, as a term over the state after each step; `moves` are the variables that this takes."""
+
+    term: Bool
+    moves: Mapping[Var, Expr]
+    initial: Mapping[Var, Initial]
+
+
+def seen(system: TransitionSystem, antecedent: Antecedent, name: str) -> Seen:
+    """What tells after each step whether the case occurred in it; of a property of states, also of the first one."""
+    if of_states(system, antecedent.prop):
+        return Seen(antecedent.term, {}, {})
+    # `previous` keeps what was so in the last step; what the goal adds to it, that it ever was so, is left out
+    goal = _comes(system, antecedent.prop, previous(antecedent.term), name)
+    *kept, _ = goal.observers
+    flag = kept[-1]
+    assert isinstance(flag, BoolVar)
+    moves = {var: goal.system.next[var] for var in kept}
+    return Seen(flag, moves, {var: goal.system.initial[var] for var in kept})
+
+
+def _comes(system: TransitionSystem, prop: Property, term: Bool, name: str) -> Goal:
+    return observe(system, reachable(name, term, given=prop.given, unconditional=prop.unconditional))
+
+
+def _conjuncts(term: Bool) -> Iterator[Bool]:
+    stack = [term]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, And):
+            stack.extend(reversed(part.parts))
+        else:
+            yield part
+
+
+def _is_claim(term: Or) -> bool:
+    """Whether a disjunction is `iff` or `one_of`."""
+    return _is_iff(term) or _is_choice(term)
+
+
+def _is_iff(term: Or) -> bool:
+    """(p and q) or (not p and not q)."""
+    if len(term.parts) != 2:
+        return False
+    both, neither = term.parts
+    if not (isinstance(both, And) and isinstance(neither, And) and len(both.parts) == len(neither.parts) == 2):
+        return False
+    return all(_opposite(one, other) for one, other in zip(both.parts, neither.parts, strict=True))
+
+
+def _opposite(one: Bool, other: Bool) -> bool:
+    return (isinstance(one, Not) and one.inner is other) or (isinstance(other, Not) and other.inner is one)
+
+
+def _is_choice(term: Or) -> bool:
+    """One number, compared with constants."""
+    compared = [
+        part for part in term.parts if isinstance(part, Compare) and part.op == "==" and isinstance(part.right, Lit)
+    ]
+    return len(compared) == len(term.parts) and len({part.left for part in compared}) == 1

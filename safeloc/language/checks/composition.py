@@ -1,0 +1,199 @@
+"""What a composition is asked to join, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from safeloc.errors import ModelError
+from safeloc.language.checks.rule import Rule, complaints
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Expr, Num, NumVar, Var
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Past
+from safeloc.language.terms import in_order, variables
+
+if TYPE_CHECKING:
+    from safeloc.language.composition import Clause
+    from safeloc.language.system import TransitionSystem
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What somebody wants to join; `systems` are the machines, lowered; `src` is where it is said."""
+
+    name: str
+    machines: Sequence[Machine]
+    systems: Sequence[TransitionSystem]
+    wires: Mapping[Var, Expr]
+    shared: Sequence[Var]
+    owes: Sequence[Machine | Clause]
+    src: str
+
+
+@dataclass(frozen=True, eq=False)
+class SharedGhost:
+    """A ghost that several machines share, and whether a later one lets it move and start as the first one does."""
+
+    var: Var
+    machine: Machine
+    moves_alike: bool
+    starts_alike: bool
+
+
+def check_plan(plan: Plan) -> None:
+    """Raise ModelError with what the first rule that is broken complains of."""
+    found = complaints(JOINING, plan)
+    if found:
+        raise ModelError(f"composition {plan.name!r} ({plan.src}): {' '.join(found)}")
+
+
+def refuse_ghosts(plan: Plan, ghosts: Iterable[SharedGhost]) -> None:
+    """Raise ModelError for a shared ghost that is not one ghost."""
+    for ghost in ghosts:
+        for alike, verb in ((ghost.moves_alike, "moves"), (ghost.starts_alike, "starts")):
+            if not alike:
+                raise ModelError(
+                    f"composition {plan.name!r} ({plan.src}): the shared ghost {ghost.var.name!r} {verb} otherwise in "
+                    f"{ghost.machine.name!r}."
+                )
+
+
+def _name_can_be_written(plan: Plan) -> Iterator[str]:
+    name = plan.name
+    if not isinstance(name, str) or not name.strip() or not name.isprintable() or set(name) & set("|\\/"):
+        yield "its name must be printable and without /, | and \\."
+
+
+def _machines_have_distinct_names(plan: Plan) -> Iterator[str]:
+    names = [machine.name for machine in plan.machines]
+    if not names:
+        yield "no machines; name at least one."
+    if len(set(names)) != len(names):
+        yield f"machines {names} must have distinct names."
+
+
+def _joined_names_are_distinct(plan: Plan) -> Iterator[str]:
+    """Names of the whole are made of two: "a" with "b: c" and "a: b" with "c" would be one lemma."""
+    from safeloc.language.composition import contract_text, lemma_name
+
+    groups: dict[str, list[str]] = {
+        "lemma": [lemma_name(machine, name) for machine in plan.machines for name in machine.lemmas],
+        "output": [f"{machine.name}.{name}" for machine in plan.machines for name in machine.outputs],
+        "variable": [f"{system.name}.{var.name}" for system in plan.systems for var in _own(plan, system)],
+    }
+    groups["lemma"] += [contract_text(machine.name) for machine in plan.machines]
+    groups["variable"] += [var.name for var in plan.shared]
+    for what, names in groups.items():
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            yield f"two machines give the {what} {name!r}; rename a machine, or what it calls so."
+
+
+def _own(plan: Plan, system: TransitionSystem) -> list[Var]:
+    kept = {*plan.shared, *plan.wires}
+    return [var for var in (*system.state, *system.inputs, *system.fired) if var not in kept]
+
+
+def _shared_is_no_state(plan: Plan) -> Iterator[str]:
+    for var in plan.shared:
+        owner = next((system.name for system in plan.systems if var in set(system.state) - system.ghosts), None)
+        if owner is not None:
+            yield f"{var.name!r} is state of {owner!r}; only inputs and ghosts can be shared."
+
+
+def _shared_variables_have_one_role(plan: Plan) -> Iterator[str]:
+    for var in plan.shared:
+        roles = {_role(var, system): system.name for system in plan.systems if var in {*system.state, *system.inputs}}
+        if len(roles) > 1:
+            told = " and ".join(f"{role} of {name!r}" for role, name in roles.items())
+            yield (
+                f"{var.name!r} ({var.src}) is {told}; what is shared is an input everywhere, a ghost input everywhere, or a "
+                "ghost everywhere."
+            )
+
+
+def _role(var: Var, system: TransitionSystem) -> str:
+    ghost = var in system.ghosts
+    if var in set(system.inputs):
+        return "a ghost input" if ghost else "an input"
+    return "a ghost" if ghost else "state"
+
+
+def _wires_tell_no_ghosts(plan: Plan) -> Iterator[str]:
+    """What is heard on board comes from what is on board."""
+    ghosts: set[Var] = set()
+    for system in plan.systems:
+        for var in system.inputs:
+            told = [read.name for read in variables([plan.wires[var]]) if read in ghosts] if var in plan.wires else []
+            if told and var not in system.ghosts:
+                yield f"the wire to {var.name!r}, which is heard on board, reads the ghost {', '.join(map(repr, told))}."
+        ghosts |= system.ghosts
+
+
+def _wires_lead_to_inputs(plan: Plan) -> Iterator[str]:
+    inputs = {var for system in plan.systems for var in system.inputs}
+    unknown = [var.name for var in plan.wires if var not in inputs]
+    if unknown:
+        yield f"wires lead to {unknown}, which are no inputs of {[machine.name for machine in plan.machines]}."
+
+
+def _wires_are_terms(plan: Plan) -> Iterator[str]:
+    for var, term in plan.wires.items():
+        yield from (f"the wire to {var.name!r}: {complaint}" for complaint in malformed([term]))
+
+
+def _wires_fit(plan: Plan) -> Iterator[str]:
+    for var, term in plan.wires.items():
+        if isinstance(var, NumVar) != isinstance(term, Num):
+            yield f"the wire to {var.name!r} mixes a number and a truth value."
+        elif isinstance(var, NumVar) and isinstance(term, Num) and not term.unit.same(var.unit):
+            yield f"the wire to {var.name!r} carries {term.unit.name}, not {var.unit.name}."
+        if any(isinstance(node, Past) for node in in_order([term])):
+            yield f"the wire to {var.name!r} uses a past operator; only properties may."
+
+
+def _wires_read_earlier_machines(plan: Plan) -> Iterator[str]:
+    earlier, twice = set[Var](), set[Var]()
+    for system in plan.systems:
+        own = {*system.state, *system.inputs}
+        for var in system.inputs:
+            if var in plan.wires:
+                yield from _wire_reads(var, plan.wires[var], earlier, twice)
+        twice |= (earlier & own) - set(plan.shared)
+        earlier |= own
+
+
+def _wire_reads(var: Var, term: Expr, earlier: set[Var], twice: set[Var]) -> Iterator[str]:
+    late = [read.name for read in variables([term]) if read not in earlier]
+    if late:
+        yield f"the wire to {var.name!r} reads {late}, which no earlier machine has."
+    unclear = [read.name for read in variables([term]) if read in twice]
+    if unclear:
+        yield (
+            f"the wire to {var.name!r} reads {unclear}, which several earlier machines have; declare one for each machine."
+        )
+
+
+def _owed_is_assumed(plan: Plan) -> Iterator[str]:
+    for one in plan.owes:
+        machine = one if isinstance(one, Machine) else one.machine
+        if machine not in plan.machines:
+            yield f"{machine.name!r} is owed something and is not part of it."
+        elif not isinstance(one, Machine) and one.name not in machine.clauses:
+            yield f"{machine.name!r} has no clause {one.name!r}; it has {list(machine.clauses)}."
+
+
+JOINING: tuple[Rule[Plan], ...] = (
+    Rule("the whole's name can be written", "a slip", _name_can_be_written),
+    Rule("machines have distinct names", "a crash", _machines_have_distinct_names),
+    Rule("wires are well formed", "a crash", _wires_are_terms),
+    Rule("shared variables are no state", "a slip", _shared_is_no_state),
+    Rule("shared variables have one role", "a wrong verdict", _shared_variables_have_one_role),
+    Rule("wires fit", "a crash", _wires_fit),
+    Rule("wires tell no ghosts", "a wrong verdict", _wires_tell_no_ghosts),
+    Rule("wires read earlier machines", "a crash", _wires_read_earlier_machines),
+    Rule("wires lead to inputs", "a slip", _wires_lead_to_inputs),
+    Rule("joined names are distinct", "a wrong verdict", _joined_names_are_distinct),
+    Rule("what is owed is assumed", "a slip", _owed_is_assumed),
+)

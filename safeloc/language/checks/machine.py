@@ -1,0 +1,334 @@
+"""What a machine's declaration must satisfy before anything else looks at it: one small function per rule.
+
+`check` raises ModelError with all complaints, so that one run shows every mistake.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from safeloc.errors import ModelError
+from safeloc.language.checks.rule import Rule, complaints, every_complaint
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
+from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Transition
+from safeloc.language.nodes import Compare, Past
+from safeloc.language.terms import in_order
+from safeloc.language.units import Enumeration
+
+RESERVED = ("mode", "fired")
+LONGEST_NAME = 120
+
+
+def check_shape(machine: Machine) -> None:
+    """Raise ModelError where a field holds something that it is not for: nothing else can be asked then."""
+    _refuse(machine, complaints(SHAPE, machine))
+
+
+def check(machine: Machine) -> None:
+    """Raise ModelError naming every offence, each with file and line."""
+    _refuse(machine, every_complaint(MACHINE, machine))
+
+
+def _refuse(machine: Machine, found: list[str]) -> None:
+    if found:
+        raise ModelError(f"machine {machine.name!r} ({machine.src}):\n" + "\n".join(f"  - {c}" for c in found))
+
+
+def input_variables(machine: Machine) -> list[Var]:
+    """All input variables, presence flags included."""
+    result: list[Var] = []
+    for item in machine.inputs:
+        result += [item.present, item.value] if isinstance(item, Optional) else [item]
+    return result
+
+
+def _variables_are_variables(machine: Machine) -> Iterator[str]:
+    wanted = "declare it with number, boolean, choice or optional"
+    for item in machine.inputs:
+        if not isinstance(item, (NumVar, BoolVar, Optional)):
+            yield f"input {item!r} is no variable; {wanted}."
+    for what, declared in (("state", machine.state), ("ghost", machine.ghosts), ("ghost input", machine.ghost_inputs)):
+        for var in declared:
+            if not isinstance(var, (NumVar, BoolVar)):
+                yield f"{what} {var!r} is no variable; {wanted}."
+    for t in machine.transitions:
+        if not isinstance(t, Transition):
+            yield f"transition {t!r}: make it with Transition(...)."
+        elif wrong := [mode for mode in (*t.sources, t.target) if not isinstance(mode, Lit)]:
+            yield f"transition {t.name!r} ({t.src}): {wrong[0]!r} is no mode."
+    for mode in machine.modes:
+        if not isinstance(mode, Lit):
+            yield f"mode {mode!r}: make modes with modes(...)."
+
+
+def _terms_are_terms(machine: Machine) -> Iterator[str]:
+    guards = {f"guard of {t.name!r} ({t.src})": t.when for t in machine.transitions}
+    truths: dict[str, object] = {**guards, "assumption": machine.assumption, "initially": machine.initially}
+    truths |= {f"clause {name!r}": clause for name, clause in machine.clauses.items()}
+    truths |= {f"lemma {name!r}": lemma for name, lemma in machine.lemmas.items()}
+    for what, term in truths.items():
+        if not isinstance(term, Bool):
+            yield f"{what}: {term!r} is no truth-valued term; a constant is written TRUE or FALSE."
+    for name, output in machine.outputs.items():
+        if not isinstance(output, (Num, Bool)):
+            yield f"output {name!r}: {output!r} is no term; make it of state variables."
+    for var, move in machine.ghost_moves.items():
+        if not isinstance(move, (Num, Bool)):
+            yield f"ghost move of {var.name!r}: {move!r} is no term; a ghost that rests moves to itself."
+
+
+def _terms_are_well_formed(machine: Machine) -> Iterator[str]:
+    """Also those that somebody built without the functions of the language."""
+    values = [value for t in machine.transitions for value in t.set.values() if isinstance(value, (Num, Bool))]
+    yield from malformed([*_terms(machine), *values, *input_variables(machine), *machine.state, *machine.ghosts])
+
+
+def _terms(machine: Machine) -> list[Expr]:
+    guards = [t.when for t in machine.transitions]
+    terms: list[Expr] = [*machine.outputs.values(), *machine.ghost_moves.values(), *machine.definitions.values()]
+    terms += [*machine.clauses.values(), *machine.lemmas.values()]
+    ends = [mode for t in machine.transitions for mode in (*t.sources, t.target)]
+    return [*guards, *terms, *ends, *machine.modes, machine.assumption, machine.initially, *machine.ghost_inputs]
+
+
+def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
+    if not machine.modes:
+        yield "no modes; declare at least one with modes(...)."
+    elif any(mode.unit is not machine.modes[0].unit for mode in machine.modes):
+        yield "modes come from different enumerations; create them with one call of modes(...)."
+    elif [mode.label for mode in machine.modes] != list(_members(machine.modes[0])):
+        yield "modes must be all members of their enumeration, in order."
+
+
+def _members(mode: Lit) -> tuple[str, ...]:
+    return mode.unit.members if isinstance(mode.unit, Enumeration) else ()
+
+
+def _names_are_distinct(machine: Machine) -> Iterator[str]:
+    owned = [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]
+    yield from _repeated("variable", (var.name for var in owned))
+    own_value = {var.name for var in owned if machine.outputs.get(var.name) is var}
+    yield from _repeated("variable or output", {var.name for var in owned} - own_value | set(RESERVED), machine.outputs)
+    yield from _repeated("transition", (t.name for t in machine.transitions))
+    for var in owned:
+        if var.name in RESERVED or var.name.startswith(("before.", "observer.")):
+            yield f"variable {var.name!r} ({var.src}): this name is reserved; choose another."
+        if var.before is not None:
+            yield f"variable {var.name!r} ({var.src}) is a value before the step; only properties may use it."
+    if any(t.name == STAY_NAME for t in machine.transitions):
+        yield f"transition name {STAY_NAME!r} is reserved."
+
+
+def _mode_variable_is_the_modes(machine: Machine) -> Iterator[str]:
+    """It holds every mode and nothing else, whoever made it."""
+    mode, unit = machine.mode, machine.modes[0].unit if machine.modes else None
+    if mode.name != "mode" or mode.before is not None:
+        yield f"the mode variable is called {mode.name!r} ({mode.src}); make it with current_mode(...)."
+    if mode.unit is not unit or (mode.low, mode.high) != (0, len(machine.modes) - 1):
+        yield f"the mode variable ({mode.src}) is not of this machine's modes; make it with current_mode(modes)."
+    if mode in {*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs}:
+        yield "the mode variable is declared as a variable of its own as well."
+
+
+def _labels_can_be_written(machine: Machine) -> Iterator[str]:
+    """Names stand in reports, certificates and files, each on one line."""
+    wrong = set(machine.name) & set("|\\/")
+    if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > LONGEST_NAME:
+        yield f"its name is {machine.name!r}; 1 to {LONGEST_NAME} printable characters, without /, | and \\."
+    labels = {"mode": [mode.label for mode in machine.modes], "transition": [t.name for t in machine.transitions]}
+    labels |= {"output": list(machine.outputs), "lemma": list(machine.lemmas), "clause": list(machine.clauses)}
+    for what, names in labels.items():
+        for name in names:
+            if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
+                yield f"{what} {name!r}: a name is 1 to {LONGEST_NAME} printable characters, on one line."
+
+
+def _names_can_be_written(machine: Machine) -> Iterator[str]:
+    """Proof texts quote names in bars and number the copies of an input with @."""
+    for var in [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]:
+        if not var.name or not var.name.isprintable() or set(var.name) & set("@|\\"):
+            yield f"variable {var.name!r} ({var.src}): a name is not empty, printable, and without @, | and \\."
+
+
+def _repeated(what: str, *groups: Iterable[str]) -> Iterator[str]:
+    seen: set[str] = set()
+    for group in groups:
+        for name in group:
+            if name in seen:
+                yield f"{what} {name!r} is declared twice; names must be distinct."
+            seen.add(name)
+
+
+def _transitions_join_known_modes(machine: Machine) -> Iterator[str]:
+    for t in machine.transitions:
+        for mode in (*t.sources, t.target):
+            if not any(mode is known for known in machine.modes):
+                yield f"transition {t.name!r} ({t.src}): {mode.label!r} is not a mode of this machine."
+        if not t.sources:
+            yield f"transition {t.name!r} ({t.src}) has no source mode."
+
+
+def _sources_are_named_once(machine: Machine) -> Iterator[str]:
+    """Whether a transition leaves every mode is told by how many it names."""
+    for t in machine.transitions:
+        twice = sorted({mode.label for mode in t.sources if sum(mode is other for other in t.sources) > 1})
+        if twice:
+            yield f"transition {t.name!r} ({t.src}) names source mode {twice[0]!r} twice; name each mode once."
+
+
+def _ranks_are_in_order(machine: Machine) -> Iterator[str]:
+    """Among transitions out of one mode; the order of the table is the order of priority."""
+    highest: dict[Lit, Transition] = {}
+    for t in machine.transitions:
+        for source in t.sources:
+            before = highest.setdefault(source, t)
+            if t.rank < before.rank:
+                yield (
+                    f"transition {t.name!r} ({t.src}) has rank {t.rank} but follows {before.name!r} of rank {before.rank} "
+                    f"out of {source.label}; declare it earlier."
+                )
+                break
+            highest[source] = t
+
+
+def _updates_fit(machine: Machine) -> Iterator[str]:
+    for t in machine.transitions:
+        for var, value in t.set.items():
+            if var not in machine.state:
+                yield f"transition {t.name!r} ({t.src}) sets {var.name!r}, which is not a state variable."
+            else:
+                yield from _fits(f"transition {t.name!r} ({t.src}) sets {var.name!r}", var, value)
+    for var, move in machine.ghost_moves.items():
+        if var not in machine.ghosts:
+            yield f"ghost move of {var.name!r}, which is not a ghost."
+        else:
+            yield from _fits(f"ghost move of {var.name!r}", var, move)
+
+
+def _initial_values_fit(machine: Machine) -> Iterator[str]:
+    for var, value in [*machine.state.items(), *machine.ghosts.items()]:
+        if isinstance(value, (Num, Bool)) and not isinstance(value, Lit):
+            yield f"initial value of {var.name!r} ({var.src}): {value!r} is a term; give a value, or ANY and `initially`."
+        elif value is not ANY:
+            yield from _fits(f"initial value of {var.name!r} ({var.src})", var, value)
+
+
+def _fits(what: str, var: Var, value: Expr | Initial) -> Iterator[str]:
+    match var:
+        case BoolVar():
+            if not isinstance(value, (bool, Bool)):
+                yield f"{what}: {value!r} is not a truth value."
+        case NumVar(unit=unit, low=low, high=high):
+            if isinstance(value, (bool, Bool)) or not isinstance(value, (int, Num)):
+                yield f"{what}: {value!r} is not a number."
+            elif isinstance(value, Num) and not value.unit.same(unit):
+                yield f"{what}: unit is {value.unit.name}, expected {unit.name}."
+            constant = value.value if isinstance(value, Lit) else value
+            if isinstance(constant, int) and not isinstance(constant, bool) and not low <= constant <= high:
+                yield f"{what}: {constant} is outside {low}..{high}."
+
+
+def _reads_are_declared(machine: Machine) -> Iterator[str]:
+    state, ghosts = {*machine.state, machine.mode}, {*machine.ghosts, *machine.ghost_inputs}
+    own = {*input_variables(machine), *state}
+    on_board = _Readers(own, "inputs and state")
+    for t in machine.transitions:
+        terms = [t.when, *(value for value in t.set.values() if isinstance(value, (Num, Bool)))]
+        yield from on_board.complaints(f"transition {t.name!r} ({t.src})", terms)
+    after = _Readers(state, "state (after the step)")
+    for name, term in machine.outputs.items():
+        yield from after.complaints(f"output {name!r}", [term])
+    anywhere = _Readers(own | ghosts, "declared variables", on_board)
+    for var, move in machine.ghost_moves.items():
+        yield from anywhere.complaints(f"ghost move of {var.name!r}", [move])
+    yield from anywhere.complaints("assumption", [machine.assumption])
+    for name, clause in machine.clauses.items():
+        yield from anywhere.complaints(f"clause {name!r}", [clause])
+    at_rest = _Readers(state | set(machine.ghosts), "state and ghosts", after)
+    yield from at_rest.complaints("initially", [machine.initially])
+    for name, lemma in machine.lemmas.items():
+        yield from at_rest.complaints(f"lemma {name!r}", [lemma])
+
+
+class _Readers:
+    """Terms that may read the same variables; what was found in order is not walked again, since they share most parts.
+
+    narrower   those that may read fewer variables: what was found in order of them is in order here as well
+    """
+
+    def __init__(self, allowed: set[Var], told: str, narrower: _Readers | None = None) -> None:
+        self._allowed, self._told = allowed, told
+        self._fine: set[Expr] = set() if narrower is None else set(narrower._fine)
+
+    def complaints(self, what: str, terms: Iterable[Expr]) -> list[str]:
+        """What is wrong with these terms."""
+        nodes = in_order(terms, self._fine)
+        strange = [node for node in nodes if isinstance(node, (NumVar, BoolVar)) and node not in self._allowed]
+        found = [f"{what} reads {var.name!r}; it may read only {self._told}." for var in strange]
+        if any(isinstance(node, Past) for node in nodes):
+            found.append(f"{what} uses a past operator; only properties may.")
+        if not found:
+            self._fine.update(nodes)
+        return found
+
+
+def _ghosts_move(machine: Machine) -> Iterator[str]:
+    for ghost in machine.ghosts:
+        if ghost not in machine.ghost_moves:
+            yield f"ghost {ghost.name!r} ({ghost.src}) has no move; give it one in ghost_moves (itself, if it rests)."
+
+
+def _guards_can_hold(machine: Machine) -> Iterator[str]:
+    fine: set[Expr] = set()
+    for t in machine.transitions:
+        nodes = in_order([t.when], fine)
+        constant = [node for node in nodes if isinstance(node, Compare) and _is_constant(node)]
+        yield from [f"transition {t.name!r} ({t.src}): a comparison in its guard never changes."] * len(constant)
+        if not constant:
+            fine.update(nodes)
+
+
+def _is_constant(node: Compare) -> bool:
+    left, right = _range(node.left), _range(node.right)
+    if left is None or right is None:
+        return False
+    return {
+        "<": left[1] < right[0] or left[0] >= right[1],
+        "<=": left[1] <= right[0] or left[0] > right[1],
+        "==": left[1] < right[0] or left[0] > right[1],
+    }[node.op]
+
+
+def _range(term: Num) -> tuple[int, int] | None:
+    match term:
+        case Lit(value, _):
+            return value, value
+        case NumVar(low=low, high=high):
+            return low, high
+        case _:
+            return None
+
+
+SHAPE: tuple[Rule[Machine], ...] = (
+    Rule("variables are variables", "a crash", _variables_are_variables),
+    Rule("terms are terms", "a crash", _terms_are_terms),
+    Rule("terms are well formed", "a wrong verdict", _terms_are_well_formed),
+)
+"""What the other rules, which walk the terms, rely on: only the first that complains is told."""
+
+MACHINE: tuple[Rule[Machine], ...] = (
+    Rule("modes are one enumeration", "a crash", _modes_are_one_enumeration),
+    Rule("the mode variable holds the modes", "a slip", _mode_variable_is_the_modes),
+    Rule("names are distinct", "a wrong verdict", _names_are_distinct),
+    Rule("names can be written", "a crash", _names_can_be_written),
+    Rule("labels can be written", "a slip", _labels_can_be_written),
+    Rule("transitions join known modes", "a slip", _transitions_join_known_modes),
+    Rule("sources are named once", "a wrong verdict", _sources_are_named_once),
+    Rule("ranks are in order", "a slip", _ranks_are_in_order),
+    Rule("updates fit", "a wrong verdict", _updates_fit),
+    Rule("initial values fit", "a wrong verdict", _initial_values_fit),
+    Rule("reads are declared", "a wrong verdict", _reads_are_declared),
+    Rule("ghosts move", "a crash", _ghosts_move),
+    Rule("guards can hold", "a slip", _guards_can_hold),
+)

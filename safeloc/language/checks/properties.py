@@ -1,0 +1,166 @@
+"""Properties: by themselves, on a system, and several of them watched together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from safeloc.errors import PropertyError
+from safeloc.language.checks.rule import Rule, complaints
+from safeloc.language.checks.terms import malformed
+from safeloc.language.expr import Bool, NumVar, Var
+from safeloc.language.nodes import INT64_MAX, Past
+from safeloc.language.terms import in_order, variables
+
+if TYPE_CHECKING:
+    from safeloc.language.spec import Goal, Property
+    from safeloc.language.system import TransitionSystem
+
+LONGEST_NAME = 120
+KINDS = ("always", "within", "reachable")
+
+
+def check_property(prop: Property) -> None:
+    """Raise PropertyError where the declaration by itself is wrong."""
+    _refuse(prop, complaints(PROPERTY, prop))
+
+
+def check_reading(reading: Reading) -> None:
+    """Raise PropertyError where a property reads what it cannot read of a system."""
+    _refuse(reading.prop, complaints(READING, reading))
+
+
+def check_watching(goals: Sequence[Goal]) -> None:
+    """Raise PropertyError where goals cannot be watched in one system."""
+    found = complaints(WATCHING, goals)
+    if found:
+        raise PropertyError(" ".join(found))
+
+
+def _refuse(prop: Property, found: Sequence[str]) -> None:
+    if found:
+        raise PropertyError(f"{prop.src}: property {prop.name!r}: {' '.join(found)}")
+
+
+# ------------------------------------------------------------------ by itself
+
+
+def _name_can_be_written(prop: Property) -> Iterator[str]:
+    if (
+        not isinstance(prop.name, str)
+        or not prop.name.strip()
+        or len(prop.name) > LONGEST_NAME
+        or not prop.name.isprintable()
+    ):
+        yield f"a name is 1 to {LONGEST_NAME} printable characters, on one line."
+    elif set(prop.name) & set("|\\"):
+        yield "a name is without | and \\: proof texts quote it in bars."
+
+
+def _kind_is_known(prop: Property) -> Iterator[str]:
+    if prop.kind not in KINDS:
+        yield f"kind {prop.kind!r} is none of {', '.join(KINDS)}; use these functions."
+
+
+def _terms_are_truth_values(prop: Property) -> Iterator[str]:
+    for what, term in (("term", prop.term), ("response", prop.response), ("given", prop.given)):
+        if not isinstance(term, Bool):
+            yield f"its {what} is {term!r}, not a truth-valued term; a constant is written TRUE or FALSE."
+
+
+def _terms_are_well_formed(prop: Property) -> Iterator[str]:
+    yield from malformed([prop.term, prop.response, prop.given])
+
+
+def _steps_can_be_counted(prop: Property) -> Iterator[str]:
+    if isinstance(prop.steps, bool) or not isinstance(prop.steps, int) or not 0 <= prop.steps < INT64_MAX:
+        yield f"steps is {prop.steps!r}; it must be a whole number, 0 or more."
+
+
+PROPERTY: tuple[Rule[Property], ...] = (
+    Rule("a property's name can be written", "a crash", _name_can_be_written),
+    Rule("a property's kind is known", "a slip", _kind_is_known),
+    Rule("a property's terms are truth values", "a slip", _terms_are_truth_values),
+    Rule("a property's terms are well formed", "a crash", _terms_are_well_formed),
+    Rule("a property's steps can be counted", "a wrong verdict", _steps_can_be_counted),
+)
+
+
+# ------------------------------------------------------------------ on a system
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A property on a system; `helper` is what its function made of `waiting`, None without one."""
+
+    system: TransitionSystem
+    prop: Property
+    waiting: NumVar | None
+    helper: object
+
+
+def _terms_read_what_is_there(reading: Reading) -> Iterator[str]:
+    system = reading.system
+    known, state = {*system.state, *system.inputs, *system.fired}, set(system.state)
+    for var in variables([reading.prop.term, reading.prop.response]):
+        if var.before is not None and var.before not in state:
+            yield f"it reads {var.name!r}: before() is for state variables."
+        elif var.before is None and var not in known:
+            yield f"it reads {var.name!r}, which {system.name} does not have."
+
+
+def _given_reads_the_step(reading: Reading) -> Iterator[str]:
+    known: set[Var] = {*reading.system.state, *reading.system.inputs}
+    for var in variables([reading.prop.given]):
+        if var not in known:
+            yield f"`given` reads {var.name!r}; it may read state before the step, inputs and ghosts."
+    if any(isinstance(node, Past) for node in in_order([reading.prop.given])):
+        yield "`given` uses a past operator; say it with state, or make it part of the property."
+
+
+def _helper_speaks_of_states(reading: Reading) -> Iterator[str]:
+    """It is a hypothesis before the step and a goal after it, so that nothing in it may belong to the step between."""
+    if reading.helper is None:
+        return
+    if not isinstance(reading.helper, Bool):
+        yield f"its helper gives {reading.helper!r}, not a truth-valued term."
+        return
+    wrong = list(malformed([reading.helper]))
+    yield from wrong
+    if wrong:
+        return
+    allowed: set[Var] = {*reading.system.state} | ({reading.waiting} if reading.waiting is not None else set())
+    strange = [repr(var.name) for var in variables([reading.helper]) if var not in allowed]
+    if strange:
+        yield f"its helper reads {', '.join(strange)}; it may read state and the steps waited only, no inputs."
+    if any(isinstance(node, Past) for node in in_order([reading.helper])):
+        yield "its helper uses a past operator; it may read state and the steps waited only."
+
+
+READING: tuple[Rule[Reading], ...] = (
+    Rule("a property reads what is there", "a crash", _terms_read_what_is_there),
+    Rule("what is given reads the step", "a crash", _given_reads_the_step),
+    Rule("a helper speaks of states", "a wrong verdict", _helper_speaks_of_states),
+)
+
+
+# ------------------------------------------------------------------ together
+
+
+def _observers_have_distinct_names(goals: Sequence[Goal]) -> Iterator[str]:
+    """Solvers know an observer by its name, which is made of the property's."""
+    seen: dict[str, Goal] = {}
+    for goal in goals:
+        for var in goal.observers:
+            other = seen.setdefault(var.name, goal)
+            if other is not goal:
+                yield (
+                    f"{goal.prop.src}: property {goal.prop.name!r} is watched together with another one of this name "
+                    f"({other.prop.src}); rename one of them."
+                )
+
+
+WATCHING: tuple[Rule[Sequence[Goal]], ...] = (
+    Rule("observers have distinct names", "a wrong verdict", _observers_have_distinct_names),
+)

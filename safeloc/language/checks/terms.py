@@ -1,0 +1,154 @@
+"""Whether terms are what the language's functions make: whoever builds nodes by hand is held to the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TypeGuard, assert_never, get_args
+
+from safeloc.language.nodes import (
+    INT64_MAX,
+    INT64_MIN,
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Num,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+)
+from safeloc.language.terms import children
+from safeloc.language.units import Enumeration, Unit
+
+PARTS = {"previous": 1, "once": 1, "since": 2}
+KINDS = frozenset(get_args(Node))
+
+
+def malformed(roots: Iterable[object]) -> Iterator[str]:
+    """What is wrong with any node below `roots`, one sentence each; nothing for what the language's functions made."""
+    seen: set[int] = set()
+    stack: list[object] = list(roots)
+    while stack:
+        node = stack.pop()
+        if id(node) in seen:
+            continue
+        seen.add(id(node))
+        if not _is_node(node):
+            yield f"{node!r} of type {type(node).__name__} stands where a term is expected."
+            continue
+        wrong = _wrong(node)
+        if wrong:
+            yield f"{type(node).__name__}: {wrong}; build terms with the functions of safeloc.language.expr."
+        else:
+            stack.extend(children(node))
+
+
+def _is_node(found: object) -> TypeGuard[Node]:
+    """Whether it is of one of the language's kinds; asking for its own class first saves asking for all of them in turn."""
+    return type(found) in KINDS or isinstance(found, Node)
+
+
+def _wrong(node: Node) -> str:
+    """What is wrong with one node; the kinds that are most of a machine come first."""
+    match node:
+        case Choose(c, a, b):
+            return _no_truth(c) or _no_number(a) or _no_number(b) or _other_unit(a, b)
+        case ChooseBool(c, a, b):
+            return _no_truth(c) or _no_truth(a) or _no_truth(b)
+        case Compare(op, a, b):
+            return _wrong_comparison(op, a, b)
+        case And(parts) | Or(parts):
+            return _first(map(_no_truth, parts))
+        case Add(a, b) | Sub(a, b) | Min(a, b) | Max(a, b):
+            return _wrong_arithmetic(a, b)
+        case Lit(value, unit):
+            return _wrong_constant(value, unit)
+        case NumVar():
+            return _wrong_variable(node)
+        case Not(inner):
+            return _no_truth(inner)
+        case BoolVar(before=before):
+            return "" if before is None or isinstance(before, BoolVar) else "its value before is no truth value"
+        case Mul(a, b):
+            return _no_number(a) or _no_number(b) or _enumerated(a) or _enumerated(b)
+        case Truth(value):
+            return "" if isinstance(value, bool) else f"{value!r} is no truth value"
+        case FloorDiv(a, divisor):
+            wrong = "" if _whole(divisor) and divisor > 0 else f"divisor {divisor!r}"
+            return _no_number(a) or _enumerated(a) or wrong
+        case Past(op, parts):
+            right = PARTS.get(op) == len(parts)
+            return _first(map(_no_truth, parts)) if right else f"operator {op!r} of {len(parts)} parts"
+        case _:
+            assert_never(node)
+
+
+def _first(complaints: Iterable[str]) -> str:
+    return next((one for one in complaints if one), "")
+
+
+def _whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _wrong_constant(value: object, unit: object) -> str:
+    if not isinstance(value, int) or isinstance(value, bool):
+        return f"{value!r} is no whole number"
+    if isinstance(unit, Enumeration):
+        return "" if 0 <= value < len(unit.members) else f"{value} is no member of {unit.name}"
+    return "" if isinstance(unit, Unit) else f"{unit!r} is no unit"
+
+
+def _wrong_variable(var: NumVar) -> str:
+    if not (_whole(var.low) and _whole(var.high) and INT64_MIN <= var.low <= var.high <= INT64_MAX):
+        return f"range {var.low!r}..{var.high!r} of {var.name!r}; it must be non-empty and fit 64 bits"
+    if isinstance(var.unit, Enumeration) and not 0 <= var.low <= var.high < len(var.unit.members):
+        return f"range {var.low}..{var.high} of {var.name!r} is not of {var.unit.name}"
+    twin = var.before
+    if twin is None or (isinstance(twin, NumVar) and twin.unit.same(var.unit) and twin.before is None):
+        return ""
+    return f"{var.name!r} is the value before the step of another kind of variable"
+
+
+def _no_number(term: object) -> str:
+    return "" if isinstance(term, Num) else f"{term!r} is no number"
+
+
+def _no_truth(term: object) -> str:
+    return "" if isinstance(term, Bool) else f"{term!r} is no truth value"
+
+
+def _enumerated(term: Num) -> str:
+    return f"arithmetic on {term.unit.name}" if isinstance(term.unit, Enumeration) else ""
+
+
+def _other_unit(left: Num, right: Num) -> str:
+    return "" if left.unit.same(right.unit) else f"units {left.unit.name} and {right.unit.name}"
+
+
+def _wrong_arithmetic(left: Num, right: Num) -> str:
+    """Units of sums are checked; a sum with zero of another unit is how `with_unit` says a conversion."""
+    wrong = _no_number(left) or _no_number(right) or _enumerated(left) or _enumerated(right)
+    converts = isinstance(right, Lit) and right.value == 0
+    return wrong or ("" if converts else _other_unit(left, right))
+
+
+def _wrong_comparison(op: str, left: Num, right: Num) -> str:
+    wrong = _no_number(left) or _no_number(right)
+    if wrong or op not in ("<", "<=", "=="):
+        return wrong or f"operator {op!r}"
+    if op != "==" and isinstance(left.unit, Enumeration):
+        return f"members of {left.unit.name} have no order"
+    return _other_unit(left, right)

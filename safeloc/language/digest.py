@@ -1,0 +1,96 @@
+"""Digests of what a system means.
+
+declaration_digest  two declarations of one digest move alike and hold the same variables: snapshots carry it, so that
+                    one taken of another declaration is refused
+full_digest         besides all that a proof rests on (assumption, lemmas, ghosts, parts): reports carry it
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator
+
+from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Compare, FloorDiv, Past, Truth
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import children, in_order
+from safeloc.language.units import Enumeration
+
+
+def declaration_digest(system: TransitionSystem) -> str:
+    """SHA-256, in hexadecimal, of variables, first values, moves and outputs; places in source files do not count."""
+    total = hashlib.sha256()
+    for line in _lines(system):
+        total.update(line.encode("utf-8") + b"\n")
+    return total.hexdigest()
+
+
+def full_digest(system: TransitionSystem) -> str:
+    """SHA-256, in hexadecimal, of all that verdicts depend on: the declaration, and what is assumed and relied on."""
+    total = hashlib.sha256()
+    for line in _full_lines(system):
+        total.update(line.encode("utf-8") + b"\n")
+    return total.hexdigest()
+
+
+def _full_lines(system: TransitionSystem) -> Iterator[str]:
+    yield from _lines(system)
+    yield f"init and assumption, then lemmas {list(system.lemmas)!r}"
+    yield from _terms([system.init, system.assume, *system.lemmas.values()])
+    yield f"ghosts {[var.name for var in (*system.state, *system.inputs) if var in system.ghosts]!r}"
+    yield f"optionals {[(one.value.name, one.present.name) for one in system.optionals]!r}"
+    yield from (f"fired {_variable(var)}" for var in system.fired)
+    yield from _terms(system.fired.values())
+    for part in system.parts:
+        yield f"part {part.name!r}"
+        yield from _full_lines(part.alone)
+        told = [part.into(var) for var in (*part.alone.state, *part.alone.inputs)]
+        yield from _terms([part.heard, part.owed, *told])
+
+
+def _lines(system: TransitionSystem) -> Iterator[str]:
+    yield f"system {system.name!r}"
+    for kind, variables in (("state", system.state), ("input", system.inputs)):
+        yield from (f"{kind} {_variable(var)}" for var in variables)
+    yield from (f"first {var.name!r} {_first(system, var)}" for var in system.state)
+    terms = [system.init, *system.next.values(), *system.fired.values(), *system.outputs.values()]
+    yield from _terms(terms)
+    yield f"outputs {list(system.outputs)!r}"
+
+
+def _variable(var: Var) -> str:
+    if isinstance(var, BoolVar):
+        return f"{var.name!r} truth"
+    members = var.unit.members if isinstance(var.unit, Enumeration) else ()
+    return f"{var.name!r} {var.unit.name!r} {members!r} {var.low} {var.high}"
+
+
+def _first(system: TransitionSystem, var: Var) -> str:
+    value = system.initial[var]
+    return "any" if isinstance(value, Any_) else str(int(value.value if isinstance(value, Lit) else value))
+
+
+def _terms(roots: Iterable[Expr]) -> Iterator[str]:
+    """Every node once, by number; then which of them are the roots."""
+    roots = list(roots)
+    number: dict[int, int] = {}
+    for node in in_order(roots):
+        number[id(node)] = len(number)
+        yield f"{type(node).__name__} {_told(node)} {[number[id(part)] for part in children(node)]}"
+    yield f"roots {[number[id(root)] for root in roots]}"
+
+
+def _told(node: Expr) -> str:
+    """What tells a node from another one of its kind with the same parts."""
+    match node:
+        case Lit(value, _) | Truth(value):
+            return str(value)
+        case NumVar(name=name) | BoolVar(name=name):
+            return repr(name)
+        case FloorDiv(_, divisor, _):
+            return str(divisor)
+        case Compare(op, _, _) | Past(op, _):
+            return op
+        case _:
+            return ""

@@ -1,0 +1,62 @@
+"""Terms where some truth values are known: what they decide is left out, nothing else is changed.
+
+    Folding({present: FALSE})(term)    what is left of the term where nothing is present
+    settled(term)                      what is left of it where a wire has put constants in the place of inputs
+
+Small on purpose: what is read off its result is claimed without a solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.language.expr import Bool, Expr, Lit, Num, ite
+from safeloc.language.interpret import Program
+from safeloc.language.nodes import Choose, ChooseBool, Node, Past, Truth, Var
+from safeloc.language.terms import children, in_order, rebuilt
+
+
+class Folding:
+    """Replaces variables by constants and takes the branch of every choice that these decide."""
+
+    def __init__(self, known: Mapping[Var, Truth]) -> None:
+        self._done: dict[Expr, Expr] = {var: value for var, value in known.items()}
+
+    def __call__(self, term: Expr) -> Expr:
+        """What is left of the term."""
+        for node in in_order([term], self._done):
+            parts = tuple(self._done[child] for child in children(node))
+            self._done[node] = _chosen(*parts) if isinstance(node, (Choose, ChooseBool)) else rebuilt(node, parts)
+        return self._done[term]
+
+
+def settled(term: Bool) -> Bool:
+    """Works out everything in the term that no variable decides, and keeps the rest as it is."""
+    done: dict[Expr, Expr] = {}
+    for node in in_order([term]):
+        done[node] = _settled(node, tuple(done[child] for child in children(node)))
+    left = done[term]
+    assert isinstance(left, Bool)
+    return left
+
+
+def _settled(node: Node, parts: tuple[Expr, ...]) -> Expr:
+    if isinstance(node, (Choose, ChooseBool)) and any(isinstance(part, Truth) for part in parts):
+        return _chosen(*parts)
+    constant = parts and all(isinstance(part, (Lit, Truth)) for part in parts) and not isinstance(node, Past)
+    return _constant(rebuilt(node, parts)) if constant else rebuilt(node, parts)
+
+
+def _constant(term: Expr) -> Expr:
+    (value,) = Program([term])({})
+    return Truth(bool(value)) if isinstance(term, Bool) else Lit(int(value), term.unit)
+
+
+def _chosen(condition: Expr, then: Expr, other: Expr) -> Expr:
+    assert isinstance(condition, Bool)
+    if isinstance(then, Num):
+        assert isinstance(other, Num)
+        return ite(condition, then, other)
+    assert isinstance(then, Bool)
+    assert isinstance(other, Bool)
+    return ite(condition, then, other)

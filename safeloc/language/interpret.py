@@ -1,0 +1,256 @@
+"""The reference interpreter: exact, slow, and the oracle every other back end is compared with.
+
+It reads only TransitionSystem and uses Python's unbounded integers; nothing is clipped and nothing is defaulted.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from typing import Any, assert_never
+
+from safeloc.errors import InputError
+from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import (
+    Add,
+    And,
+    Choose,
+    ChooseBool,
+    Compare,
+    FloorDiv,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Value,
+)
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.terms import in_order
+from safeloc.language.trace import Step, Trace
+from safeloc.language.units import Enumeration
+
+Values = dict[Var, Value]
+
+
+def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
+    """The value of each term where variables have `values`; KeyError for a variable that has none."""
+    return _program(tuple(terms))(values)
+
+
+class Program:
+    """Terms that are evaluated again and again: their order is worked out once.
+
+    Every node has a place in a list of values, and a small function that works out its value from those before it.
+    """
+
+    def __init__(self, terms: Iterable[Expr]) -> None:
+        self.terms = list(terms)
+        order = in_order(self.terms)
+        place: dict[Expr, int] = {node: number for number, node in enumerate(order)}
+        self._moves = [_move(node, place) for node in order]
+        self._told = [place[term] for term in self.terms]
+
+    def __call__(self, values: Mapping[Var, Value]) -> list[Value]:
+        """The value of each term; KeyError for a variable that has none."""
+        found: list[Any] = []
+        keep = found.append
+        for move in self._moves:
+            keep(move(found, values))
+        return [found[place] for place in self._told]
+
+
+_Move = Callable[[list[Any], Mapping[Var, Value]], Value]
+_STEPS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
+_OUTPUTS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKeyDictionary()
+
+
+def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
+    """The truth value of one term."""
+    return bool(evaluate([term], values)[0])
+
+
+@lru_cache(maxsize=64)
+def _program(terms: tuple[Expr, ...]) -> Program:
+    """The same terms are often asked for state after state."""
+    return Program(terms)
+
+
+def _move(node: Node, place: Mapping[Expr, int]) -> _Move:
+    """How the value of a node comes of the values before it: `of` holds these by place."""
+    match node:
+        case NumVar() | BoolVar():
+            return lambda _, values: values[node]
+        case Lit(value, _) | Truth(value):
+            return lambda _, __: value
+        case FloorDiv(a, divisor):
+            i = place[a]
+            return lambda of, _: of[i] // divisor
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
+            k, i, j = place[c], place[a], place[b]
+            return lambda of, _: of[i] if of[k] else of[j]
+        case Not(inner):
+            i = place[inner]
+            return lambda of, _: not of[i]
+        case And(parts):
+            places = [place[part] for part in parts]
+            return lambda of, _: all(of[n] for n in places)
+        case Or(parts):
+            places = [place[part] for part in parts]
+            return lambda of, _: any(of[n] for n in places)
+        case Add() | Sub() | Mul() | Min() | Max() | Compare():
+            return _of_two(node, place[node.left], place[node.right])
+        case Past():
+            raise InputError(f"{type(node).__name__} cannot be evaluated here; a property is observed first.")
+        case _:
+            assert_never(node)
+
+
+def _of_two(node: Add | Sub | Mul | Min | Max | Compare, i: int, j: int) -> _Move:
+    match node:
+        case Add():
+            return lambda of, _: of[i] + of[j]
+        case Sub():
+            return lambda of, _: of[i] - of[j]
+        case Mul():
+            return lambda of, _: of[i] * of[j]
+        case Min():
+            return lambda of, _: min(of[i], of[j])
+        case Max():
+            return lambda of, _: max(of[i], of[j])
+        case Compare("<"):
+            return lambda of, _: of[i] < of[j]
+        case Compare("<="):
+            return lambda of, _: of[i] <= of[j]
+        case Compare("=="):
+            return lambda of, _: of[i] == of[j]
+        case Compare():
+            raise AssertionError(node)
+        case _:
+            assert_never(node)
+
+
+def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -> Values:
+    """The first state. `chosen` gives values to variables declared ANY (their value nearest zero otherwise).
+
+    Raises InputError for an unknown name, a value out of range, or a state that `initially` excludes.
+    """
+    given = dict(chosen or {})
+    values: Values = {}
+    for var in system.state:
+        declared = system.initial[var]
+        if isinstance(declared, Any_):
+            fallback = canonical(var) if isinstance(var, NumVar) else False
+            values[var] = admitted(var, given.pop(var.name, fallback))
+        else:
+            values[var] = declared.value if isinstance(declared, Lit) else declared
+            if var.name in given and given.pop(var.name) != values[var]:
+                raise InputError(
+                    f"{system.name}: {var.name} starts at {values[var]} by declaration; it cannot be chosen."
+                )
+    if given:
+        raise InputError(f"{system.name}: unknown state variables {sorted(given)}.")
+    if not holds(system.init, values):
+        raise InputError(f"{system.name}: the chosen first state breaks `initially`; choose values that satisfy it.")
+    return values
+
+
+def admitted(var: Var, value: object) -> Value:
+    """The value as this variable holds it (a label becomes its number); InputError if kind or range is wrong."""
+    if isinstance(var, BoolVar):
+        if not isinstance(value, bool):
+            raise InputError(f"{var.name}: expected true or false, got {value!r}.")
+        return value
+    if isinstance(value, str) and isinstance(var.unit, Enumeration) and value in var.unit.members:
+        return var.unit.index(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise InputError(f"{var.name}: expected a whole number of {var.unit.name}, got {value!r}.")
+    if not var.low <= value <= var.high:
+        raise InputError(f"{var.name}: {value} {var.unit.name} is outside {var.low}..{var.high}.")
+    return value
+
+
+def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Values:
+    """One step's inputs by name. Optional ones may be left out (or None); all others must be there.
+
+    Raises InputError for a missing or unknown name and for what `admitted` refuses.
+    """
+    left = dict(record)
+    values: Values = {}
+    for option in system.optionals:
+        raw = left.pop(option.value.name, None)
+        values[option.present] = raw is not None
+        values[option.value] = canonical(option.value) if raw is None else admitted(option.value, raw)
+        flag = left.pop(option.present.name, None)
+        if flag is not None and not isinstance(flag, bool):
+            raise InputError(f"{option.present.name}: expected true or false, got {flag!r}.")
+        if (
+            flag is not None
+            and flag != values[option.present]
+            and not (flag is False and raw == canonical(option.value))
+        ):
+            raise InputError(f"{system.name}: {option.present.name} is {flag!r} but {option.value.name} is {raw!r}.")
+        if flag is False:
+            values[option.present] = False
+    for var in system.inputs:
+        if var not in values:
+            if var.name not in left:
+                raise InputError(
+                    f"{system.name}: input {var.name!r} is missing; the step needs {[v.name for v in system.inputs]}."
+                )
+            values[var] = admitted(var, left.pop(var.name))
+    if left:
+        raise InputError(f"{system.name}: unknown inputs {sorted(left)}.")
+    return values
+
+
+def step(
+    system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]
+) -> tuple[Values, dict[NumVar, int]]:
+    """One step: the state after it and, per machine, the number of the transition that fired (0: none)."""
+    known = {**state, **inputs}
+    if system not in _STEPS:
+        _STEPS[system] = Program([*system.next.values(), *system.fired.values()])
+    moved = _STEPS[system](known)
+    after = dict(zip(system.next, moved, strict=False))
+    return after, dict(zip(system.fired, map(int, moved[len(after) :]), strict=True))
+
+
+def run(
+    system: TransitionSystem, stream: Iterable[Mapping[str, object]], *, first: Mapping[str, Value] | None = None
+) -> Trace:
+    """A whole run, as a Trace. `stream` holds one mapping of inputs a step; `first` chooses ANY values."""
+    state = start(system, first)
+    initial = _named(state)
+    steps: list[Step] = []
+    for record in stream:
+        inputs = read_inputs(system, record)
+        state, fired = step(system, state, inputs)
+        steps.append(Step(_named(inputs), fired_names(fired), _named(state), outputs(system, state)))
+    return Trace(system, initial, tuple(steps))
+
+
+def outputs(system: TransitionSystem, state: Mapping[Var, Value]) -> dict[str, Value]:
+    """The outputs in a state."""
+    if system not in _OUTPUTS:
+        _OUTPUTS[system] = Program(system.outputs.values())
+    return dict(zip(system.outputs, _OUTPUTS[system](state), strict=True))
+
+
+def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:
+    """Name of the fired variable -> name of the transition."""
+    result = {}
+    for var, index in fired.items():
+        assert isinstance(var.unit, Enumeration)
+        result[var.name] = var.unit.members[index]
+    return result
+
+
+def _named(values: Mapping[Var, Value]) -> dict[str, Value]:
+    return {var.name: value for var, value in values.items()}

@@ -1,0 +1,174 @@
+"""A machine: modes, inputs, state, transitions and outputs, declared once and then frozen.
+
+One step: read the inputs, take the first transition in declared order whose source is the current mode and whose
+guard holds, else stay. All updates read the values before the step. Outputs are terms over the state after it.
+
+`ghosts` are state variables of the environment (where the train really is): they move in every step, by
+`ghost_moves`, are read by no transition and no output, and exist for `assumption` and for properties.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Generic, TypeVar
+
+from safeloc.errors import declared_at
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, members
+from safeloc.language.nodes import Value
+from safeloc.language.units import Enumeration
+
+
+class Any_:
+    """Marks an initial value that may be anything in range."""
+
+    def __repr__(self) -> str:
+        return "ANY"
+
+    def __reduce__(self) -> str:
+        return "ANY"
+
+
+ANY: Final = Any_()
+Initial = Value | Lit | Any_
+STAY_NAME: Final = "(stay)"
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """One row of the transition table.
+
+    Transitions of one `rank` must have disjoint guards (an obligation proves it); of two different ranks the lower
+    is tried first. `trace` holds requirement ids.
+    """
+
+    name: str
+    source: Lit | tuple[Lit, ...]
+    target: Lit
+    when: Bool = TRUE
+    set: Mapping[Var, Expr | Value] = field(default_factory=dict)
+    trace: tuple[str, ...] = ()
+    rank: int = 0
+    src: str = field(default_factory=declared_at)
+
+    @property
+    def sources(self) -> tuple[Lit, ...]:
+        """The source modes, always as a tuple."""
+        return (self.source,) if isinstance(self.source, Lit) else self.source
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A state machine with its environment. `check`ed when built; ModelError names what is wrong.
+
+    name         used in catalogue, files and reports
+    modes        members of one enumeration; the first one is the initial mode
+    inputs       variables read each step; `Optional` ones may be absent
+    state        variable -> initial value (int, bool, member, or ANY in range)
+    outputs      name -> term over state and mode, evaluated after the step
+    transitions  the table, in order of priority
+    ghosts       ghost variable -> initial value
+    ghost_inputs free choices of the environment, read by ghost moves and the assumption only
+    ghost_moves  ghost variable -> its next value
+    assumption   what the environment keeps in each step (over state before, inputs, ghosts)
+    clauses      the same, by name: what a composition can have its earlier machines keep instead, one by one
+    initially    what holds of the initial values (over state and ghosts)
+    lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
+    definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
+    doc          one paragraph for the reader of the report
+    mode_variable  what `current_mode` made, where terms were built before the machine
+    """
+
+    name: str
+    modes: Sequence[Lit]
+    inputs: Sequence[Var | Optional]
+    state: Mapping[Var, Initial]
+    outputs: Mapping[str, Expr]
+    transitions: Sequence[Transition]
+    ghosts: Mapping[Var, Initial] = field(default_factory=dict)
+    ghost_inputs: Sequence[Var] = ()
+    ghost_moves: Mapping[Var, Expr] = field(default_factory=dict)
+    assumption: Bool = TRUE
+    initially: Bool = TRUE
+    lemmas: Mapping[str, Bool] = field(default_factory=dict)
+    definitions: Mapping[str, Expr] = field(default_factory=dict)
+    doc: str = ""
+    mode_variable: NumVar | None = None
+    clauses: Mapping[str, Bool] = field(default_factory=dict)
+    src: str = field(default_factory=declared_at)
+    mode: NumVar = field(init=False)
+    fired_name: NumVar = field(init=False)
+
+    def __post_init__(self) -> None:
+        from safeloc.language.checks.machine import check, check_shape
+
+        check_shape(self)
+        modes = Enumeration(f"{self.name}.mode", tuple(lit.label for lit in self.modes))
+        if self.modes and isinstance(self.modes[0].unit, Enumeration):
+            modes = self.modes[0].unit
+        fired = Enumeration(f"{self.name}.fired", (STAY_NAME, *(t.name for t in self.transitions)))
+        mode = self.mode_variable
+        if mode is None:
+            mode = NumVar("mode", modes, 0, len(modes.members) - 1, None, self.src)
+        object.__setattr__(self, "mode", mode)
+        object.__setattr__(self, "fired_name", NumVar("fired", fired, 0, len(fired.members) - 1, None, self.src))
+        check(self)
+
+    @property
+    def assumed(self) -> Bool:
+        """All that is assumed of the environment: the assumption, and every clause."""
+        return all_of([self.assumption, *self.clauses.values()])
+
+    def fired(self, *names: str) -> Bool:
+        """In a property: one of the named transitions fired in this step; KeyError for an unknown name."""
+        table = self.fired_name.unit
+        assert isinstance(table, Enumeration)
+        unknown = [name for name in names if name not in table.members]
+        if unknown:
+            raise KeyError(
+                f"{declared_at()}: {self.name} has no transition {unknown}; it has {list(table.members[1:])}."
+            )
+        return self.fired_name.one_of(*(Lit(table.index(name), table) for name in names))
+
+    def stayed(self) -> Bool:
+        """In a property: no transition fired in this step."""
+        return self.fired_name.eq(Lit(0, self.fired_name.unit))
+
+    def output(self, name: str) -> Num:
+        """A numeric output by name; TypeError if it is a truth value."""
+        term = self.outputs[name]
+        if not isinstance(term, Num):
+            raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a truth value; use flag().")
+        return term
+
+    def flag(self, name: str) -> Bool:
+        """A truth-valued output by name; TypeError if it is a number."""
+        term = self.outputs[name]
+        if not isinstance(term, Bool):
+            raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a number; use output().")
+        return term
+
+
+Parts_ = TypeVar("Parts_", covariant=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Model(Generic[Parts_]):
+    """A machine together with the variables it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts_
+
+
+def modes(*labels: str) -> tuple[Lit, ...]:
+    """The modes of a machine, as constants to write transitions with; the first one is the initial mode."""
+    return members("mode", *labels)
+
+
+def current_mode(modes_: Sequence[Lit]) -> NumVar:
+    """The mode variable of a machine yet to be built, for terms that depend on the mode."""
+    unit = modes_[0].unit
+    return NumVar("mode", unit, 0, len(modes_) - 1, None, declared_at())
+
+
+MachineFunction = Callable[..., Machine]

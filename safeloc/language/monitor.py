@@ -1,0 +1,168 @@
+"""Properties at run time and on recorded streams, by the same Goal that provers use.
+
+Monitor(goal)           step by step, beside a running machine
+check(trace, property)  a recorded trace, afterwards
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NoReturn, TypeAlias, assert_never
+
+from safeloc.errors import TruthValueError
+from safeloc.language.antecedents import cases, seen
+from safeloc.language.expr import Expr, Var
+from safeloc.language.interpret import Program, holds, read_inputs, start
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Property, observe, watch
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Unknown, Violated
+
+NEVER = "never happened"
+"""The note of what held on a recording, for the cases that did not occur in it."""
+
+
+class _NoTruth:
+    __slots__ = ()
+
+    def __bool__(self) -> NoReturn:
+        raise TruthValueError("a monitor's status has no truth value: match on Holds, Broken or Undecided.")
+
+
+@dataclass(frozen=True)
+class Holds(_NoTruth):
+    """Kept so far (for `reachable`: reached)."""
+
+
+@dataclass(frozen=True)
+class Broken(_NoTruth):
+    """Violated first at this step (0: the first state)."""
+
+    at: int
+
+
+@dataclass(frozen=True)
+class Undecided(_NoTruth):
+    """Nothing can be said: the assumption was broken at this step, or what must be reached has not been."""
+
+    at: int
+    reason: str
+
+
+Status: TypeAlias = Holds | Broken | Undecided
+
+
+class Monitor:
+    """Watches one property beside a run of its system. Once broken or undecided by a broken assumption, it stays so."""
+
+    def __init__(self, goal: Goal, first: Mapping[str, Value] | None = None) -> None:
+        self.goal, self._number = goal, 0
+        self._state: dict[Var, Value] = start(goal.system, first)
+        self._moves = Program([environment(goal.system), *goal.system.next.values()])
+        self._wanted = goal.prop.kind == "reachable"
+        self.status: Status = Undecided(0, "not reached yet") if self._wanted else Holds()
+        self._look()
+
+    def step(self, inputs: Mapping[str, object]) -> Status:
+        """One step's inputs by name; InputError for what the interpreter refuses."""
+        self._number += 1
+        values = {**self._state, **read_inputs(self.goal.system, inputs)}
+        moves = self.goal.system.next
+        allowed, *moved = self._moves(values)
+        self._state = dict(zip(moves, moved, strict=True))
+        if not allowed and not self._settled():
+            self.status = Undecided(self._number, "the assumption is broken from here on")
+        self._look()
+        return self.status
+
+    def _settled(self) -> bool:
+        match self.status:
+            case Broken():
+                return True
+            case Undecided(reason=reason):
+                return reason.startswith("the assumption")
+            case Holds():
+                return self._wanted
+            case _:
+                assert_never(self.status)
+
+    def _look(self) -> None:
+        if self._settled() or holds(self.goal.good, self._state):
+            return
+        self.status = Holds() if self._wanted else Broken(self._number)
+
+
+def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
+    """The property on a recorded trace; Unknown where the trace breaks the assumption first."""
+    return check_all(trace, [prop])[0]
+
+
+def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Violated | Unknown]:
+    """Every property on a recorded trace, in one pass over it. What held says which of its cases never happened."""
+    return Checks(trace.system, properties)(trace)
+
+
+Evaluator = Callable[[Mapping[Var, Value]], Sequence[Value]]
+
+
+class Checks:
+    """Properties of a system, to be checked on recorded traces; `program` makes terms into what evaluates them."""
+
+    def __init__(
+        self,
+        system: TransitionSystem,
+        properties: Sequence[Property],
+        program: Callable[[Sequence[Expr]], Evaluator] = Program,
+    ) -> None:
+        self._goals = [observe(system, prop) for prop in properties]
+        self._cases = [(n, one) for n, prop in enumerate(properties) for one in cases(prop)]
+        told = [seen(system, one, f"case {number}") for number, (_, one) in enumerate(self._cases)]
+        self._watched = watch(system, self._goals).system
+        own = {var: term for one in told for var, term in one.moves.items()}
+        self._first: dict[Var, Value] = dict.fromkeys(own, False)
+        self._moves: dict[Var, Expr] = {**self._watched.next, **own}
+        given = [goal.prop.given for goal in self._goals]
+        self._advance = program([environment(system), *given, *self._moves.values()])
+        self._judge = program([*(goal.good for goal in self._goals), *(one.term for one in told)])
+
+    def __call__(self, trace: Trace) -> list[Held | Violated | Unknown]:
+        """One verdict a property. What held says which of its cases never happened."""
+        goals = self._goals
+        first = start(self._watched, {var.name: trace.initial[var.name] for var in trace.system.state})
+        state: dict[Var, Value] = {**first, **self._first}
+        rows: list[Sequence[Value]] = [self._judge(state)]
+        broken_at = [len(trace.steps) + 1] * len(goals)
+        for number, step in enumerate(trace.steps, 1):
+            allowed, *values = self._advance({**state, **read_inputs(self._watched, step.inputs)})
+            state = dict(zip(self._moves, values[len(goals) :], strict=True))
+            for n, goal in enumerate(goals):
+                if not (values[n] and (allowed or goal.prop.unconditional)):
+                    broken_at[n] = min(broken_at[n], number)
+            rows.append(self._judge(state))
+        never: dict[int, list[str]] = {}
+        for place, (n, one) in enumerate(self._cases, len(goals)):
+            if not any(row[place] for row in rows[: broken_at[n]]):
+                never.setdefault(n, []).append(one.words)
+        columns = [[row[n] for row in rows] for n in range(len(goals))]
+        return [_verdict(trace, goal, columns[n], broken_at[n], never.get(n, [])) for n, goal in enumerate(goals)]
+
+
+def _verdict(
+    trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int, never: Sequence[str]
+) -> Held | Violated | Unknown:
+    """`broken_at`: the first step that breaks what the property relies on; what comes later says nothing.
+
+    `never`: the cases that the property speaks of and that did not happen before that.
+    """
+    first = next((number for number, good in enumerate(goods[:broken_at]) if not good), None)
+    if goal.prop.kind == "reachable":
+        return Unknown("not reached in this trace", len(trace.steps)) if first is None else Held("replay", 1, first)
+    if first is not None:
+        return Violated(Trace(trace.system, trace.initial, trace.steps[:first]), "replay")
+    if broken_at < len(goods):
+        return Unknown(
+            f"the assumption is broken at step {broken_at}; nothing is required from there on", broken_at - 1
+        )
+    return Held("replay", 1, len(trace.steps), {NEVER: "; ".join(never)} if never else {})

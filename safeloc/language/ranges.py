@@ -1,0 +1,55 @@
+"""Interval analysis: between which bounds every term stays while variables stay in their ranges.
+
+Sound and coarse: each operation is bounded from its parts alone, so a bound may be wider than what can happen,
+never narrower.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import assert_never
+
+from safeloc.language.expr import Expr, Lit, Num, NumVar
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, Add, Choose, FloorDiv, Max, Min, Mul, NumNode, Sub
+from safeloc.language.terms import in_order
+
+Bounds = tuple[int, int]
+
+
+def bounds(terms: Iterable[Expr]) -> dict[Num, Bounds]:
+    """Inclusive bounds of every numeric term below `terms`, the terms themselves included."""
+    found: dict[Num, Bounds] = {}
+    for node in in_order(terms):
+        if isinstance(node, NumNode):
+            found[node] = _bounds(node, found)
+    return found
+
+
+def beyond_int64(terms: Iterable[Expr]) -> list[Num]:
+    """The terms whose bounds leave 64 bits: candidates for overflow, to be excluded in another way."""
+    return [term for term, (low, high) in bounds(terms).items() if low < INT64_MIN or high > INT64_MAX]
+
+
+def _bounds(node: NumNode, of: Mapping[Num, Bounds]) -> Bounds:
+    match node:
+        case Lit(value, _):
+            return value, value
+        case NumVar(low=low, high=high):
+            return low, high
+        case Add(a, b):
+            return of[a][0] + of[b][0], of[a][1] + of[b][1]
+        case Sub(a, b):
+            return of[a][0] - of[b][1], of[a][1] - of[b][0]
+        case Mul(a, b):
+            corners = [x * y for x in of[a] for y in of[b]]
+            return min(corners), max(corners)
+        case FloorDiv(a, divisor, _):
+            return of[a][0] // divisor, of[a][1] // divisor
+        case Min(a, b):
+            return min(of[a][0], of[b][0]), min(of[a][1], of[b][1])
+        case Max(a, b):
+            return max(of[a][0], of[b][0]), max(of[a][1], of[b][1])
+        case Choose(_, a, b, _):
+            return min(of[a][0], of[b][0]), max(of[a][1], of[b][1])
+        case _:
+            assert_never(node)

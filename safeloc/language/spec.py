@@ -1,0 +1,347 @@
+"""Properties: what must hold, and how a property becomes a few extra state variables.
+
+A property is a term over the state AFTER the step, `before(x)` / `was(x)` for the state before it, the step's
+inputs, and `machine.fired(...)`. `always` requires a term that reads state only of the first state as well.
+Past operators and `within` look over steps, and the first state is no step: `previous(p)` is false in the first step, and
+what holds in the first state alone is no trigger and no answer. To speak of it, say `always(trigger.implies(...))` of
+states, or let the trigger read the state before the step (`before`, `was`), which in the first step is the first state.
+
+    always(p)  never(p)  within(n, trigger, response)  reachable(p)      once(p)  since(p, q)  previous(p)
+
+`observe` compiles a property into a Goal: the same system with observer variables, and a term `good` over its
+state. Provers, the monitor, Hypothesis and replay all read that one Goal, so they cannot disagree on its meaning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from safeloc.errors import declared_at
+from safeloc.language.checks.properties import Reading, check_property, check_reading, check_watching
+from safeloc.language.checks.system import check_system
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Node, Past, Value
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
+from safeloc.language.units import COUNT
+
+NO_ASSUMPTION = "none: holds for all inputs in range"
+
+
+@dataclass(frozen=True, eq=False)
+class Property:
+    """A named requirement on every run (or, for `reachable`, on some run).
+
+    kind       always: `term` holds in every step; within: each `term` is followed by `response` in at most `steps`
+               further steps; reachable: some run comes to `term`
+    given      a further assumption on every step, over state before, inputs and ghosts; reported with the verdict
+    statement  the requirement in words
+    assumption what the proof relies on, in words
+    unconditional  required for ALL inputs in range, whether the environment keeps its assumption or not
+    helper     within: a lemma over state and the number of steps waited, proved together with the property
+    trace      requirement ids
+    kept_by    of a composition: the machine that has it by itself, and the property over that machine's own terms
+               (Composition.inherited)
+    """
+
+    name: str
+    kind: Literal["always", "within", "reachable"]
+    term: Bool
+    response: Bool = TRUE
+    steps: int = 0
+    given: Bool = TRUE
+    statement: str = ""
+    trace: tuple[str, ...] = ()
+    assumption: str = ""
+    helper: Callable[[NumVar], Bool] | None = None
+    unconditional: bool = False
+    kept_by: tuple[Machine, Property] | None = None
+    src: str = field(default_factory=declared_at)
+
+    def __post_init__(self) -> None:
+        check_property(self)
+
+    @property
+    def relies_on(self) -> str:
+        """What the verdict relies on, in words: the assumption and whatever the property is given besides."""
+        if self.given is TRUE:
+            return NO_ASSUMPTION if self.unconditional else self.assumption
+        given = f"given in every step: {text(self.given)}"
+        return given if self.unconditional or not self.assumption else f"{self.assumption}; {given}"
+
+
+def always(
+    name: str,
+    term: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
+    unconditional: bool = False,
+) -> Property:
+    """`term` holds in every step (and at the start, if it reads state only)."""
+    return Property(
+        name,
+        "always",
+        term,
+        given=given,
+        statement=statement or name,
+        trace=trace,
+        assumption=assumption,
+        unconditional=unconditional,
+    )
+
+
+def never(
+    name: str,
+    term: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
+    unconditional: bool = False,
+) -> Property:
+    """`term` holds in no step."""
+    return Property(
+        name,
+        "always",
+        ~term if isinstance(term, Bool) else term,
+        given=given,
+        statement=statement or name,
+        trace=trace,
+        assumption=assumption,
+        unconditional=unconditional,
+    )
+
+
+def within(
+    name: str,
+    steps: int,
+    trigger: Bool,
+    response: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
+    helper: Callable[[NumVar], Bool] | None = None,
+    unconditional: bool = False,
+) -> Property:
+    """After each step with `trigger`, `response` holds in the same step or at most `steps` later.
+
+    The first state is no step: a trigger that only it meets asks for nothing. PropertyError if `steps` is negative.
+    """
+    return Property(
+        name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper, unconditional
+    )
+
+
+def reachable(
+    name: str,
+    term: Bool,
+    *,
+    given: Bool = TRUE,
+    statement: str = "",
+    trace: tuple[str, ...] = (),
+    assumption: str = "",
+    unconditional: bool = False,
+) -> Property:
+    """Some run comes to `term`; a proof of it is a witness stream."""
+    return Property(
+        name,
+        "reachable",
+        term,
+        given=given,
+        statement=statement or name,
+        trace=trace,
+        assumption=assumption,
+        unconditional=unconditional,
+    )
+
+
+def earlier(term: Expr) -> Expr:
+    """A term over state variables as it was before the step (`before` and `was` for whole terms)."""
+    twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term])}
+    return Substitution(twins)(term)
+
+
+def earlier_num(term: Num) -> Num:
+    """The same for a numeric term."""
+    result = earlier(term)
+    assert isinstance(result, Num)
+    return result
+
+
+def earlier_bool(term: Bool) -> Bool:
+    """The same for a truth-valued term."""
+    result = earlier(term)
+    assert isinstance(result, Bool)
+    return result
+
+
+def previous(term: Bool) -> Bool:
+    """`term` held in the step before; false in the first step."""
+    return Past("previous", (term,))
+
+
+def once(term: Bool) -> Bool:
+    """`term` holds now or held in some earlier step."""
+    return Past("once", (term,))
+
+
+def since(term: Bool, start: Bool) -> Bool:
+    """`start` held in some step up to now, and `term` in every step after it up to now."""
+    return Past("since", (term, start))
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """A system with observer variables and the state term `good`.
+
+    For `always` and `within`, every run must keep `good`; for `reachable`, some run must break it.
+    `helper` is proved together with `good`. `observers` are the added state variables; `prop` and `original` are where it came
+    from. `plain` is the system without observers under what the property relies on: what its runs are runs of.
+    """
+
+    system: TransitionSystem
+    good: Bool
+    prop: Property
+    observers: tuple[Var, ...]
+    original: TransitionSystem
+    plain: TransitionSystem
+    helper: Bool = TRUE
+
+
+def observe(system: TransitionSystem, prop: Property) -> Goal:
+    """The property as extra state on `system`. PropertyError if it reads what the system does not have."""
+    check_system(system)
+    observer, waiting = _Observer(system, prop.name), waiting_for(prop)
+    helper = prop.helper(waiting) if waiting is not None and prop.helper is not None else None
+    check_reading(Reading(system, prop, waiting, helper))
+    good, plain = observer.goal(prop, waiting), _relied_on(system, prop)
+    moved = {**plain.next, **observer.moves}
+    initial = {**plain.initial, **observer.initial}
+    first = all_of([plain.init, *(_is_initially(var, value) for var, value in observer.initial.items())])
+    extended = replace(plain, state=(*plain.state, *observer.moves), next=moved, init=first, initial=initial)
+    return Goal(extended, good, prop, tuple(observer.moves), system, plain, TRUE if helper is None else helper)
+
+
+def waiting_for(prop: Property) -> NumVar | None:
+    """How many steps have passed since a trigger that is not answered yet; `steps` + 1 once it is too late."""
+    if prop.kind != "within":
+        return None
+    return NumVar(f"observer.{prop.name}.0.waiting", COUNT, 0, prop.steps + 1, None, prop.src)
+
+
+def _relied_on(system: TransitionSystem, prop: Property) -> TransitionSystem:
+    """The system under what the property relies on; the very same one where that is the system's own assumption."""
+    if not prop.unconditional:
+        return system if prop.given is TRUE else replace(system, assume=all_of([system.assume, prop.given]))
+    return replace(system, assume=prop.given, init=first_without_the_world(system))
+
+
+def _is_initially(var: Var, value: Value) -> Bool:
+    if isinstance(var, NumVar):
+        return var.eq(int(value))
+    return var if value else ~var
+
+
+class _Observer:
+    """Builds observer variables; terms handed over are over after-state, before-state, inputs and fired."""
+
+    def __init__(self, system: TransitionSystem, name: str) -> None:
+        self.system, self._prefix = system, name
+        self.moves: dict[Var, Expr] = {}
+        self.initial: dict[Var, Value] = {}
+        self._after: dict[Var, Expr] = {**system.next, **{name: term for name, term in system.fired.items()}}
+        self._lifted: dict[Expr, Expr] = {}
+
+    def goal(self, prop: Property, waiting: NumVar | None) -> Bool:
+        match prop.kind:
+            case "always":
+                return prop.term if self._state_only(prop.term) else ~self._latched(~self._now(prop.term))
+            case "reachable":
+                return ~prop.term if self._state_only(prop.term) else ~self._latched(self._now(prop.term))
+            case "within":
+                assert waiting is not None
+                return self._answered(prop, waiting)
+
+    def _state_only(self, term: Bool) -> bool:
+        state = set(self.system.state)
+        nodes = in_order([term])
+        return all(var in state for var in variables([term])) and not any(isinstance(node, Past) for node in nodes)
+
+    def _answered(self, prop: Property, waiting: NumVar) -> Bool:
+        trigger, response = self._now(prop.term), self._now(prop.response)
+        counted = ite(waiting > 0, waiting + 1, ite(trigger, as_num(1, COUNT), as_num(0, COUNT)))
+        late = Lit(prop.steps + 1, COUNT)
+        self.moves[waiting] = ite(waiting.eq(late), late, ite(response, as_num(0, COUNT), counted))
+        self.initial[waiting] = 0
+        return waiting < late
+
+    def _name(self, what: str) -> str:
+        return f"observer.{self._prefix}.{len(self.moves)}.{what}"
+
+    def _latched(self, event: Bool) -> Bool:
+        return self._flag("seen", lambda var: var | event)
+
+    def _flag(self, what: str, move: Callable[[BoolVar], Bool]) -> BoolVar:
+        var = BoolVar(self._name(what))
+        self.moves[var] = move(var)
+        self.initial[var] = False
+        return var
+
+    def _now(self, term: Bool) -> Bool:
+        """The term over state before the step and inputs, past operators replaced by observer variables."""
+        for node in in_order([term]):
+            if node not in self._lifted:
+                self._lifted[node] = self._lift(node)
+        result = self._lifted[term]
+        assert isinstance(result, Bool)
+        return result
+
+    def _lift(self, node: Node) -> Expr:
+        if isinstance(node, (NumVar, BoolVar)):
+            return node.before if node.before is not None else self._after.get(node, node)
+        parts = tuple(self._lifted[child] for child in children(node))
+        if not isinstance(node, Past):
+            return rebuilt(node, parts)
+        args = [part for part in parts if isinstance(part, Bool)]
+        match node.op:
+            case "previous":
+                return self._flag("previous", lambda _: args[0])
+            case "once":
+                return args[0] | self._flag("once", lambda var: var | args[0])
+            case "since":
+                var = self._flag("since", lambda var: args[1] | (args[0] & var))
+                return args[1] | (args[0] & var)
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """One system with the observers of several goals: `goods` maps a property to its state term."""
+
+    system: TransitionSystem
+    goals: tuple[Goal, ...]
+    observers: tuple[Var, ...]
+
+
+def watch(system: TransitionSystem, goals: Sequence[Goal]) -> Watch:
+    """All goals on one system, whose assumption is left as it is. PropertyError if two of them share a name."""
+    check_watching(goals)
+    moves, initial, observers = dict(system.next), dict(system.initial), list[Var]()
+    terms = [system.init]
+    for goal in goals:
+        for var in goal.observers:
+            moves[var], initial[var] = goal.system.next[var], goal.system.initial[var]
+            observers.append(var)
+            value = goal.system.initial[var]
+            terms.append(_is_initially(var, value if isinstance(value, (int, bool)) else 0))
+    state = (*system.state, *observers)
+    merged = replace(system, state=state, next=moves, initial=initial, init=all_of(terms))
+    return Watch(merged, tuple(goals), tuple(observers))

@@ -1,0 +1,238 @@
+"""Lowering: a machine as one functional next-state map.
+
+Modes, priorities and staying put become terms. Every back end and every prover reads only TransitionSystem.
+
+    lower(machine)                      one machine, ghosts included
+    without_ghosts(system)              what runs on board: no environment, no assumption
+    composition.compose(...)            several machines, wired output to input, as one
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from safeloc.language.checks.machine import input_variables
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    all_of,
+    as_bool,
+    as_num,
+    between,
+    ite,
+)
+from safeloc.language.machine import ANY, Initial, Machine, Transition
+from safeloc.language.nodes import And, ChooseBool
+from safeloc.language.terms import Sharing, Substitution, variables
+from safeloc.language.units import Enumeration
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A machine of a composition: what is proved of it alone holds in the whole, wherever it hears what it may hear.
+
+    alone  the machine by itself
+    into   rewrites terms over its state into terms over the whole's
+    heard  what comes through its wires is in range; over the whole's state before the step and inputs
+    owed   ranges of wired ghosts, and what it assumes, where the machines before it owe that
+    """
+
+    alone: TransitionSystem
+    into: Substitution
+    heard: Bool
+    owed: Bool
+
+    @property
+    def machine(self) -> Machine:
+        """The machine as it was declared."""
+        return self.alone.machines[0]
+
+    @property
+    def name(self) -> str:
+        """The machine's name; `alone` has the whole's in front, since what is proved of it holds for this configuration."""
+        return self.machine.name
+
+
+@dataclass(frozen=True, eq=False)
+class TransitionSystem:
+    """State, inputs and how they move. Ranges of variables are implied; `assume` adds what the environment keeps.
+
+    init      what holds of the first state (ranges apart)
+    next      state variable -> term over state before and inputs
+    assume    over state before and inputs; TRUE for what runs on board
+    outputs   name -> term over state (after the step)
+    fired     name variable of a machine -> term for the transition that fires (0: none)
+    lemmas    name -> term over state, to be proved and then used
+    ghosts    the variables of the environment, a subset of state and inputs
+    initial   state variable -> its declared first value, ANY where open
+    optionals the inputs that may be absent
+    machines  the machines it was made of
+    parts     of a composition: its machines, and on what terms they are part of it
+    whole     of a machine of a composition, by itself: the composition's name
+    stages    of a composition: the state variables of each machine, in the order of the step; only back ends that write
+              the step machine by machine look at it, and whatever it says, they compute what `next` says
+    """
+
+    name: str
+    state: tuple[Var, ...]
+    inputs: tuple[Var, ...]
+    init: Bool
+    next: Mapping[Var, Expr]
+    assume: Bool
+    outputs: Mapping[str, Expr]
+    fired: Mapping[NumVar, Num]
+    lemmas: Mapping[str, Bool]
+    ghosts: frozenset[Var]
+    initial: Mapping[Var, Initial]
+    optionals: tuple[Optional, ...]
+    machines: tuple[Machine, ...]
+    parts: tuple[Part, ...] = ()
+    stages: tuple[frozenset[Var], ...] = ()
+    whole: str = ""
+
+    def variable(self, name: str) -> Var:
+        """A state or input variable by name; KeyError if there is none."""
+        for var in (*self.state, *self.inputs):
+            if var.name == name:
+                return var
+        raise KeyError(f"{self.name} has no variable {name!r}; it has {[v.name for v in (*self.state, *self.inputs)]}.")
+
+
+def lower(machine: Machine) -> TransitionSystem:
+    """One machine with its ghosts."""
+    state = (machine.mode, *machine.state, *machine.ghosts)
+    guards = _exclusive_guards(machine)
+    moved: dict[Var, Expr] = {machine.mode: _chain(guards, {t: t.target for t in guards}, machine.mode)}
+    for var in machine.state:
+        moved[var] = _chain(guards, {t: t.set.get(var, var) for t in guards}, var)
+    moved |= machine.ghost_moves
+    fired = machine.fired_name.unit
+    index = {t: Lit(number, fired) for number, t in enumerate(machine.transitions, 1)}
+    initial = {machine.mode: machine.modes[0], **machine.state, **machine.ghosts}
+    optionals = tuple(item for item in machine.inputs if isinstance(item, Optional))
+    share = Sharing()
+    return TransitionSystem(
+        name=machine.name,
+        state=state,
+        inputs=(*input_variables(machine), *machine.ghost_inputs),
+        init=share.bool(all_of([*_initial_terms(initial), machine.initially])),
+        next={var: share(term) for var, term in moved.items()},
+        assume=share.bool(machine.assumed),
+        outputs={name: share(term) for name, term in machine.outputs.items()},
+        fired={machine.fired_name: share.num(_as_num(_chain(guards, index, Lit(0, fired))))},
+        lemmas={name: share.bool(term) for name, term in machine.lemmas.items()},
+        ghosts=frozenset((*machine.ghosts, *machine.ghost_inputs)),
+        initial=initial,
+        optionals=optionals,
+        machines=(machine,),
+    )
+
+
+def _exclusive_guards(machine: Machine) -> dict[Transition, Bool]:
+    """Source mode and guard of each transition; order does the rest."""
+    return {
+        t: machine.mode.one_of(*t.sources) & t.when if len(t.sources) < len(machine.modes) else t.when
+        for t in machine.transitions
+    }
+
+
+def _chain(guards: Mapping[Transition, Bool], values: Mapping[Transition, Expr | int | bool], stay: Expr) -> Expr:
+    """First enabled transition's value, else `stay`. All chains share the same guard terms, in the same order."""
+    result = stay
+    for t in reversed(list(guards)):
+        value = values[t]
+        if isinstance(result, Num):
+            then = as_num(value if isinstance(value, (Num, int)) else 0, result.unit)
+            result = ite(guards[t], then, result)
+        else:
+            then_ = as_bool(value if isinstance(value, (Bool, bool)) else False)
+            result = ChooseBool(guards[t], then_, as_bool(result if isinstance(result, Bool) else False))
+    return result
+
+
+def _as_num(term: Expr) -> Num:
+    assert isinstance(term, Num)
+    return term
+
+
+def _initial_terms(initial: Mapping[Var, Initial]) -> list[Bool]:
+    terms: list[Bool] = []
+    for var, value in initial.items():
+        if value is ANY:
+            continue
+        if isinstance(var, NumVar) and isinstance(value, (int, Lit)):
+            terms.append(var.eq(value))
+        elif isinstance(var, BoolVar) and isinstance(value, bool):
+            terms.append(var if value else ~var)
+    return terms
+
+
+def canonical(var: NumVar) -> int:
+    """The value that stands in an absent optional input: the one nearest zero."""
+    return min(max(0, var.low), var.high)
+
+
+def in_range(variables: Sequence[Var]) -> Bool:
+    """Every numeric variable lies in its declared range."""
+    return all_of(_range_term(var) for var in variables if isinstance(var, NumVar))
+
+
+def _range_term(var: NumVar) -> Bool:
+    if isinstance(var.unit, Enumeration):
+        return var.one_of(*(Lit(index, var.unit) for index in range(var.low, var.high + 1)))
+    return between(var.low, var, var.high)
+
+
+def environment(system: TransitionSystem, *, assume: bool = True) -> Bool:
+    """What every step's inputs satisfy: ranges, canonical absent values and, if asked for, the assumption."""
+    admissible = [in_range(system.inputs), absent_is_canonical(system.optionals)]
+    return all_of([*admissible, system.assume if assume else TRUE])
+
+
+def absent_is_canonical(optionals: Sequence[Optional]) -> Bool:
+    """What is absent has the value that stands for absence."""
+    return all_of(option.present | option.value.eq(canonical(option.value)) for option in optionals)
+
+
+def without_ghosts(system: TransitionSystem) -> TransitionSystem:
+    """The system as it runs on board; of `initially`, what reads no ghost."""
+    kept = tuple(var for var in system.state if var not in system.ghosts)
+    initial = {var: system.initial[var] for var in kept}
+    return replace(
+        system,
+        state=kept,
+        inputs=tuple(var for var in system.inputs if var not in system.ghosts),
+        init=all_of(part for part in _conjuncts(system.init) if system.ghosts.isdisjoint(variables([part]))),
+        next={var: system.next[var] for var in kept},
+        assume=TRUE,
+        lemmas={},
+        ghosts=frozenset(),
+        initial=initial,
+        parts=(),
+        stages=tuple(members - system.ghosts for members in system.stages),
+    )
+
+
+def first_without_the_world(system: TransitionSystem) -> Bool:
+    """Of `init`, what does not tie the machine to its environment: a machine on board knows nothing of where it starts.
+
+    What speaks of ghosts alone stays; it says nothing of the machine.
+    """
+    return all_of(part for part in _conjuncts(system.init) if not _ties(part, system))
+
+
+def _ties(part: Bool, system: TransitionSystem) -> bool:
+    read = set(variables([part]))
+    return not (read <= system.ghosts or system.ghosts.isdisjoint(read))
+
+
+def _conjuncts(term: Bool) -> list[Bool]:
+    return [part for inner in term.parts for part in _conjuncts(inner)] if isinstance(term, And) else [term]

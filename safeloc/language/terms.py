@@ -1,0 +1,279 @@
+"""Walking terms: in order, what they read, rewriting, sharing, and writing them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Mapping
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, assert_never
+
+from safeloc.language.nodes import (
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    Num,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Var,
+    all_of,
+    any_of,
+)
+
+
+def children(node: Expr) -> tuple[Expr, ...]:
+    """The terms a node is made of."""
+    return CHILDREN[type(node)](node)
+
+
+def _none(_: Expr) -> tuple[Expr, ...]:
+    return ()
+
+
+_OPERANDS, _CHOICE, _PARTS = attrgetter("left", "right"), attrgetter("condition", "then", "other"), attrgetter("parts")
+CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, since nothing is asked as often
+    **dict.fromkeys((Lit, NumVar, Truth, BoolVar), _none),
+    **dict.fromkeys((Choose, ChooseBool), _CHOICE),
+    **dict.fromkeys((And, Or, Past), _PARTS),
+    **dict.fromkeys((Compare, Add, Sub, Max, Min, Mul), _OPERANDS),
+    Not: lambda node: (node.inner,),
+    FloorDiv: lambda node: (node.left,),
+}
+
+
+def in_order(roots: Iterable[Expr], done: Container[Expr] = frozenset()) -> list[Node]:
+    """Every node below `roots` once, parts before wholes; without recursion, so depth is no limit.
+
+    done  nodes to leave out, with all that is below them
+    """
+    return [node for node, _ in _with_parts(roots, done)]
+
+
+def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node, tuple[Expr, ...]]]:
+    """The same, each node with the terms that it is made of."""
+    seen: set[Expr] = set()
+    order: list[Any] = []
+    stack: list[Any] = [*reversed(list(roots))]
+    below = CHILDREN
+    while stack:
+        node = stack.pop()
+        kind = type(node)
+        if kind is tuple:  # a whole, left behind when its parts were put on the stack
+            order.append(node)
+        elif node not in seen and node not in done:
+            seen.add(node)
+            parts = below[kind](node)
+            if parts:
+                stack.append((node, parts))
+                stack += parts[::-1]
+            else:
+                order.append((node, parts))
+    return order
+
+
+def variables(roots: Iterable[Expr]) -> list[Var]:
+    """The distinct variables below `roots`, in first-use order."""
+    return [node for node in in_order(roots) if isinstance(node, Var)]
+
+
+class Substitution:
+    """Replaces variables by terms, keeping shared sub-terms shared across all the terms it is applied to.
+
+    whole  terms that are replaced as they stand; what is below them is not looked at
+    """
+
+    def __init__(self, replacements: Mapping[Var, Expr], whole: Iterable[tuple[Expr, Expr]] = ()) -> None:
+        self._done: dict[Expr, Expr] = {var: term for var, term in replacements.items()}
+        self._done |= dict(whole)
+
+    def num(self, term: Num) -> Num:
+        """The numeric term after replacement."""
+        result = self(term)
+        assert isinstance(result, Num)
+        return result
+
+    def bool(self, term: Bool) -> Bool:
+        """The truth-valued term after replacement."""
+        result = self(term)
+        assert isinstance(result, Bool)
+        return result
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term after replacement."""
+        done = self._done
+        for node, parts in _with_parts([term], done):
+            done[node] = _made_of(node, parts, tuple([done[part] for part in parts]))
+        return done[term]
+
+
+class Sharing:
+    """Makes equal sub-terms the same node, so that every back end computes each of them once."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[object, ...], Expr] = {}
+        self._done: dict[Expr, Expr] = {}
+
+    def __call__(self, term: Expr) -> Expr:
+        """The term with equal parts shared, also with every term that was handed over before."""
+        done = self._done
+        for node, parts in _with_parts([term], done):
+            now = tuple([done[part] for part in parts])
+            shape = _shape(node, now)
+            kept = self._kept.get(shape)
+            if kept is None:  # else there is an equal node already, and making another one is spared
+                kept = _made_of(node, parts, now)
+                if kept is not node:
+                    shape = _shape(kept, children(kept))
+                kept = self._kept.setdefault(shape, kept)
+            done[node] = done[kept] = kept
+        return done[term]
+
+    def num(self, term: Num) -> Num:
+        """The same for a numeric term."""
+        return _n(self(term))
+
+    def bool(self, term: Bool) -> Bool:
+        """The same for a truth-valued term."""
+        return _b(self(term))
+
+
+def alike(left: Expr, right: Expr) -> bool:
+    """Whether two terms are the same but for which nodes they are made of; variables by identity, or by what they were."""
+    share = Sharing()
+    twins: dict[Var, Expr] = {}
+    for var in variables([left, right]):
+        if var.before is not None:
+            twins[var] = next((twin for twin in twins if twin.before is var.before), var)
+    settle = Substitution(twins)
+    return share(settle(left)) is share(settle(right))
+
+
+def _shape(term: Expr, parts: tuple[Expr, ...]) -> tuple[object, ...]:
+    """What tells a node of these parts from others, given that the parts are shared already."""
+    if TYPE_CHECKING:
+        assert isinstance(term, Node)
+    match term:
+        case Choose() | ChooseBool() | And() | Or() | Add() | Sub() | Not() | Max() | Min() | Mul():
+            return (type(term), *map(id, parts))
+        case NumVar() | BoolVar():
+            return (id(term),)
+        case Lit(value, unit):
+            return (Lit, value, unit)
+        case Compare(op, _, _) | Past(op, _):
+            return (type(term), op, *map(id, parts))
+        case Truth(value):
+            return (Truth, value)
+        case FloorDiv(_, divisor, unit):
+            return (FloorDiv, divisor, unit, *map(id, parts))
+        case _:
+            assert_never(term)
+
+
+def _made_of(node: Node, parts: tuple[Expr, ...], now: tuple[Expr, ...]) -> Expr:
+    """The node, made of what its parts are now."""
+    return node if [*map(id, now)] == [*map(id, parts)] else rebuilt(node, now)
+
+
+def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
+    """The node with other parts (of the same kinds); the node itself where they are the same."""
+    if [*map(id, parts)] == [*map(id, children(node))]:
+        return node
+    match node:
+        case Choose():
+            return Choose(_b(parts[0]), _n(parts[1]), _n(parts[2]), node.unit)
+        case And():
+            return all_of(_b(part) for part in parts)
+        case Compare(op, _, _):
+            return Compare(op, _n(parts[0]), _n(parts[1]))
+        case ChooseBool():
+            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
+        case Add() | Sub() | Max() | Min() | Mul():
+            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
+        case Or():
+            return any_of(_b(part) for part in parts)
+        case Not():
+            return ~_b(parts[0])
+        case FloorDiv(_, divisor, unit):
+            return FloorDiv(_n(parts[0]), divisor, unit)
+        case Past(op, _):
+            return Past(op, tuple(_b(part) for part in parts))
+        case Lit() | NumVar() | Truth() | BoolVar():
+            return node
+        case _:
+            assert_never(node)
+
+
+def _n(term: Expr) -> Num:
+    assert isinstance(term, Num)
+    return term
+
+
+def _b(term: Expr) -> Bool:
+    assert isinstance(term, Bool)
+    return term
+
+
+def text(term: Expr, most: int = 200) -> str:
+    """An S-expression of the term; after `most` nodes the rest is "...", since shared parts are written out each time."""
+    return _Writer(most).write(term)
+
+
+class _Writer:
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def write(self, term: Expr) -> str:
+        self._left -= 1
+        if self._left < 0:
+            return "..."
+        parts = children(term)
+        return f"({_head(term)} {' '.join(self.write(part) for part in parts)}{_tail(term)})" if parts else _head(term)
+
+
+def _head(term: Expr) -> str:
+    assert isinstance(term, Node)
+    match term:
+        case Lit():
+            return term.label
+        case NumVar(name=name) | BoolVar(name=name):
+            return name
+        case Truth(value):
+            return "true" if value else "false"
+        case Compare(op, _, _) | Past(op, _):
+            return op
+        case Add() | Sub() | Mul() | FloorDiv() | Min() | Max() | Choose() | ChooseBool() | Not() | And() | Or():
+            return _WORDS[type(term)]
+        case _:
+            assert_never(term)
+
+
+def _tail(term: Expr) -> str:
+    return f" {term.divisor}" if isinstance(term, FloorDiv) else ""
+
+
+_WORDS: dict[type[Expr], str] = {
+    Add: "+",
+    Sub: "-",
+    Mul: "*",
+    FloorDiv: "floor_div",
+    Min: "min",
+    Max: "max",
+    Choose: "ite",
+    ChooseBool: "ite",
+    Not: "not",
+    And: "and",
+    Or: "or",
+}

@@ -1,0 +1,61 @@
+"""A recorded run: the first state, then inputs, fired transition, state and outputs of every step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from safeloc.language.expr import NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step. Keys are variable and output names; enumerations are numbers (see `shown`)."""
+
+    inputs: Mapping[str, Value]
+    fired: Mapping[str, str]
+    state: Mapping[str, Value]
+    outputs: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A run of `system`."""
+
+    system: TransitionSystem
+    initial: Mapping[str, Value]
+    steps: tuple[Step, ...]
+
+    def stream(self) -> list[dict[str, Value]]:
+        """The inputs of every step, with absent optional inputs left out: what `replay` takes."""
+        return [present_inputs(self.system, step.inputs) for step in self.steps]
+
+    def table(self, limit: int = 60) -> str:
+        """The last `limit` steps as plain text, one line a step."""
+        lines = [f"   0  start  {_row(self.system, self.initial)}"]
+        for number, step in enumerate(self.steps, 1):
+            fired = ", ".join(name for name in step.fired.values())
+            inputs = _row(self.system, present_inputs(self.system, step.inputs))
+            lines.append(f"{number:4}  {fired}  [{inputs}]  {_row(self.system, step.state)}")
+        return "\n".join(lines[:1] + lines[1:][-limit:])
+
+
+def present_inputs(system: TransitionSystem, inputs: Mapping[str, Value]) -> dict[str, Value]:
+    """Inputs of one step without presence flags and without the values of absent optional inputs."""
+    hidden = {option.present.name for option in system.optionals}
+    hidden |= {option.value.name for option in system.optionals if not inputs[option.present.name]}
+    return {name: value for name, value in inputs.items() if name not in hidden}
+
+
+def shown(var: Var, value: Value) -> str:
+    """A value as a person reads it: a member's label, or the number."""
+    if isinstance(var, NumVar) and isinstance(var.unit, Enumeration):
+        return var.unit.members[value] if value < len(var.unit.members) else f"{value}, no member"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _row(system: TransitionSystem, values: Mapping[str, Value]) -> str:
+    return " ".join(f"{name}={shown(system.variable(name), value)}" for name, value in values.items())

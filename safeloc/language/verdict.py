@@ -1,0 +1,137 @@
+"""What a prover, a test or a replay says of a property: a value that carries its evidence.
+
+There is no truth value: read it by `match`, or call `require_proved`. Verdicts are ordered from worst to best,
+Violated < Unknown < Vacuous < NotAsked < Held < Proved; a report's headline is the worst.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import NoReturn, TypeAlias, assert_never
+
+from safeloc.errors import NotProvedError, TruthValueError
+from safeloc.language.expr import Bool
+from safeloc.language.trace import Trace
+
+
+class _NoTruth:
+    __slots__ = ()
+
+    def __bool__(self) -> NoReturn:
+        raise TruthValueError(
+            "a verdict has no truth value: match on Proved, Held, Unknown, Violated or call require_proved."
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Proved(_NoTruth):
+    """Holds on every stream that obeys the assumption, without a bound on its length.
+
+    For `reachable`, `witness` is a run that comes there and there is no invariant.
+    `rechecked` names what confirmed it (cvc5, interpreter); `certificates` maps file name -> SMT-LIB2 text.
+    `by_construction` says what needed no solver and why, such as divisors that are positive constants.
+    """
+
+    invariant: Bool | None
+    engine: str
+    depth: int = 0
+    rechecked: tuple[str, ...] = ()
+    certificates: Mapping[str, str] = field(default_factory=dict)
+    witness: Trace | None = None
+    by_construction: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Violated(_NoTruth):
+    """A stream breaks it; the trace has been replayed in the interpreter.
+
+    `trace` is None only where no run is the evidence (something `reachable` proved unreachable; `reason` says so).
+    """
+
+    trace: Trace | None
+    engine: str
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown(_NoTruth):
+    """Undecided within the limits; no violation up to `depth` steps (-1: not even that)."""
+
+    reason: str
+    depth: int = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Vacuous(_NoTruth):
+    """Nothing speaks against it, and it says nothing: what it speaks of never happens, or its assumption has an end.
+
+    `trace` is a run into the dead end, where that is the reason.
+    """
+
+    reason: str
+    trace: Trace | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NotAsked(_NoTruth):
+    """There was nothing to ask, such as a module that declares no property: no news, and not good news."""
+
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Held(_NoTruth):
+    """Not violated in the runs that were made: evidence, no proof."""
+
+    engine: str
+    runs: int
+    steps: int
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+
+Verdict: TypeAlias = Proved | Violated | Unknown | Vacuous
+Result: TypeAlias = Verdict | Held | NotAsked
+
+
+def word(result: Result) -> str:
+    """The verdict as one of the words of WORST_FIRST."""
+    match result:
+        case Proved():
+            return "proved"
+        case Vacuous():
+            return "vacuous"
+        case NotAsked():
+            return "not asked"
+        case Held():
+            return "held"
+        case Unknown():
+            return "unknown"
+        case Violated():
+            return "violated"
+        case _:
+            assert_never(result)
+
+
+WORST_FIRST = ("violated", "unknown", "vacuous", "not asked", "held", "proved")
+
+
+def worst(words: Iterable[str]) -> str:
+    """The worst of several verdict words; `not asked` when there are none."""
+    return min(words, key=WORST_FIRST.index, default="not asked")
+
+
+def require_proved(verdict: Verdict) -> Proved:
+    """The verdict, if it is Proved; NotProvedError with the evidence otherwise."""
+    match verdict:
+        case Proved():
+            return verdict
+        case Violated(trace, engine, reason):
+            run = "" if trace is None else f" after {len(trace.steps)} steps\n{trace.table()}"
+            raise NotProvedError(f"violated (found by {engine}) {reason}{run}")
+        case Unknown(reason, depth):
+            raise NotProvedError(f"undecided: {reason} (no violation up to depth {depth})")
+        case Vacuous(reason):
+            raise NotProvedError(f"vacuous: {reason}")
+        case _:
+            assert_never(verdict)

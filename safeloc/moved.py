@@ -1,0 +1,64 @@
+"""Modules that have moved: an import by the old name is refused, and the message says the new one."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib.abc import MetaPathFinder
+from types import ModuleType
+
+MOVED = {
+    "safeloc.antecedents": "safeloc.language.antecedents",
+    "safeloc.audit": "safeloc.railway.audit",
+    "safeloc.backends": "safeloc.codegen",
+    "safeloc.border": "safeloc.runtime.border",
+    "safeloc.cache": "safeloc.proof.cache",
+    "safeloc.checker": "safeloc.proof.checker",
+    "safeloc.checks": "safeloc.language.checks",
+    "safeloc.composition": "safeloc.language.composition",
+    "safeloc.digest": "safeloc.language.digest",
+    "safeloc.embedding": "safeloc.runtime.embedding",
+    "safeloc.expr": "safeloc.language.expr",
+    "safeloc.folding": "safeloc.language.folding",
+    "safeloc.guard": "safeloc.railway.guard",
+    "safeloc.interpret": "safeloc.language.interpret",
+    "safeloc.line": "safeloc.railway.map",
+    "safeloc.machine": "safeloc.language.machine",
+    "safeloc.monitor": "safeloc.language.monitor",
+    "safeloc.nodes": "safeloc.language.nodes",
+    "safeloc.outside": "safeloc.runtime.outside",
+    "safeloc.packed": "safeloc.runtime.packed",
+    "safeloc.pictures": "safeloc.railway.pictures",
+    "safeloc.provers": "safeloc.proof.provers",
+    "safeloc.ranges": "safeloc.language.ranges",
+    "safeloc.render": "safeloc.language.render",
+    "safeloc.reported": "safeloc.runtime.reported",
+    "safeloc.results": "safeloc.proof.results",
+    "safeloc.runs": "safeloc.proof.runs",
+    "safeloc.service": "safeloc.runtime.service",
+    "safeloc.spec": "safeloc.language.spec",
+    "safeloc.streams": "safeloc.runtime.streams",
+    "safeloc.system": "safeloc.language.system",
+    "safeloc.terms": "safeloc.language.terms",
+    "safeloc.testing": "safeloc.proof.testing",
+    "safeloc.trace": "safeloc.language.trace",
+    "safeloc.units": "safeloc.language.units",
+    "safeloc.verdict": "safeloc.language.verdict",
+    "safeloc.verification": "safeloc.proof.verification",
+}
+"""Old name -> new name, each with all that stands below it."""
+
+
+class OldNames(MetaPathFinder):
+    """Asked before any other finder, since a folder that an update left behind would pass for an empty package."""
+
+    def find_spec(self, name: str, _path: Sequence[str] | None, _target: ModuleType | None = None) -> None:
+        """Find nothing. ImportError for a name of before the move."""
+        old = ".".join(name.split(".", 2)[:2])
+        if old in MOVED:
+            raise ImportError(f"{name} is now {MOVED[old]}{name[len(old) :]}; import it from there.", name=name)
+
+
+def refuse_old_names() -> None:
+    """Let every import by an old name tell the new one."""
+    sys.meta_path.insert(0, OldNames())

@@ -1,0 +1,86 @@
+"""A digest of the code that decides and of what it decides with: with another engine nothing that was kept counts."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import time
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[2]
+DECLARING = ("models", "properties", "shipped")
+"""Folders that declare what is decided: a target's own digest covers what comes of them."""
+SHOWING = (
+    "cli",
+    "proof/checker",
+    "railway/audit",
+    "railway/guard",
+    "railway/map",
+    "report",
+    "runtime/service",
+    "simulation",
+)
+"""Folders that show, check, host or simulate: no finding of `verify` comes through them."""
+LONGEST_START_S = 10.0
+DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitions", "z3-solver")
+
+
+@cache
+def engine_digest() -> str:
+    """SHA-256 over the files of the engine, and the versions of Python and of the packages that it decides with."""
+    total = hashlib.sha256(f"{platform.python_implementation()} {platform.python_version()}\0".encode())
+    total.update("".join(f"{name} {metadata.version(name)}\0" for name in DECIDE_WITH).encode())
+    return _over(total.hexdigest(), _engine_files())
+
+
+@cache
+def source_digest() -> str:
+    """SHA-256 over all files of the package: two reports with the same digest were made by the same safeloc."""
+    return _over("", _files(PACKAGE, ()))
+
+
+def undisturbed() -> bool:
+    """Whether no file of the package was written since this process began.
+
+    Else what was loaded may not be what is digested, and nothing that comes of it may be kept.
+    """
+    try:
+        return all(path.stat().st_ctime <= _BEGAN for path in _files(PACKAGE, ()))
+    except FileNotFoundError:  # one was taken away while they were looked at
+        return False
+
+
+def _began() -> float:
+    """When this process began, as the file system tells times; where the system does not say, somewhat before now."""
+    try:
+        ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
+        age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, AttributeError, ValueError):
+        age_s = LONGEST_START_S
+    return time.time() - age_s
+
+
+_BEGAN = _began()
+
+
+def _over(start: str, paths: list[Path]) -> str:
+    total = hashlib.sha256(start.encode())
+    for path in paths:
+        total.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return total.hexdigest()
+
+
+def _engine_files() -> list[Path]:
+    return _files(PACKAGE, (*DECLARING, *SHOWING))
+
+
+def _files(folder: Path, without: tuple[str, ...]) -> list[Path]:
+    found: list[Path] = []
+    for at, folders, names in os.walk(folder, followlinks=True):
+        here = Path(at).relative_to(folder)
+        folders[:] = [name for name in folders if name != "__pycache__" and (here / name).as_posix() not in without]
+        found += [Path(at, name) for name in names if not name.endswith(".pyc")]
+    return sorted(found)

@@ -1,0 +1,25 @@
+"""How long a target took the last time, to say how long it will take: a guess, found by name, on which nothing rests."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+
+from safeloc.proof.cache.store import Store
+
+KIND = "times"
+
+
+def keep_seconds(store: Store, target: str, question: object, seconds: float) -> None:
+    """Keep how long the question took of this target."""
+    store.put(KIND, _key(target, question), f"{seconds:.1f}".encode())
+
+
+def seconds_before(store: Store, targets: Iterable[str], question: object) -> dict[str, float]:
+    """The seconds that each took, of those of which it is known."""
+    found = {name: store.get(KIND, _key(name, question)) for name in targets}
+    return {name: float(entry.data) for name, entry in found.items() if entry is not None}
+
+
+def _key(target: str, question: object) -> str:
+    return hashlib.sha256(f"{target}\0{question!r}".encode()).hexdigest()

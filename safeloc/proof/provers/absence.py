@@ -1,0 +1,184 @@
+"""The value of an absent optional input is never read.
+
+Where the input is absent, most terms do not hold its value any more once its presence is folded to false; for each of the
+others two copies of a step that differ in the value alone have to end alike, in every state that a run comes to. Of a composition: of each machine by itself,
+and of what goes through the wires.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import Bool, BoolVar, Expr, Num, NumVar, Optional, Var, all_of, as_num, ite
+from safeloc.language.folding import Folding
+from safeloc.language.nodes import FALSE
+from safeloc.language.system import TransitionSystem, in_range
+from safeloc.language.terms import Substitution, variables
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.proof.provers.base import Base, base
+from safeloc.proof.provers.facts import about
+from safeloc.proof.provers.implication import Refuted, Undecided, unproved
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.never import none_happens
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.reachability import happens, without_assumption
+from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.settle import UNCONFIRMED, settled
+
+TOLD = 3  # readings that stay open are told so many at the most, the others counted
+Reading = tuple[str, str]
+"""An input and what reads it, by name."""
+
+
+@dataclass
+class _Found:
+    """What the looks at all machines gave: terms that hold a value, questions asked of solvers, answers."""
+
+    held: int = 0
+    asked: int = 0
+    read: dict[Reading, Violated] = field(default_factory=dict)
+    failed: dict[Reading, Undecided] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
+
+
+def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """One obligation for all optional inputs; none where there are no optional inputs."""
+    if not system.optionals and not any(part.alone.optionals for part in system.parts):
+        return
+    found = _Found()
+    for one in [part.alone for part in system.parts] or [system]:
+        _look(one, dict(_on_board(one)), limits, found)
+    if system.parts:
+        _look(system, dict(_through_wires(system)), limits, found)
+    settled_by_folding = (
+        f"{found.held - found.asked} of {found.held} readings are gone where presence is folded to false"
+    )
+    method = f"{settled_by_folding}; {found.asked} by two copies of a step"
+    yield Obligation(
+        "absence", "the value of an absent input is never read", _verdict(found, settled_by_folding), method
+    )
+
+
+def _look(system: TransitionSystem, terms: Mapping[str, Expr], limits: Limits, found: _Found) -> None:
+    known, ends = base(system, seconds=limits.seconds), deadline(limits.seconds)
+    holds = {name: frozenset(variables([term])) for name, term in terms.items()}
+    for option in system.optionals:
+        held = {name: term for name, term in terms.items() if option.value in holds[name]}
+        left = dict(_still_held(held, option))
+        found.held, found.asked = found.held + len(held), found.asked + len(left)
+        if left:
+            _ask(system, option, left, known, replace(limits, seconds=max(0.001, ends.left)), found)
+
+
+def _ask(
+    system: TransitionSystem, option: Optional, terms: Mapping[str, Expr], known: Base, limits: Limits, found: _Found
+) -> None:
+    other = replace(option.value, name=f"{option.value.name} (other)")
+    swap = Substitution({option.value: other})
+    alike = {(option.value.name, name): _same(term, swap(term)) for name, term in terms.items()}
+    given = [in_range([*system.inputs, other]), ~option.present, *known.always.values()]
+    head, ends = about(system, "absence", of=option.value.name), deadline(limits.seconds)
+    query = Query(
+        f"{system.name} absence of {option.value.name}", given, {option.value.name: all_of(alike.values())}, head
+    )
+    answer = settled(query, ends, list(known.certificates))  # together: the terms share most of what is hard in them
+    found.texts |= {**known.certificates, **answer.texts}
+    if not answer.failed:
+        return
+    each = unproved(Query(query.name, given, alike), ends.left)
+    found.failed |= {key: why for key, why in each.items() if isinstance(why, Undecided)}
+    if not each:
+        found.failed |= dict.fromkeys(alike, Undecided(UNCONFIRMED))
+    read = {key: ~alike[key] for key, why in each.items() if isinstance(why, Refuted)}
+    if read:
+        _look_for_runs(system, option, other, read, limits, found)
+
+
+def _look_for_runs(
+    system: TransitionSystem,
+    option: Optional,
+    other: NumVar,
+    read: Mapping[Reading, Bool],
+    limits: Limits,
+    found: _Found,
+) -> None:
+    """What one step allows has to happen in a run: the copies may differ only in states that none comes to."""
+    both = replace(system, inputs=(*system.inputs, other), optionals=())
+    goals = {
+        without_assumption(happens(both, f"reading {number}", term & ~option.present)): key
+        for number, (key, term) in enumerate(read.items(), 1)
+    }
+    for goal, verdict in none_happens(dict.fromkeys(goals, "the copies differ"), limits).items():
+        if isinstance(verdict, Violated):
+            found.read[goals[goal]] = verdict
+        elif isinstance(verdict, Proved):
+            found.texts |= verdict.certificates
+        else:
+            found.failed[goals[goal]] = Undecided(
+                "the copies differ in some state, and it is not known whether a run comes there"
+            )
+
+
+def _on_board(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
+    """What is computed on board in a step: next states and fired transitions."""
+    yield from ((var.name, term) for var, term in system.next.items() if var not in system.ghosts)
+    yield from ((var.name, term) for var, term in system.fired.items())
+
+
+def _through_wires(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
+    """What each wire tells; where it leads to an input that may be absent, only while that is present."""
+    for part in system.parts:
+        present: dict[Var, BoolVar] = {option.value: option.present for option in part.alone.optionals}
+        for var in part.alone.inputs:
+            told = part.into(var)
+            if not isinstance(told, Var):
+                heard = _where(part.into.bool(present[var]), told) if var in present else told
+                yield f"{part.name}.{var.name}", heard
+
+
+def _where(present: Bool, told: Expr) -> Expr:
+    """The term while it is present, and a constant otherwise."""
+    if isinstance(told, Num):
+        return ite(present, told, as_num(0, told.unit))
+    assert isinstance(told, Bool)
+    return present & told
+
+
+def _still_held(terms: Mapping[str, Expr], option: Optional) -> Iterator[tuple[str, Expr]]:
+    """The terms that hold the input's value also where its presence is folded to false."""
+    absent = Folding({option.present: FALSE})
+    for name, term in terms.items():
+        if option.value in set(variables([absent(term)])):
+            yield name, term
+
+
+def _verdict(found: _Found, by_folding: str) -> Verdict:
+    if found.read:
+        told = [f"{value} by {name}{_shown(verdict.trace)}" for (value, name), verdict in found.read.items()]
+        return Violated(None, "bmc", f"read although absent: {'; '.join(told)}")
+    if found.failed:
+        open_ = [f"{value} by {name}: {why}" for (value, name), why in found.failed.items()]
+        more = f"; and {len(open_) - TOLD} more" if len(open_) > TOLD else ""
+        return Unknown("; ".join(open_[:TOLD]) + more)
+    if not found.asked:
+        return Proved(None, "folding", by_construction=by_folding)
+    return Proved(None, "z3", 1, (ENGINE,), found.texts, by_construction=by_folding)
+
+
+def _shown(run: Trace | None) -> str:
+    """The last step of the run, and how long it is."""
+    if run is None or not run.steps:
+        return ""
+    values = ", ".join(f"{name} = {value}" for name, value in run.steps[-1].inputs.items())
+    return f" in a run of {len(run.steps)} steps, the last with {values}"
+
+
+def _same(left: Expr, right: Expr) -> Bool:
+    if isinstance(left, Num) and isinstance(right, Num):
+        return left.eq(right)
+    assert isinstance(left, Bool)
+    assert isinstance(right, Bool)
+    return left.iff(right)

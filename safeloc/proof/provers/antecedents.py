@@ -1,0 +1,325 @@
+"""Whether the cases that properties speak of occur at all: a property of what never happens is proved, and says nothing.
+
+All cases of a system are looked for together: in recordings, by one bounded search, and, of what a machine keeps by
+itself, in runs of that machine. What is not found is excluded by induction where that can be; the rest stays open.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.antecedents import Antecedent, antecedents, case_name, cases, occurs, occurs_alone
+from safeloc.language.expr import TRUE, Bool
+from safeloc.language.interpret import run
+from safeloc.language.spec import Goal, Property, watch
+from safeloc.language.system import TransitionSystem, environment, first_without_the_world, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.kinduction import given_facts, kinduction
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.onward import onward
+from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.recorded import Recording, come_to
+from safeloc.proof.provers.spacer import spacer
+from safeloc.proof.provers.transfer import PackedTrace, pack_trace, unpack_trace
+from safeloc.proof.provers.workers import Lost, Task
+
+__all__ = ["Case", "Found", "antecedents", "found", "remember", "search_task"]
+
+REMEDY = (
+    "what is said of it is required of nothing. Drop it or mend it; where it was meant the other way round, write the "
+    "condition first, with implies."
+)
+PATIENCE = 3  # how often the time limit of one property, for all cases of a system together
+
+
+@dataclass(frozen=True)
+class Seen:
+    """It occurs: where, and the run if a search found it."""
+
+    where: str
+    run: PackedTrace | None = None
+
+
+@dataclass(frozen=True)
+class Never:
+    """Proved never to occur."""
+
+    engine: str
+
+
+@dataclass(frozen=True)
+class Open:
+    """Neither found nor excluded."""
+
+    reason: str
+
+
+Outcome: TypeAlias = Seen | Never | Open
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A case, and what was found of it."""
+
+    antecedent: Antecedent
+    outcome: Outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What was found of the cases of some properties."""
+
+    system: TransitionSystem
+    cases: tuple[Case, ...]
+
+    def judged(self, prop: Property, verdict: Verdict) -> Verdict:
+        """The verdict on a property; Vacuous in the place of Proved where a case of it never occurs."""
+        never = [case for case in self.cases if case.antecedent.prop is prop and isinstance(case.outcome, Never)]
+        if not isinstance(verdict, Proved) or not never:
+            return verdict
+        told = "; ".join(f"{_words(case)}" for case in never)
+        return Vacuous(f"{told}: {REMEDY}")
+
+    def runs(self) -> list[Trace]:
+        """The runs of the system that a search found, as the interpreter makes them; recorded ones are known already.
+
+        A case of an unconditional property may have been found from a first state that the environment excludes.
+        """
+        packed = {id(run_): run_ for run_ in map(_run, self.cases) if run_ is not None and not run_.part}
+        return [run(self._anyhow, one.stream, first=one.initial) for one in packed.values()]
+
+    def obligation(self) -> Iterator[Obligation]:
+        """That all cases occur, as one obligation of the system; none where no property speaks of cases."""
+        if self.cases:
+            seen = [case.outcome.where for case in self.cases if isinstance(case.outcome, Seen)]
+            counts = ", ".join(f"{seen.count(where)} {where}" for where in dict.fromkeys(seen))
+            statement = "every case that a property speaks of occurs: triggers, and what stands before `implies`"
+            method = f"{len(seen)} of {len(self.cases)} cases occur" + (f": {counts}" if counts else "")
+            yield Obligation("antecedents", statement, self._verdict(), method)
+            yield from self._each()
+
+    def _each(self) -> Iterator[Obligation]:
+        """Each case that a search found, with the run; what recordings show they show again whenever they are replayed."""
+        for prop in dict.fromkeys(case.antecedent.prop for case in self.cases):
+            own = (case for case in self.cases if case.antecedent.prop is prop)
+            for place, case in enumerate(own, 1):
+                if isinstance(case.outcome, Seen) and case.outcome.run is not None:
+                    witness = unpack_trace(case.outcome.run, self._anyhow)
+                    steps = len(case.outcome.run.stream)
+                    verdict = Proved(None, "bmc", steps, ("interpreter",), witness=witness)
+                    alone = f" in {case.outcome.run.part}, by itself" if case.outcome.run.part else ""
+                    name, text = case_name(prop, place), f"{_named(case)} occurs{alone}"
+                    yield Obligation(name, text, verdict, f"a run of {steps} steps, {case.outcome.where}")
+
+    @property
+    def _anyhow(self) -> TransitionSystem:
+        return replace(self.system, assume=TRUE, init=first_without_the_world(self.system))
+
+    def _verdict(self) -> Verdict:
+        open_ = [case for case in self.cases if isinstance(case.outcome, Open)]
+        never = [case for case in self.cases if isinstance(case.outcome, Never)]
+        if open_:
+            return Unknown("; ".join(f"{_named(case)} is neither found nor excluded" for case in open_))
+        if never:
+            return Vacuous("; ".join(map(_never, never)))
+        return Proved(None, "recordings and bounded search")
+
+
+def _named(case: Case) -> str:
+    return f"{case.antecedent.prop.name!r}: {case.antecedent.words}"
+
+
+def _never(case: Case) -> str:
+    return f"{case.antecedent.prop.name!r}: {_words(case)}"
+
+
+def _words(case: Case) -> str:
+    assert isinstance(case.outcome, Never)
+    return f"{case.antecedent.words} never occurs (proved by {case.outcome.engine})"
+
+
+def _run(case: Case) -> PackedTrace | None:
+    return case.outcome.run if isinstance(case.outcome, Seen) else None
+
+
+# ------------------------------------------------------------------ what is known already
+
+
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """Outcomes of a property's cases, the time that was allowed, and how many recordings were looked at."""
+
+    outcomes: tuple[Outcome, ...]
+    seconds: float
+    recordings: int
+
+    def serves(self, limits: Limits, recordings: int) -> bool:
+        """Whether looking again could give no more."""
+        tried = self.seconds >= limits.seconds and self.recordings >= recordings
+        return tried or not any(isinstance(outcome, Open) for outcome in self.outcomes)
+
+
+_KNOWN: weakref.WeakKeyDictionary[TransitionSystem, dict[Property, _Known]] = weakref.WeakKeyDictionary()
+
+
+def search_task(
+    system: TransitionSystem, properties: Sequence[Property], limits: Limits, recordings: Sequence[Recording]
+) -> Task | None:
+    """The search for whatever is not known yet, as a task whose data go to `remember`; None where all is known."""
+    known = _KNOWN.get(system, {})
+    if all(prop in known and known[prop].serves(limits, len(recordings)) for prop in properties if antecedents(prop)):
+        return None
+    most = 2 * (PATIENCE + 1) * limits.seconds
+    name = f"{system.name}: cases that properties speak of"
+    return Task(name, lambda: search(system, _asked(properties), limits, recordings), most)
+
+
+def remember(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    limits: Limits,
+    recordings: int,
+    outcomes: Sequence[Outcome] | Lost,
+) -> None:
+    """Keeps what `search` found in another process, in the order of the cases; a lost process leaves all open."""
+    mine = _KNOWN.setdefault(system, {})
+    asked = _asked(properties)
+    if isinstance(outcomes, Lost):
+        outcomes = [Open(outcomes.reason)] * len(asked)
+    for prop in properties:
+        own = [outcome for one, outcome in zip(asked, outcomes, strict=True) if one.prop is prop]
+        mine[prop] = _Known(tuple(own), limits.seconds, recordings)
+
+
+def found(system: TransitionSystem, properties: Sequence[Property]) -> Found:
+    """What is known of the cases of these properties; open where nobody looked."""
+    known = _KNOWN.get(system, {})
+    made: list[Case] = []
+    for prop in properties:
+        own = cases(prop)
+        outcomes = known[prop].outcomes if prop in known else [Open("nobody looked")] * len(own)
+        made += [Case(one, outcome) for one, outcome in zip(own, outcomes, strict=True)]
+    return Found(system, tuple(made))
+
+
+def _asked(properties: Sequence[Property]) -> list[Antecedent]:
+    return [one for prop in properties for one in cases(prop)]
+
+
+# ------------------------------------------------------------------ the search
+
+
+def search(
+    system: TransitionSystem, asked: Sequence[Antecedent], limits: Limits, recordings: Sequence[Recording] = ()
+) -> list[Outcome]:
+    """The outcome of each case, in order. Cases that rely on the same are looked for together."""
+    ends = deadline(PATIENCE * limits.seconds)
+    goals = {number: occurs(system, one, f"case {number}") for number, one in enumerate(asked)}
+    outcomes: dict[int, Outcome] = dict.fromkeys(come_to(system, goals, recordings, ends), Seen("in recordings"))
+    groups: dict[Bool, dict[int, Goal]] = {}
+    for number in goals.keys() - outcomes.keys():
+        groups.setdefault(goals[number].system.assume, {})[number] = goals[number]
+    for left, group in zip(range(len(groups), 0, -1), groups.values(), strict=True):
+        outcomes |= _Together(system, asked, group, limits, ends.left / left).outcomes(recordings)
+    return [outcomes[number] for number in range(len(asked))]
+
+
+class _Together:
+    """Cases by number, that rely on the same."""
+
+    def __init__(
+        self,
+        system: TransitionSystem,
+        asked: Sequence[Antecedent],
+        goals: Mapping[int, Goal],
+        limits: Limits,
+        seconds: float,
+    ) -> None:
+        self._system, self._asked, self._goals, self._limits = system, asked, goals, limits
+        self._ends = deadline(seconds)
+        self._found: dict[int, Outcome] = {}
+
+    def outcomes(self, recordings: Sequence[Recording]) -> dict[int, Outcome]:
+        """Excluded in one step; found by search, beside a recording, or of a machine by itself; excluded by induction; else open."""
+        self._exclude(self._unlikely(), self._ends.left / 3)
+        self._search()
+        self._beside(recordings)
+        for number in self._left:
+            self._alone(number)
+        self._exclude(self._left, self._ends.left / 2)
+        self._exclude(self._left, self._ends.left, spacer)
+        return self._found | {number: Open("not found") for number in self._left}
+
+    @property
+    def _left(self) -> list[int]:
+        return [number for number in self._goals if number not in self._found]
+
+    def _search(self) -> None:
+        left = self._left
+        runs = first_runs([self._goals[number] for number in left], self._within(self._ends.left / 2))
+        for number in left:
+            trace = runs.found.get(self._goals[number])
+            if trace is not None:
+                self._found[number] = Seen("by search", pack_trace(trace))
+
+    def _beside(self, recordings: Sequence[Recording]) -> None:
+        left = {number: self._goals[number] for number in self._left}
+        for number, trace in onward(self._system, left, recordings, deadline(self._ends.left / 2)).items():
+            self._found[number] = Seen("a few steps beside a recording", pack_trace(trace))
+
+    def _unlikely(self) -> list[int]:
+        """Cases that the first state is not and that no step comes to from a state with the proved facts."""
+        left = self._left
+        if not left:
+            return []
+        goals = {number: self._goals[number] for number in left}
+        watched = watch(goals[left[0]].plain, list(goals.values()))
+        after = Substitution(dict(watched.system.next))
+        first = {number: goal.good for number, goal in goals.items()}
+        later = {number: goal.good.implies(after.bool(goal.good)) for number, goal in goals.items()}
+        start = Query("first", [watched.system.init, in_range(watched.system.state)], first)
+        step = Query("step", [environment(watched.system), *self._facts(self._goals[left[0]])], later)
+        seconds = self._ends.left / 4
+        possible = {**unproved(start, seconds), **unproved(step, seconds)}
+        return [number for number in left if number not in possible]
+
+    def _facts(self, goal: Goal) -> list[Bool]:
+        known = base(self._system, seconds=self._limits.seconds)
+        kept = [] if goal.prop.unconditional else list(known.kept.values())
+        return [*given_facts(goal, known), *kept]
+
+    def _exclude(
+        self, numbers: Sequence[int], seconds: float, engine: Callable[[Goal, Limits], Verdict] = kinduction
+    ) -> None:
+        """By an engine that proves, each with its share of the time."""
+        ends = deadline(seconds)
+        for left, number in zip(range(len(numbers), 0, -1), numbers, strict=True):
+            verdict = engine(self._goals[number], self._within(ends.left / left))
+            if isinstance(verdict, Proved):
+                self._found[number] = Never(verdict.engine)
+
+    def _alone(self, number: int) -> None:
+        """Of what a machine keeps by itself, or of a case that speaks of one machine only: a run of that machine."""
+        if self._ends.passed:
+            return
+        prop = self._asked[number].prop
+        own = occurs_alone(
+            self._system, prop, [one for one, case in enumerate(self._asked) if case.prop is prop].index(number)
+        )
+        if own is not None:
+            part, goal = own
+            trace = first_runs([goal], self._within(self._ends.left / 4)).found.get(goal)
+            if trace is not None:
+                self._found[number] = Seen(f"of {part.name} by itself, none of the whole", pack_trace(trace))
+
+    def _within(self, seconds: float) -> Limits:
+        return replace(self._limits, seconds=max(0.001, seconds))

@@ -1,0 +1,158 @@
+"""Obligations of arithmetic: ranges of state variables, 64 bits for every intermediate term, no division by zero."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import Bool, Expr, Lit, Num, NumVar, all_of, between
+from safeloc.language.nodes import INT64_MAX, INT64_MIN, FloorDiv, Mul
+from safeloc.language.ranges import beyond_int64
+from safeloc.language.render import infix
+from safeloc.language.spec import Goal, observe, reachable
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import in_order
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.proof.provers.base import Base, base
+from safeloc.proof.provers.facts import about, range_of
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.never import never, none_happens
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.reachability import happens, without_assumption
+from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.settle import settled, settled_but
+
+# ------------------------------------------------------------------ ranges
+
+
+def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """All ranges that are inductive, as one obligation; each of the others on its own."""
+    known = base(system, seconds=limits.seconds)
+    numeric = [var for var in system.state if isinstance(var, NumVar)]
+    kept = [var for var in numeric if range_of(var) not in known.refuted]
+    if kept:
+        statement = f"{len(kept)} of {len(numeric)} state variables stay in their declared ranges"
+        verdict = Proved(all_of(known.everything), "1-induction", 1, (ENGINE,), known.certificates)
+        yield Obligation("ranges", statement, verdict, f"1-induction, re-checked by {ENGINE}")
+    for var in numeric:
+        if range_of(var) in known.refuted:
+            goal = observe(system, reachable("a range left", ~in_range([var])))
+            goal = goal if var in system.ghosts else without_assumption(goal)
+            verdict_ = never(goal, str(known.refuted[range_of(var)]), limits)
+            stays = f"{var.name} stays in {var.low}..{var.high}"
+            yield Obligation(str(range_of(var)), stays, verdict_, "bounded search, then induction")
+
+
+# ------------------------------------------------------------------ 64 bits
+
+
+@dataclass(frozen=True, eq=False)
+class _Computed:
+    """Terms that some back end computes in 64 bits, and what is known where it does."""
+
+    name: str
+    terms: Sequence[Expr]
+    given: Sequence[Bool]
+    unsure: Sequence[NumVar]
+    lawful: bool
+
+
+def overflow(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """On board for all inputs; ghosts, which only simulation computes, under the assumption; first values by themselves."""
+    known = base(system, seconds=limits.seconds)
+    free = [environment(system, assume=False), *known.always.values()]
+    board = _Computed("overflow", computed(system), free, _not_proved(system, known, ghosts=False), lawful=False)
+    yield from _overflow(system, board, known, limits)
+    if system.ghosts:
+        moves = [*(system.next[var] for var in system.state if var in system.ghosts), system.assume]
+        lawful, unsure = [environment(system), *known.everything], _not_proved(system, known, ghosts=True)
+        ghosts = _Computed("overflow of ghosts", moves, lawful, unsure, lawful=True)
+        yield from _overflow(system, ghosts, known, limits)
+    yield from _overflow_at_first(system, limits)
+
+
+def computed(system: TransitionSystem) -> list[Expr]:
+    """What runs on board: next states, fired transitions and outputs, ghosts apart."""
+    own = [term for var, term in system.next.items() if var not in system.ghosts]
+    return [*own, *system.fired.values(), *system.outputs.values()]
+
+
+def _not_proved(system: TransitionSystem, known: Base, *, ghosts: bool) -> list[NumVar]:
+    """The variables whose declared range is not known to hold where it is wanted: nothing may rest on it."""
+    numeric = [var for var in system.state if isinstance(var, NumVar) and (ghosts or var not in system.ghosts)]
+    proved = {*known.always, *known.facts} if ghosts else set(known.always)
+    return [var for var in numeric if range_of(var) not in proved]
+
+
+FITS = "no intermediate term leaves 64 bits"
+
+
+def _overflow(system: TransitionSystem, what: _Computed, known: Base, limits: Limits) -> Iterator[Obligation]:
+    wide = dict(enumerate(beyond_int64(what.terms), 1))
+    every = len(in_order(what.terms))
+    by_bounds = f"{every - len(wide)} of {every} terms stay within 64 bits by the bounds of their parts"
+    query = Query(f"{system.name} {what.name}", what.given, _within(wide), about(system, what.name))
+    asked, rest = settled_but(query, deadline(limits.seconds), list(known.certificates))
+    method = f"{by_bounds}; {len(wide)} by z3 and {ENGINE}" if wide else by_bounds
+    goals = {number: _left(system, f"{what.name} {number}", ~query.goals[number], what) for number in asked.failed}
+    found = none_happens({goal: str(asked.failed[number]) for number, goal in goals.items()}, limits)
+    for number, goal in goals.items():
+        yield Obligation(goal.prop.name, f"{FITS}: {infix(wide[number])}", found[goal], method)
+    if what.unsure:
+        names = ", ".join(var.name for var in what.unsure)
+        yield Obligation(what.name, FITS, Unknown(f"it rests on ranges that are not proved: {names}"), method)
+    elif rest or not wide:
+        engine, texts = ("z3", {**known.certificates, **asked.texts}) if wide else ("intervals", dict[str, str]())
+        rechecked = (ENGINE,) if wide else ()
+        yield Obligation(
+            what.name,
+            f"{FITS}, some apart" if asked.failed else FITS,
+            Proved(None, engine, len(texts) and 1, rechecked, texts, by_construction=by_bounds),
+            method,
+        )
+
+
+def _left(system: TransitionSystem, name: str, term: Bool, what: _Computed) -> Goal:
+    goal = happens(system, name, term)
+    return goal if what.lawful else without_assumption(goal)
+
+
+def _within(wide: Mapping[int, Num]) -> dict[int, Bool]:
+    return {number: between(INT64_MIN, term, INT64_MAX) for number, term in wide.items()}
+
+
+def _overflow_at_first(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
+    """`initially` is asked of whatever first values somebody chooses, so that only their ranges are known."""
+    wide = dict(enumerate(beyond_int64([system.init]), 1))
+    if not wide:
+        return
+    head = about(system, "overflow of first values")
+    query = Query(f"{system.name} overflow of first values", [in_range(system.state)], _within(wide), head)
+    asked = settled(query, deadline(limits.seconds))
+    statement, method = "`initially` is computed within 64 bits, whatever first values are chosen", "one query a term"
+    verdict: Verdict = Proved(None, "z3", 0, (ENGINE,), asked.texts)
+    if asked.failed:
+        number, why = next(iter(asked.failed.items()))
+        reason = f"{infix(wide[number])}: {why}; narrow the ranges, or bound each value in `initially`"
+        verdict = Violated(None, "z3", reason)
+    yield Obligation("overflow of first values", statement, verdict, method)
+
+
+# ------------------------------------------------------------------ division
+
+
+def division(system: TransitionSystem, _: Limits) -> Iterator[Obligation]:
+    """Divisors are positive constants by construction; products of two variables are counted for the reader."""
+    nodes = in_order(computed(system))
+    divisors = [node.divisor for node in nodes if isinstance(node, FloorDiv)]
+    products = [node for node in nodes if isinstance(node, Mul) and not _by_constant(node)]
+    why = f"{len(divisors)} divisions, each by a positive constant"
+    verdict: Verdict = Proved(None, "construction", by_construction=why)
+    if any(divisor <= 0 for divisor in divisors):
+        verdict = Violated(None, "construction", f"divisors {sorted(set(divisors))}")
+    yield Obligation("division", "no division by zero", verdict, f"{why}; {len(products)} products of two variables")
+
+
+def _by_constant(node: Mul) -> bool:
+    return isinstance(node.left, Lit) or isinstance(node.right, Lit)

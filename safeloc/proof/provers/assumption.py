@@ -1,0 +1,185 @@
+"""Whether the environment's assumption can be kept: not by standing still, for ever, and from every state.
+
+assumption        a run in which as many inputs and ghosts as possible take different values
+assumption lasts  it can be kept for ever: no dead end at all, or at least one run that comes round to where it was; it
+                  cannot where no run has so many steps. One run into a dead end says neither
+dead ends         every state that a run comes to has a lawful next step (safeloc.proof.provers.dead_ends)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import z3
+
+from safeloc.codegen.smt import Unrolling
+from safeloc.language.expr import Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.proof.provers.dead_ends import LASTS, NO_RUN, lasts
+from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.recorded import Recording, lasting
+
+ASSUMPTION_STEPS = 5
+RECORDED_STEPS = 65  # of a recorded run that is to show how inputs move
+ROUND_STEPS = 250
+PATIENCE = 2  # how often the time limit of one search, for all groups of inputs together
+NO_DEAD_END = "every state that a run comes to has a lawful next step"
+
+
+def assumption_kept(
+    system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()
+) -> Iterator[Obligation]:
+    """A run under the assumption that moves, that it can be kept for ever, and that no run comes to a dead end."""
+    yield _moves(system, limits, recordings)
+    verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
+    yield Obligation("assumption lasts", LASTS, *_for_ever(system, limits, verdict))
+    yield Obligation("dead ends", NO_DEAD_END, verdict, how(verdict))
+
+
+def how(verdict: Verdict) -> str:
+    """How it was shown, or what was tried."""
+    match verdict:
+        case Proved(engine=engine, rechecked=rechecked):
+            return f"{engine}, re-checked by {' and '.join(rechecked)}"
+        case Violated(trace=None):
+            return "bounded search"
+        case Violated(engine=engine):
+            return f"{engine}: a run into a dead end, replayed in the interpreter"
+        case Unknown() | Vacuous():
+            return "witness functions, bounded search, k-induction, Spacer, falsifiers"
+
+
+# ------------------------------------------------------------------ a run that moves
+
+
+def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording]) -> Obligation:
+    statement = f"the assumption can be kept for {ASSUMPTION_STEPS} steps from the start, and not by standing still"
+    recorded = lasting(system, recordings, RECORDED_STEPS) if system.parts else None
+    if recorded is not None and _moved(recorded):
+        told = f"a recorded run of {len(recorded.steps)} steps in which {_moved(recorded)} inputs and ghosts change"
+        shown = Proved(None, "recorded", len(recorded.steps), ("interpreter",), witness=recorded)
+        return Obligation("assumption", statement, shown, told)
+    unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
+    solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(ASSUMPTION_STEPS)))
+    answer = _checked(solver, ends)
+    if answer != z3.sat:
+        return Obligation("assumption", statement, _no_run(answer, solver), "bounded search")
+    model, still = solver.model(), list[str]()
+    for var in _moving(system):
+        solver.push()
+        solver.add(z3.Or(*(step for step in _changes(unrolling, var))))
+        if _checked(solver, ends) == z3.sat:
+            model = solver.model()
+        else:
+            solver.pop()
+            still.append(var.name)
+    return Obligation("assumption", statement, *_shown(system, unrolling, model, still))
+
+
+def _moved(run: Trace) -> int:
+    """How many inputs take different values in the steps of a run."""
+    first = run.steps[0].inputs
+    return sum(any(step.inputs[name] != value for step in run.steps) for name, value in first.items())
+
+
+def _shown(
+    system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, still: Sequence[str]
+) -> tuple[Verdict, str]:
+    witness = _run(system, unrolling, model, ASSUMPTION_STEPS)
+    moving = "all inputs and ghosts change" if not still else f"all inputs and ghosts change but {', '.join(still)}"
+    if still and len(still) == len(list(_moving(system))):
+        return Unknown("found only runs in which no input and no ghost ever changes"), "bounded search"
+    return Proved(None, "bmc", ASSUMPTION_STEPS, ("interpreter",), witness=witness), f"one run in which {moving}"
+
+
+def _run(system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, steps: int) -> Trace:
+    stream: list[dict[str, Value]] = [unrolling.values(model, number, system.inputs) for number in range(steps)]
+    return admissible_run(system, unrolling.values(model, 0, system.state), stream)
+
+
+def _no_run(answer: z3.CheckSatResult, solver: z3.Solver) -> Verdict:
+    if answer == z3.unsat:
+        return Violated(None, "bmc", NO_RUN)
+    return Unknown(f"solver: {solver.reason_unknown()}")
+
+
+def _checked(solver: z3.Solver, ends: Deadline) -> z3.CheckSatResult:
+    solver.set("timeout", milliseconds(ends.left))
+    return solver.check()
+
+
+def _moving(system: TransitionSystem) -> Iterable[Var]:
+    return (*system.inputs, *(var for var in system.state if var in system.ghosts))
+
+
+def _changes(unrolling: Unrolling, var: Var) -> Iterator[z3.BoolRef | bool]:
+    for number in range(ASSUMPTION_STEPS - 1):
+        yield unrolling.at(var, number) != unrolling.at(var, number + 1)
+
+
+# ------------------------------------------------------------------ a run without end
+
+
+@dataclass(frozen=True)
+class Ended:
+    """No lawful run has so many steps."""
+
+    steps: int
+
+
+def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -> tuple[Verdict, str]:
+    """Whether some run goes on for ever, and how that was shown."""
+    match of_dead_ends:
+        case Proved() | Violated(trace=None):  # every run goes on; there is none
+            return of_dead_ends, how(of_dead_ends)
+    match comes_round(system, limits):
+        case Trace() as round_:
+            told = Proved(None, "bmc", len(round_.steps), ("interpreter",), witness=round_)
+            return told, "a run whose last state is an earlier one: it can be repeated"
+        case Ended(steps):
+            method = f"bounded search: no lawful run has {steps} steps"
+            ends = Violated(None, "bmc", f"no run keeps the assumption for {steps} steps")
+            return of_dead_ends if isinstance(of_dead_ends, Violated) else ends, method
+        case Unknown(reason, depth):
+            known = "some run comes to a dead end" if isinstance(of_dead_ends, Violated) else of_dead_ends.reason
+            return Unknown(f"{known}; {reason}", depth), "bounded search for a run that comes back to an earlier state"
+
+
+def comes_round(system: TransitionSystem, limits: Limits) -> Trace | Ended | Unknown:
+    """A lawful run whose last state is one that it has been in before, so that it can go on without end."""
+    unrolling, solver, ends = Unrolling(system), z3.Solver(), deadline(limits.seconds)
+    solver.set("random_seed", limits.seed)
+    solver.add(unrolling.initially())
+    for steps in range(1, ROUND_STEPS + 1):
+        solver.add(unrolling.transition(steps - 1))
+        solver.push()
+        solver.add(z3.Or(*(_same(unrolling, earlier, steps) for earlier in range(steps))))
+        answer = z3.unknown if ends.passed else _checked(solver, ends)
+        if answer == z3.sat:
+            return _run(system, unrolling, solver.model(), steps)
+        solver.pop()
+        if answer == z3.unknown:
+            return _none_comes_round(steps - 1)
+        if _worth_asking(steps) and _checked(solver, ends) == z3.unsat:
+            return Ended(steps)
+    return _none_comes_round(ROUND_STEPS)
+
+
+def _worth_asking(steps: int) -> bool:
+    """Whether to ask if there is a run at all: each time it has doubled, and in the end."""
+    return steps.bit_count() == 1 or steps == ROUND_STEPS
+
+
+def _none_comes_round(steps: int) -> Unknown:
+    return Unknown(f"no lawful run of at most {steps} steps comes back to an earlier state")
+
+
+def _same(unrolling: Unrolling, one: int, other: int) -> z3.BoolRef:
+    same: z3.BoolRef = z3.And(*(unrolling.at(var, one) == unrolling.at(var, other) for var in unrolling.system.state))  # pyright: ignore[reportAssignmentType] # no Probe here
+    return same

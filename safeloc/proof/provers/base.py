@@ -1,0 +1,183 @@
+"""What holds of a system before any property is asked: ranges of its variables and its declared lemmas.
+
+Both are PROVED, once per system, and then serve every property as hypotheses:
+
+    always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
+    facts   the other lemmas, and ranges of ghosts, under the assumption
+    kept    of a composition: what a machine assumes of those before it, in every step (safeloc.proof.provers.inherited)
+    heard   of a composition: the machines that hear no more than they may hear
+
+What a machine of a composition was proved to keep alone is not proved again. What is not inductive together with the rest, or not confirmed by cvc5, is dropped and named in `refuted`; it is
+never assumed.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import Bool, NumVar
+from safeloc.language.system import Part, TransitionSystem, environment, first_without_the_world, in_range
+from safeloc.language.terms import Substitution, variables
+from safeloc.proof.provers.facts import Fact, about, range_of
+from safeloc.proof.provers.implication import Failure, Undecided, unproved
+from safeloc.proof.provers.inherited import Alone, inherit
+from safeloc.proof.provers.limits import Deadline, deadline
+from safeloc.proof.provers.recheck import certify
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """Proved facts, what was dropped and why, and the texts that cvc5 has confirmed.
+
+    `seconds` is the time that was allowed: with more of it, what is undecided may yet be proved.
+    """
+
+    always: Mapping[Fact, Bool]
+    facts: Mapping[Fact, Bool]
+    refuted: Mapping[Fact, Failure]
+    certificates: Mapping[str, str]
+    seconds: float
+    kept: Mapping[Fact, Bool] = field(default_factory=dict)
+    heard: Sequence[str] = ()
+
+    @property
+    def everything(self) -> list[Bool]:
+        """All proved facts."""
+        return [*self.always.values(), *self.facts.values()]
+
+    def serves(self, seconds: float) -> bool:
+        """Whether trying again for so long could give no more."""
+        return seconds <= self.seconds or not any(isinstance(why, Undecided) for why in self.refuted.values())
+
+
+@dataclass(frozen=True, eq=False)
+class _Layer:
+    """Terms to be proved inductive together, on top of what is proved already.
+
+    first    what is known of the first state
+    allowed  what is known of every step
+    """
+
+    system: TransitionSystem
+    name: str
+    first: Bool
+    allowed: Bool
+    given: Sequence[Bool]
+    relies_on: Sequence[str]
+
+    def queries(self, kept: Mapping[Fact, Bool]) -> tuple[Query[Fact], Query[Fact]]:
+        """Initiation and consecution of the conjunction."""
+        system, after = self.system, Substitution(dict(self.system.next))
+        first = [self.first, in_range(system.state), *self.given]
+        step = [self.allowed, *self.given, *kept.values()]
+        later = {key: after.bool(term) for key, term in kept.items()}
+        return self._query("start", first, dict(kept)), self._query("step", step, later)
+
+    def _query(self, when: str, hypotheses: Sequence[Bool], goals: Mapping[Fact, Bool]) -> Query[Fact]:
+        head = about(self.system, f"layer {when}", layer=self.name)
+        return Query(f"{self.system.name} {self.name} {when}", hypotheses, goals, head)
+
+
+_KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDictionary()
+
+
+def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
+    """The system's proved base; computed once per system, and again only if more time could give more.
+
+    seconds  for the system, and of a composition for each of its machines as well
+    """
+    known = known_base(system, seconds)
+    if known is None:
+        known = _KNOWN[system] = _prove(system, seconds)
+    return known
+
+
+def known_base(system: TransitionSystem, seconds: float) -> Base | None:
+    """The base, if it is known and trying for so long could give no more."""
+    known = _KNOWN.get(system)
+    return known if known is not None and known.serves(seconds) else None
+
+
+def remember(system: TransitionSystem, known: Base) -> None:
+    """Keeps a base that another process has proved."""
+    _KNOWN[system] = known
+
+
+def _prove(system: TransitionSystem, seconds: float) -> Base:
+    own, hidden = _ranges(system, ghosts=False), _ranges(system, ghosts=True)
+    had = inherit(system, [_alone(part, seconds) for part in system.parts], seconds)
+    ends = deadline(seconds)
+    lemmas = {Fact("lemma", name): term for name, term in system.lemmas.items()}
+    free = {key: term for key, term in lemmas.items() if not set(variables([term])) & system.ghosts}
+    wanted = _without({**own, **free}, had.always)
+    always, texts, failed = _inductive(_board(system, had.always, list(had.certificates)), wanted, ends)
+    always |= had.always
+    rest = _without({**hidden, **lemmas}, {**always, **had.facts})
+    world = _world(system, {**always, **had.facts}, [*had.certificates, *texts])
+    facts, more_texts, refuted = _inductive(world, rest, ends)
+    refuted |= {key: why for key, why in failed.items() if key in own} | had.refuted
+    certificates = {**had.certificates, **texts, **more_texts}
+    return Base(always, {**had.facts, **facts}, refuted, certificates, seconds, had.kept, had.heard)
+
+
+def _alone(part: Part, seconds: float) -> Alone:
+    known = base(part.alone, seconds=seconds)
+    return Alone(known.always, known.facts, known.certificates)
+
+
+def _without(terms: Mapping[Fact, Bool], known: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
+    return {key: term for key, term in terms.items() if key not in known}
+
+
+def ranges_and_lemmas(system: TransitionSystem) -> dict[Fact, Bool]:
+    """All that is to be proved."""
+    ranges = {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True)}
+    return {**ranges, **{Fact("lemma", name): term for name, term in system.lemmas.items()}}
+
+
+def _ranges(system: TransitionSystem, *, ghosts: bool) -> dict[Fact, Bool]:
+    numeric = [var for var in system.state if isinstance(var, NumVar)]
+    return {range_of(var): in_range([var]) for var in numeric if (var in system.ghosts) == ghosts}
+
+
+def _board(system: TransitionSystem, known: Mapping[Fact, Bool], relies_on: Sequence[str]) -> _Layer:
+    """For all inputs in range, and whatever the environment is at the start: `initially` may speak of ghosts."""
+    first = first_without_the_world(system)
+    return _Layer(system, "always", first, environment(system, assume=False), list(known.values()), relies_on)
+
+
+def _world(system: TransitionSystem, always: Mapping[Fact, Bool], relies_on: Sequence[str]) -> _Layer:
+    return _Layer(system, "facts", system.init, environment(system), list(always.values()), relies_on)
+
+
+def _inductive(
+    layer: _Layer, terms: Mapping[Fact, Bool], ends: Deadline
+) -> tuple[dict[Fact, Bool], dict[str, str], dict[Fact, Failure]]:
+    """The greatest part that is inductive together, its texts, and what fell out."""
+    kept, refuted = dict(terms), dict[Fact, Failure]()
+    while kept:
+        both = layer.queries(kept)
+        failed = {key: why for query in both for key, why in unproved(query, ends.left).items()}
+        texts: dict[str, str] = {}
+        if not failed:
+            texts, failed = _confirmed(both, layer.relies_on, ends)
+        if not failed:
+            return kept, texts, refuted
+        refuted |= failed
+        kept = {key: term for key, term in kept.items() if key not in failed}
+    return {}, {}, refuted
+
+
+def _confirmed(
+    both: tuple[Query[Fact], Query[Fact]], relies_on: Sequence[str], ends: Deadline
+) -> tuple[dict[str, str], dict[Fact, Failure]]:
+    texts: dict[str, str] = {}
+    failed: dict[Fact, Failure] = {}
+    for query in both:
+        certificate = certify(query, seconds=ends.left, relies_on=relies_on)
+        texts[certificate.file] = certificate.text
+        failed |= {key: Undecided("cvc5 could not confirm it in time") for key in certificate.undecided}
+    return texts, failed

@@ -1,0 +1,74 @@
+"""Bounded search, one step at a time in one solver: finds the shortest violation or witness, proves nothing else."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import z3
+
+from safeloc.codegen.smt import Unrolling
+from safeloc.language.spec import Goal, Watch
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.proof.provers.evidence import confirmed
+from safeloc.proof.provers.limits import Limits
+
+
+@dataclass(frozen=True)
+class Exhausted:
+    """Nothing found: no run of up to `depth` steps breaks `good` (-1: not even that is known)."""
+
+    depth: int
+    reason: str
+
+
+def bmc(goal: Goal, limits: Limits) -> Verdict:
+    """Violated with a shortest trace, Proved for `reachable` with a shortest witness, else Unknown."""
+    found = search(goal, limits)
+    if isinstance(found, Exhausted):
+        return Unknown(found.reason, found.depth)
+    if goal.prop.kind == "reachable":
+        return Proved(None, "bmc", len(found.steps), ("interpreter",), witness=found)
+    return Violated(found, "bmc")
+
+
+def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
+    """The shortest run after which `good` fails."""
+    unrolling, solver = Unrolling(goal.system), z3.Solver()
+    solver.set("random_seed", limits.seed)
+    ends = time.monotonic() + limits.seconds
+    solver.add(unrolling.initially())
+    for depth in range(limits.depth + 1):
+        left = ends - time.monotonic()
+        if left <= 0:
+            return Exhausted(depth - 1, f"time limit of {limits.seconds:g} s")
+        solver.set("timeout", max(1, int(left * 1000)))
+        broken = z3.Not(unrolling.at(goal.good, depth))
+        solver.push()
+        solver.add(broken)
+        answer = solver.check()
+        if answer == z3.sat:
+            return confirmed(goal, *run_of(goal, unrolling, solver.model(), depth), "bmc")
+        if answer == z3.unknown:
+            return Exhausted(depth - 1, f"solver: {solver.reason_unknown()}")
+        solver.pop()
+        solver.add(z3.Not(broken), unrolling.transition(depth))
+    return Exhausted(limits.depth, f"depth limit of {limits.depth} steps")
+
+
+def run_of(
+    goal: Goal | Watch, unrolling: Unrolling, model: z3.ModelRef, depth: int
+) -> tuple[dict[str, int | bool], list[dict[str, int | bool]]]:
+    """First state and inputs of every step, read from a model."""
+    hidden = set(goal.observers)
+    first = unrolling.values(model, 0, [var for var in goal.system.state if var not in hidden])
+    return first, list(_inputs(goal, unrolling, model, depth))
+
+
+def _inputs(
+    goal: Goal | Watch, unrolling: Unrolling, model: z3.ModelRef, depth: int
+) -> Iterator[dict[str, int | bool]]:
+    for number in range(depth):
+        yield unrolling.values(model, number, goal.system.inputs)

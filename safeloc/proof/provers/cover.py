@@ -1,0 +1,199 @@
+"""States in which some known witness function finds lawful inputs; more are learned from states in which none does.
+
+The conditions on a step fall into groups that share no inputs, whose inputs can be chosen independently. A state is
+covered if in every group some witness function (safeloc.proof.provers.witness_functions) meets the group's conditions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from enum import Enum
+
+import z3
+
+from safeloc.codegen.smt import Terms, constant
+from safeloc.language.expr import Bool, NumVar, Var, all_of, any_of
+from safeloc.language.interpret import holds
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.terms import Substitution, variables
+from safeloc.proof.provers.implication import conjuncts
+from safeloc.proof.provers.limits import Deadline, milliseconds
+from safeloc.proof.provers.witness_functions import Generalisation, Witness, at_rest, constants
+
+FIRST_SECONDS = 3.0  # for one question; what takes longer with one seed is often quick with another
+State = Mapping[Var, Value]
+
+
+class Learned(Enum):
+    """What came of a state that was not covered."""
+
+    COVERED = "more witness functions: it is covered now"
+    DEAD = "no inputs are lawful in it"
+    UNDECIDED = "the solver did not decide in time whether every state is covered, or can be"
+
+
+class Group:
+    """Conditions on some of the inputs, and the witness functions that are known for these."""
+
+    def __init__(self, inputs: Sequence[Var], condition: Bool) -> None:
+        self.inputs, self.condition = tuple(inputs), condition
+        self._rest = at_rest(inputs)
+        self._general = Generalisation(condition, self.inputs)
+        self.met: list[Bool] = []
+        self.witnesses: list[Witness] = []
+        self._add(constants(self._rest))
+
+    def _add(self, witness: Witness) -> None:
+        self.met.append(Substitution(dict(witness)).bool(self.condition))
+        self.witnesses.append(witness)
+
+    @property
+    def covered(self) -> Bool:
+        """Some witness function meets the conditions; over state."""
+        return any_of(self.met)
+
+    def learn(self, state: State, seconds: float) -> Learned:
+        """Adds witness functions until this state is covered, if any inputs are lawful in it."""
+        if holds(self.covered, state):
+            return Learned.COVERED
+        inputs = _lawful(self.condition, self.inputs, state, self._rest, seconds)
+        if isinstance(inputs, Learned):
+            return inputs
+        for eager in (True, False):
+            self._add(self._general.witness(state, inputs, eager=eager))
+            if holds(self.met[-1], state):
+                return Learned.COVERED
+            self.met.pop()
+            self.witnesses.pop()
+        self._add(constants(inputs))
+        return Learned.COVERED
+
+
+def _lawful(
+    condition: Bool, inputs: Sequence[Var], state: State, rest: State, seconds: float
+) -> dict[Var, Value] | Learned:
+    """Lawful inputs in this state, as many of them at rest as can easily be found."""
+    named = {var: constant(var) for var in inputs}
+    known = {var: z3.IntVal(value) if isinstance(var, NumVar) else z3.BoolVal(value) for var, value in state.items()}
+    solver, asked = z3.Solver(), Terms({**known, **named})
+    solver.set("timeout", milliseconds(seconds))
+    solver.add(z3.simplify(asked.bool(condition)))  # with the state's values in it little is left to solve
+    wishes = {var: z3.FreshBool("rest") for var in inputs}
+    solver.add(*(z3.Implies(wish, named[var] == rest[var]) for var, wish in wishes.items()))
+    wished = {str(wish): wish for wish in wishes.values()}
+    given_up: dict[str, z3.BoolRef] = {}
+    while (answer := solver.check(*wished.values())) == z3.unsat:
+        core = {str(part) for part in solver.unsat_core()}
+        if not core:
+            return Learned.DEAD
+        given_up |= {name: wished.pop(name) for name in core}
+    if answer != z3.sat:
+        return Learned.UNDECIDED
+    model = solver.model()
+    for name, wish in given_up.items():
+        if solver.check(*wished.values(), wish) == z3.sat:
+            wished[name], model = wish, solver.model()
+    return {var: value_of(model, term) for var, term in named.items()}
+
+
+def value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
+    """The model's value of a term."""
+    value = model.eval(term, model_completion=True)
+    return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
+
+
+class Cover:
+    """The groups of a system's inputs, with what is known for each of them."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self.groups = list(_groups(system))
+
+    @property
+    def covered(self) -> Bool:
+        """In every group some witness function meets the conditions."""
+        return all_of(group.covered for group in self.groups)
+
+    def learn(self, state: State, seconds: float) -> Learned:
+        """Covers a state if it can be; what is the matter with the first group that cannot be covered in it, if not."""
+        for group in self.groups:
+            found = group.learn(state, seconds)
+            if found is not Learned.COVERED:
+                return found
+        return Learned.COVERED
+
+    def goals(self) -> dict[str, Bool]:
+        """One goal a group: some witness function meets its conditions."""
+        many = len(self.groups) > 1
+        return {
+            f"a lawful step, group {number} of inputs" if many else "a lawful step": group.covered
+            for number, group in enumerate(self.groups, 1)
+        }
+
+
+def _groups(system: TransitionSystem) -> Iterator[Group]:
+    """The conditions on a step, those together that share inputs; what reads no input is a group without any."""
+    inputs = set(system.inputs)
+    parts = list(conjuncts(environment(system)))
+    read = [[var for var in variables([part]) if var in inputs] for part in parts]
+    leader = {var: var for var in system.inputs}
+    for shared in read:
+        for var in shared[1:]:
+            leader[_first(leader, var)] = _first(leader, shared[0])
+    members: dict[Var | None, list[Bool]] = {}
+    for part, shared in zip(parts, read, strict=True):
+        members.setdefault(_first(leader, shared[0]) if shared else None, []).append(part)
+    for head, conditions in members.items():
+        yield Group([var for var in system.inputs if _first(leader, var) is head], all_of(conditions))
+
+
+def _first(leader: Mapping[Var, Var], var: Var) -> Var:
+    while leader[var] is not var:
+        var = leader[var]
+    return var
+
+
+def cover_facts(group: Group, facts: Sequence[Bool], ends: Deadline, seed: int) -> Learned:
+    """Learns until every state with these facts is covered in this group, or one is found that cannot be."""
+    asked = _Asked(group, facts, seed)
+    while True:
+        answer = asked.uncovered(ends)
+        if answer != z3.sat:
+            return Learned.COVERED if answer == z3.unsat else Learned.UNDECIDED
+        found = group.learn(asked.state(), ends.left)
+        if found is not Learned.COVERED:
+            return found
+
+
+class _Asked:
+    """A solver that is asked for states that are not covered; after a while without an answer, another one is."""
+
+    def __init__(self, group: Group, facts: Sequence[Bool], seed: int) -> None:
+        self._group, self._facts, self._seed = group, facts, seed
+        self._named = {var: constant(var) for var in variables([*facts, group.condition])}
+        self._terms, self._patience = Terms(self._named), FIRST_SECONDS
+        self._begin()
+
+    def _begin(self) -> None:
+        self._solver, self._told = z3.Solver(), 0
+        self._solver.set("random_seed", self._seed)
+        self._solver.add(*(self._terms.bool(fact) for fact in self._facts))
+
+    def uncovered(self, ends: Deadline) -> z3.CheckSatResult:
+        """Whether there is a state with the facts that no known witness function covers."""
+        while not ends.passed:
+            new = self._group.met[self._told :]
+            self._solver.add(*(z3.Not(self._terms.bool(met)) for met in new))
+            self._told += len(new)
+            self._solver.set("timeout", milliseconds(min(self._patience, ends.left)))
+            answer = self._solver.check()
+            if answer != z3.unknown:
+                return answer
+            self._seed, self._patience = self._seed + 1, self._patience * 1.5
+            self._begin()
+        return z3.unknown
+
+    def state(self) -> State:
+        """The state that was found."""
+        model, inputs = self._solver.model(), set(self._group.inputs)
+        return {var: value_of(model, term) for var, term in self._named.items() if var not in inputs}

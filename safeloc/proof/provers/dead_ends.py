@@ -1,0 +1,333 @@
+"""That every state a run comes to has a lawful next step: proved by rules that find one, or refuted by a run into a dead end.
+
+covered    some known witness function finds lawful inputs (safeloc.proof.provers.cover); a term over state
+proved     every state with the proved facts is covered; or `covered` is kept by every step, as a property is proved
+refuted    a run to a state in which no inputs are lawful: by bounded search, by long lawful runs, or recorded
+
+A state that is not covered but has lawful inputs only shows that a witness function is missing: it is learned, and the
+search goes on. No proof relies on where witness functions come from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import z3
+
+from safeloc.codegen.smt import Unrolling
+from safeloc.codegen.smtlib import Query, to_smtlib
+from safeloc.errors import InputError
+from safeloc.language.expr import TRUE, Bool, all_of
+from safeloc.language.interpret import start, step
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Property, always, observe
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.proof.provers.base import Base, base, remember
+from safeloc.proof.provers.cover import Cover, Group, Learned, State, cover_facts
+from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.provers.facts import about
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.given import EMPTY
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.proof.provers.recheck import ENGINE, certify, file_name
+from safeloc.proof.provers.recorded import Recording, lawful_part
+from safeloc.proof.provers.spacer import spacer
+
+LASTS = "the assumption can be kept for ever"
+NO_RUN = "no run keeps the assumption: every proof under it would be empty"
+SHALLOW, DEEPEST = 5, 160  # steps of bounded search: before induction, and after it where time allows
+DIRECT, INDUCTION, SEARCH, INVARIANT = 0.6, 0.4, 0.5, 0.5  # shares of the time that is left when their turn comes
+LEAST_SECONDS = 0.05
+
+Inputs = Mapping[str, Value]
+
+
+def lasts(
+    system: TransitionSystem,
+    limits: Limits,
+    recordings: Sequence[Recording] = (),
+    *,
+    of: Property | None = None,
+) -> Verdict:
+    """Whether every state that a run comes to, the first ones included, has inputs that keep the system's assumption.
+
+    Proved: with certificates. Violated: with a run into a dead end, or without one where no run begins. Unknown: neither.
+    `of` is the property whose further assumption is part of it, where it is.
+    """
+    search = _Search(system, base(system, seconds=limits.seconds), limits, of, tuple(recordings))
+    for look in search.engines():
+        if look is not None:
+            return look
+    return Unknown("; ".join(search.said), search.depth)
+
+
+@dataclass(eq=False)
+class _Search:
+    """What is known so far of a system's dead ends."""
+
+    system: TransitionSystem
+    known: Base
+    limits: Limits
+    of: Property | None
+    recordings: tuple[Recording, ...]
+    said: list[str] = field(default_factory=list)
+    depth: int = -1
+    cover: Cover = field(init=False)
+    open: list[Group] = field(init=False)
+    texts: dict[str, str] = field(default_factory=dict)
+    ends: Deadline = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.cover = Cover(self.system)
+        self.open = list(self.cover.groups)
+        self.ends = deadline(self.limits.seconds)
+
+    def engines(self) -> Iterator[Verdict | None]:
+        """One look after the other: a verdict, or None where it does not decide."""
+        yield self._beginning()
+        yield self._facts()
+        steps = _Steps(self.system, self.limits.seed)
+        yield self._bounded(steps, SHALLOW, self._share(SEARCH))
+        yield self._recorded()
+        yield self._induction(self._share(INDUCTION))
+        yield self._bounded(steps, max(self.limits.depth, DEEPEST), self._share(SEARCH))
+        yield self._invariant()
+        yield self._runs()
+
+    @property
+    def name(self) -> str:
+        """What is to be shown, as certificates are called."""
+        return f"{self.of.name}: what it is given can be kept for ever" if self.of else LASTS
+
+    def _share(self, part: float) -> Deadline:
+        return deadline(self.ends.left * part)
+
+    def _some(self, part: float = 1.0) -> Limits:
+        return replace(self.limits, seconds=max(LEAST_SECONDS, self.ends.left * part))
+
+    def _learn(self, state: State) -> Learned:
+        return self.cover.learn(state, max(LEAST_SECONDS, self.ends.left))
+
+    def _goal(self) -> Goal:
+        """That what is not settled yet is covered in every state. Such terms carry no units: nobody could declare them."""
+        return replace(observe(self.system, always(self.name, TRUE)), good=self._covered())
+
+    def _covered(self) -> Bool:
+        return all_of(group.covered for group in self.open)
+
+    def _beginning(self) -> Verdict | None:
+        """Some first state there is, and from some first state a lawful step."""
+        unrolling, solver = Unrolling(self.system), z3.Solver()
+        solver.set("timeout", milliseconds(self.ends.left))
+        solver.add(unrolling.initially(), unrolling.transition(0))
+        answer = solver.check()
+        if answer == z3.unknown:
+            self.said.append(f"the first step: solver: {solver.reason_unknown()}")
+        return Violated(None, "bmc", NO_RUN) if answer == z3.unsat else None
+
+    # -------------------------------------------------------------- every state with the proved facts
+
+    def _facts(self) -> Verdict | None:
+        """Every state with the proved facts is covered, group by group."""
+        ends = self._share(DIRECT)
+        came = [(group, cover_facts(group, self.known.everything, ends, self.limits.seed)) for group in self.open]
+        unsure = self._confirm([group for group, learned in came if learned is Learned.COVERED])
+        self.open = [group for group, learned in came if learned is not Learned.COVERED or group in unsure]
+        self.said += [f"from the proved facts: {why}" for why in sorted({one.value for _, one in came} - _FINE)]
+        self.said += ["cvc5 could not confirm in time that every state is covered"] if unsure else []
+        if self.open:
+            return None
+        texts = {**self.known.certificates, **self.texts, **self._witnesses()}
+        return Proved(None, "witness functions", 1, (ENGINE,), texts)
+
+    def _witnesses(self) -> dict[str, str]:
+        """The witness functions as a text of their own: what is covered names none, and whoever checks it asks for them."""
+        told = {
+            f"{place}.{number}": witness
+            for place, group in enumerate(self.cover.groups, 1)
+            for number, witness in enumerate(group.witnesses, 1)
+        }
+        head = about(self.system, "witnesses", **self._of())
+        text = to_smtlib(Query[str](f"{self.system.name} {self.name}, by what", [], {}, head, told))
+        return {file_name(f"{self.system.name} {self.name}, by what", text): text}
+
+    def _of(self) -> dict[str, str]:
+        return {"property": self.of.name} if self.of else {}
+
+    def _confirm(self, groups: Sequence[Group]) -> list[Group]:
+        """Keeps the certificate of those groups that cvc5 confirms; the others."""
+        if not groups:
+            return []
+        named = {f"a lawful step, inputs {number}": group for number, group in enumerate(groups, 1)}
+        goals = {name: group.covered for name, group in named.items()}
+        head = about(self.system, "lasts", **self._of())
+        query = Query(f"{self.system.name} {self.name}", self.known.everything, goals, head)
+        made = certify(query, seconds=self.limits.seconds, relies_on=list(self.known.certificates))
+        unsure = [named[name] for name in made.undecided]
+        if not unsure:
+            self.texts[made.file] = made.text
+            return []
+        return unsure + self._confirm([group for group in groups if group not in unsure])
+
+    # -------------------------------------------------------------- every state that runs come to
+
+    def _induction(self, ends: Deadline) -> Verdict | None:
+        """That what is not settled is covered, by induction over some steps."""
+        for k in range(1, self.limits.induction + 1):
+            learned = self._inductive(k, ends)
+            if learned is Learned.COVERED:
+                return self._proved(kinduction(self._goal(), self._some(INDUCTION)))
+            if learned is Learned.UNDECIDED:
+                break
+        self.said.append(f"not shown by {self.limits.induction}-induction")
+        return None
+
+    def _inductive(self, k: int, ends: Deadline) -> Learned:
+        """Whether after k covered states comes a covered one; learns as long as that helps."""
+        unrolling = Unrolling(self.system)
+        given = [all_of([*self.known.everything, *self.known.kept.values()])] * k
+        steps = [part for at, term in enumerate(given) for part in (unrolling.at(term, at), unrolling.transition(at))]
+        while not ends.passed:
+            covered, solver = self._covered(), z3.Solver()
+            solver.set("timeout", milliseconds(ends.left))
+            solver.add(*steps, *(unrolling.at(covered, at) for at in range(k)))
+            solver.add(z3.Not(unrolling.at(covered, k)))
+            answer = solver.check()
+            if answer != z3.sat:
+                return Learned.COVERED if answer == z3.unsat else Learned.UNDECIDED
+            learned = self._learn(_state(unrolling, solver.model(), k))
+            if learned is not Learned.COVERED:
+                return learned
+        return Learned.UNDECIDED
+
+    def _invariant(self) -> Verdict | None:
+        return self._proved(spacer(self._goal(), self._some(INVARIANT)))
+
+    def _proved(self, verdict: Verdict) -> Verdict | None:
+        """The proof with what was settled before; None if it is none."""
+        if isinstance(verdict, Proved):
+            return replace(verdict, certificates={**self.texts, **verdict.certificates, **self._witnesses()})
+        self.said.append(getattr(verdict, "reason", ""))
+        return None
+
+    # -------------------------------------------------------------- a run into a dead end
+
+    def _bounded(self, steps: _Steps, depth: int, ends: Deadline) -> Verdict | None:
+        """The shortest run into a dead end of at most so many steps."""
+        while steps.depth < depth and not ends.passed:
+            model = steps.uncovered(self._covered(), ends)
+            if model is None:
+                if steps.stuck:
+                    break
+                continue
+            learned = self._learn(_state(steps.unrolling, model, steps.depth + 1))
+            if learned is Learned.DEAD:
+                return self._dead_end(*steps.run(model), "bmc")
+            if learned is Learned.UNDECIDED:
+                break
+        self.depth = steps.depth
+        self.said.append(f"no dead end in {steps.depth} steps")
+        return None
+
+    def _recorded(self) -> Verdict | None:
+        """A recorded run whose last lawful state is a dead end."""
+        for recording in self.recordings:
+            first, stream = lawful_part(self.system, recording)
+            if self.ends.passed:
+                break
+            if stream and self._learn(_after(self.system, first, stream)) is Learned.DEAD:
+                return self._dead_end(first, stream, "recorded")
+        return None
+
+    def _runs(self) -> Verdict | None:
+        """Long lawful runs, as the falsifier makes them."""
+        while not self.ends.passed:
+            try:
+                found = falsify(self._goal(), self._some())
+            except InputError as error:
+                self.said.append(f"falsify: {error}")
+                return None
+            if not isinstance(found, Violated) or found.trace is None:
+                self.said.append(getattr(found, "reason", ""))
+                return None
+            first, stream = found.trace.initial, [one.inputs for one in found.trace.steps]
+            learned = self._learn(_after(self.system, first, stream))
+            if learned is Learned.DEAD:
+                return self._dead_end(first, stream, found.engine)
+            if learned is Learned.UNDECIDED:
+                break
+        return None
+
+    def _dead_end(self, first: Inputs, stream: Sequence[Inputs], engine: str) -> Verdict:
+        after = f"after these {len(stream)} steps" if stream else "in this first state"
+        why = f"{after} no inputs keep the assumption: what comes later is proved of nothing"
+        return Violated(admissible_run(self.system, first, stream), engine, why)
+
+
+_FINE = {Learned.COVERED.value}
+
+
+class _Steps:
+    """Bounded search that goes on where it left off; `depth` steps were searched completely."""
+
+    def __init__(self, system: TransitionSystem, seed: int) -> None:
+        self.unrolling, self._solver = Unrolling(system), z3.Solver()
+        self._solver.set("random_seed", seed)
+        self._solver.add(self.unrolling.initially())
+        self.depth, self.stuck = -1, False
+
+    def uncovered(self, covered: Bool, ends: Deadline) -> z3.ModelRef | None:
+        """A run of depth + 1 steps to a state that is not covered; None where there is none, or it is not decided."""
+        self._solver.set("timeout", milliseconds(ends.left))
+        self._solver.push()
+        self._solver.add(z3.Not(self.unrolling.at(covered, self.depth + 1)))
+        answer = self._solver.check()
+        model = self._solver.model() if answer == z3.sat else None
+        self._solver.pop()
+        self.stuck = bool(answer == z3.unknown)
+        if answer == z3.unsat:
+            self.depth += 1
+            self._solver.add(self.unrolling.transition(self.depth))
+        return model
+
+    def run(self, model: z3.ModelRef) -> tuple[dict[str, Value], list[dict[str, Value]]]:
+        """First state and inputs of every step of a run that was found."""
+        system = self.unrolling.system
+        stream = [self.unrolling.values(model, number, system.inputs) for number in range(self.depth + 1)]
+        return self.unrolling.values(model, 0, system.state), stream
+
+
+def _state(unrolling: Unrolling, model: z3.ModelRef, at: int) -> State:
+    named = unrolling.values(model, at, unrolling.system.state)
+    return {var: named[var.name] for var in unrolling.system.state}
+
+
+def _after(system: TransitionSystem, first: Inputs, stream: Sequence[Inputs]) -> State:
+    state = start(system, first)
+    for record in stream:
+        state, _ = step(system, state, {var: record[var.name] for var in system.inputs})
+    return state
+
+
+# ------------------------------------------------------------------ what a property is given besides
+
+
+def given_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verdict:
+    """A proof under a further assumption, if that can be kept for ever; else Vacuous, or Unknown where it is not decided."""
+    if goal.prop.given is TRUE:
+        return proved
+    known = base(goal.original, seconds=limits.seconds)
+    remember(goal.plain, replace(known, facts={}, kept={}) if goal.prop.unconditional else known)
+    verdict = lasts(goal.plain, limits, of=goal.prop)
+    match verdict:
+        case Proved(certificates=certificates):
+            return replace(proved, certificates={**proved.certificates, **certificates})
+        case Violated(trace=None):
+            return Vacuous(EMPTY)
+        case Violated(trace=trace, reason=reason):
+            return Vacuous(f"what the property is given comes to an end: {reason}", trace)
+        case _:
+            return Unknown(f"proved, but not known whether what it is given can be kept for ever: {verdict.reason}")

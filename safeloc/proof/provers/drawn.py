@@ -1,0 +1,103 @@
+"""What is known to happen, because a drawn run shows it: most of what a machine does comes in a few steps of any stream.
+
+Runs are drawn as the property tests draw them (safeloc.proof.runs.profiles), on generated code; each that comes to something new
+is replayed in the interpreter. Drawing goes on as long as it pays.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+
+from safeloc.language.expr import Var
+from safeloc.language.interpret import start
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, watch
+from safeloc.language.system import environment
+from safeloc.language.trace import Trace
+from safeloc.proof.provers.evidence import confirmed
+from safeloc.proof.runs.allowed import compiled_terms
+from safeloc.proof.runs.lawful import NoFirstStateError, Repair, first_state
+from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
+
+LENGTHS = (5, 5, 5, 15, 15, 40)
+"""Steps of one run after the other, short ones first, so that what comes early is shown by a short run."""
+STRETCH = 8
+IDLE = 5
+"""Rounds of such runs without anything new, after which drawing has ceased to pay."""
+
+
+def drawn(goals: Sequence[Goal], seed: int = 0) -> dict[Goal, Trace]:
+    """A run to each goal that some drawn run comes to; all goals are of one system and one assumption.
+
+    Where the goals rely on no assumption, half of the runs keep that of the system until a fault is thrown in.
+    """
+    found: dict[Goal, Trace] = {}
+    if not goals:
+        return found
+    draw, idle = _Draw(goals, seed), 0
+    with suppress(NoFirstStateError):
+        while draw.left and idle < IDLE:
+            idle += 1
+            for length in LENGTHS:
+                new = draw.run(length)
+                found |= new
+                idle = 0 if new else idle
+    return found
+
+
+class _Draw:
+    """Drawn runs of a system under the observers of goals; `left` are the goals that no run came to, by place."""
+
+    def __init__(self, goals: Sequence[Goal], seed: int) -> None:
+        self._watched = watch(goals[0].plain, goals)
+        system = self._watched.system
+        self.left = dict(enumerate(self._watched.goals))
+        self._draw = random.Random(seed)
+        self._plain, self._free = goals[0].plain, goals[0].prop.unconditional
+        self._repair = Repair(goals[0].original)
+        self._step = compiled_terms((*system.state, *system.inputs), [environment(system), *system.next.values()])
+        self._goods = compiled_terms(system.state, [goal.good for goal in self._watched.goals])
+
+    def run(self, length: int) -> dict[Goal, Trace]:
+        """The goals that one more run comes to, each with its run."""
+        first = first_state(self._plain, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.5)))
+        faulty = self._free and self._draw.random() < 0.5
+        stream = list[dict[str, Value]]()
+        found: dict[Goal, Trace] = {}
+        for values in self._states(first, length, stream, faulty=faulty):
+            goods = self._goods([values[var] for var in self._watched.system.state])
+            for place in [place for place in self.left if not goods[place]]:
+                goal = self.left.pop(place)
+                found[goal] = confirmed(goal, first, list(stream), "a drawn run")
+        return found
+
+    def _states(
+        self, first: Mapping[str, Value], length: int, stream: list[dict[str, Value]], *, faulty: bool
+    ) -> Iterator[dict[Var, Value]]:
+        """One state after the other; `stream` holds the inputs up to it."""
+        system, plain = self._watched.system, self._plain
+        values = start(system, first)
+        yield values
+        profile = self._profile(PLAUSIBLE)
+        breaks = self._draw.randrange(length) if self._free else length
+        for number in range(length):
+            if number % STRETCH == 0 or number == breaks:
+                profile = self._profile(FAULTY if faulty or number >= breaks else PLAUSIBLE)
+            inputs: dict[Var, Value] | None = profile.inputs(values)
+            if not faulty and number < breaks and inputs is not None:
+                inputs = self._repair.mend(values, inputs, profile.draw, profile.pick)
+            if inputs is None:
+                continue
+            row = [values[var] for var in system.state]
+            allowed, *after = self._step([*row, *(inputs[var] for var in plain.inputs)])
+            if not allowed:
+                return
+            values = dict(zip(system.next, after, strict=True))
+            stream.append({var.name: value for var, value in inputs.items()})
+            yield values
+
+    def _profile(self, kinds: Sequence[str]) -> Profile:
+        lean = random.Random(self._draw.random()) if self._draw.random() < 0.5 else None
+        return Profile(self._plain, self._draw.choice(kinds), random.Random(self._draw.random()), lean)

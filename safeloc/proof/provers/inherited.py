@@ -1,0 +1,137 @@
+"""Assume-guarantee: what a machine keeps alone it keeps in a composition, wherever the others keep what it assumes.
+
+Machine by machine, in the order of the step:
+
+    heard  what comes through its wires is in range: proved of the whole; then what the machine keeps for all inputs holds
+    owed   what it assumes, where the machines before it owe that: proved of the whole, from what is known of those
+           machines before AND after the step; then what the machine keeps under its assumption holds
+
+Nothing is used of a machine before it is proved, and a machine's own proof never uses a later machine. What a whole owes
+and does not keep leaves the machine's facts to be proved jointly, as if nothing were known of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.composition import lemma_name
+from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.language.spec import Property, always
+from safeloc.language.system import Part, TransitionSystem, environment
+from safeloc.language.terms import Substitution
+from safeloc.proof.provers.facts import Fact, about, heard_by, owed_to, range_of
+from safeloc.proof.provers.implication import Failure, Undecided, conjuncts, unproved
+from safeloc.proof.provers.limits import deadline
+from safeloc.proof.provers.recheck import certify
+from safeloc.proof.provers.relevance import Relevance
+
+PATIENCE = 3  # a contract speaks of several machines at once, and without it nothing of its machine is known
+
+
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """What a machine keeps by itself, over its own state: for all inputs, and under its assumption."""
+
+    always: Mapping[Fact, Bool]
+    facts: Mapping[Fact, Bool]
+    certificates: Mapping[str, str]
+
+
+@dataclass(eq=False)
+class Inherited:
+    """What the whole has from its machines; `kept` is what they assume, over state before the step and inputs.
+
+    `heard` names the machines that were shown to hear no more than they may hear.
+    """
+
+    always: dict[Fact, Bool] = field(default_factory=dict)
+    facts: dict[Fact, Bool] = field(default_factory=dict)
+    kept: dict[Fact, Bool] = field(default_factory=dict)
+    certificates: dict[str, str] = field(default_factory=dict)
+    refuted: dict[Fact, Failure] = field(default_factory=dict)
+    heard: list[str] = field(default_factory=list)
+
+
+def contracts(system: TransitionSystem) -> dict[Fact, Bool]:
+    """What the machines of a composition owe each other; over the state before a step and its inputs."""
+    return {owed_to(part): part.owed for part in system.parts if part.owed is not TRUE}
+
+
+def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]:
+    """The same as properties of the whole."""
+    return [(key, always(str(key), _before_the_step(system, term))) for key, term in contracts(system).items()]
+
+
+def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
+    twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
+    return Substitution(twins).bool(term)
+
+
+def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) -> Inherited:
+    """What the whole has from its machines, in order; each may take so many seconds, its contract some times that."""
+    found, proof = Inherited(), _Proof(system)
+    for part, own in zip(system.parts, alone, strict=True):
+        proof.ends = deadline(seconds * PATIENCE)
+        found.certificates |= own.certificates
+        heard = proof.confirm(heard_by(part), part.heard, found, always=True)
+        if heard:
+            found.heard.append(part.name)
+            found.always |= _renamed(part, own.always)
+        owed = heard and proof.confirm(owed_to(part), part.owed, found, always=False)
+        if owed:
+            found.facts |= _renamed(part, own.facts)
+            found.kept |= {} if part.owed is TRUE else {owed_to(part): part.owed}
+    return found
+
+
+def _renamed(part: Part, facts: Mapping[Fact, Bool]) -> dict[Fact, Bool]:
+    """Facts of a machine, as the whole names them."""
+    ranges = {range_of(var): range_of(_twin(part, var)) for var in part.alone.state if isinstance(var, NumVar)}
+    return {
+        ranges.get(key, Fact("lemma", lemma_name(part.machine, key.of))): part.into.bool(term)
+        for key, term in facts.items()
+    }
+
+
+def _twin(part: Part, var: NumVar) -> NumVar:
+    twin = part.into(var)
+    assert isinstance(twin, NumVar)
+    return twin
+
+
+class _Proof:
+    """Proves terms over a step of the whole, each from what is known of the machines it speaks of."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self._system, self.ends = system, deadline(0)
+        self._after, self._relevance = Substitution(dict(system.next)), Relevance(system)
+        self._free, self._lawful = environment(system, assume=False), environment(system)
+
+    def confirm(self, fact: Fact, term: Bool, found: Inherited, *, always: bool) -> bool:
+        """Whether the term holds in every step, by z3 and cvc5; what speaks against it goes into `refuted`."""
+        known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
+        states = [] if always else list(found.facts.values())
+        given = [self._free if always else self._lawful, *known]
+        given += [self._after.bool(one) for one in (*found.always.values(), *states)]
+        for number, goals in enumerate(self._alike(term), 1):
+            head = about(self._system, fact.kind, of=fact.of, group=number)
+            wanted = self._relevance.select(given, goals.values())
+            query = Query(f"{self._system.name} {fact} {number}", wanted, goals, head)
+            failed = unproved(query, self.ends.left)
+            if not failed:
+                certificate = certify(query, seconds=self.ends.left, relies_on=list(found.certificates))
+                found.certificates[certificate.file] = certificate.text
+                failed = {goal: Undecided("cvc5 could not confirm it in time") for goal in certificate.undecided}
+            if failed:
+                found.refuted[fact] = next(iter(failed.values()))
+                return False
+        return True
+
+    def _alike(self, term: Bool) -> list[dict[int, Bool]]:
+        """The parts of a term by number, those together that speak of the same machines."""
+        groups: dict[frozenset[int], dict[int, Bool]] = {}
+        for number, part in enumerate(conjuncts(term), 1):
+            groups.setdefault(self._relevance.machines([part]), {})[number] = part
+        return list(groups.values())

@@ -1,0 +1,115 @@
+"""k-induction: unbounded proofs, with the system's proved base as hypotheses.
+
+k = 1 keeps a one-step inductive invariant; k > 1 is certified by the base queries of 1 to k (that of k alone says nothing of
+a run that ends before) and its step query. Every text is re-checked by cvc5 before the verdict is Proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
+from safeloc.language.spec import Goal
+from safeloc.language.system import environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.verdict import Proved, Unknown, Verdict
+from safeloc.proof.provers.base import Base, base
+from safeloc.proof.provers.facts import about
+from safeloc.proof.provers.given import nothing_given
+from safeloc.proof.provers.implication import Undecided, conjuncts, unproved
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.recheck import ENGINE, certify
+
+
+def kinduction(goal: Goal, limits: Limits) -> Verdict:
+    """Proved, or Unknown: this engine finds no violations.
+
+    The invariant is the base and the goal; for k > 1 it is inductive over k steps, not over one. The re-check has the
+    time limit once more.
+    """
+    known, ends = base(goal.original, seconds=limits.seconds), deadline(limits.seconds)
+    if goal.original.parts and not goal.observers:
+        head = about(goal.original, "implied", property=goal.prop.name)
+        name = f"{goal.original.name} {goal.prop.name} of every state"
+        implied = Query(name, given_facts(goal, known), {"good": goal.good}, head)
+        if not unproved(implied, ends.left, limits.seed):
+            return _proved(goal, known, 1, (implied,), limits.seconds)
+    starts: list[Query[str]] = []
+    for k in range(1, limits.induction + 1):
+        start, later = queries(goal, known, k)
+        starts.append(start)
+        failed = unproved(start, ends.left, limits.seed)
+        if failed:
+            return Unknown(f"k = {k}, start: {next(iter(failed.values()))}", k - 2)
+        failed = unproved(later, ends.left, limits.seed)
+        if not failed:
+            return _proved(goal, known, k, (*starts, later), limits.seconds)
+        undecided = [str(why) for why in failed.values() if isinstance(why, Undecided)]
+        if undecided:
+            return Unknown(f"k = {k}: {undecided[0]}", k - 1)
+    return Unknown(f"not {limits.induction}-inductive with the proved ranges and lemmas", limits.induction - 1)
+
+
+def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], seconds: float) -> Verdict:
+    empty = nothing_given(goal, seconds)
+    if empty is not None:
+        return empty
+    made = [certify(query, seconds=seconds, relies_on=list(known.certificates)) for query in texts_of]
+    if any(one.undecided for one in made):
+        return Unknown(f"proved by {k}-induction in z3, but cvc5 could not confirm it in time", k - 1)
+    texts = {**known.certificates, **{one.file: one.text for one in made}}
+    invariant = all_of([*given_facts(goal, known), _wanted(goal)])
+    return Proved(invariant, f"{k}-induction", k, (ENGINE,), texts)
+
+
+def given_facts(goal: Goal, known: Base) -> list[Bool]:
+    """What may be used of the base: all of it, or only what needs no assumption if the property allows none."""
+    return list(known.always.values()) if goal.prop.unconditional else known.everything
+
+
+def _wanted(goal: Goal) -> Bool:
+    return all_of([goal.good, goal.helper, in_range(goal.observers)])
+
+
+def queries(goal: Goal, known: Base, k: int) -> tuple[Query[str], Query[str]]:
+    """Base: `good` in the first k states. Step: after k good states comes another. One question a conjunct."""
+    name = f"{goal.original.name} {goal.prop.name}"
+    kept = [] if goal.prop.unconditional else list(known.kept.values())
+    states, allowed = _unrolled(goal, kept, k)
+    hold = [state.bool(_wanted(goal)) for state in states]
+    given = given_facts(goal, known)
+    facts = [state.bool(term) for state in states[:-1] for term in given]
+    first = [goal.system.init, in_range(goal.system.state), *given, *allowed[:-1]]
+    early = {key: part for step in range(k) for key, part in _parts(f"good after {step} steps", hold[step])}
+    late = dict(_parts("good after the last step", hold[k]))
+    later = [*facts, *allowed, *hold[:k]]
+    start, step = (
+        about(goal.original, f"induction {when}", property=goal.prop.name, k=k) for when in ("start", "step")
+    )
+    return Query(f"{name} start", first, early, start), Query(f"{name} step", later, late, step)
+
+
+def _parts(name: str, term: Bool) -> list[tuple[str, Bool]]:
+    parts = list(conjuncts(term))
+    return [(name if len(parts) == 1 else f"{name}, part {number}", part) for number, part in enumerate(parts, 1)]
+
+
+def _unrolled(goal: Goal, kept: Sequence[Bool], k: int) -> tuple[list[Substitution], list[Bool]]:
+    """State 0 as it is, states 1 to k as terms over it and the steps' inputs, and what each step is allowed."""
+    system = goal.system
+    environment_ = all_of([environment(system), *kept])
+    now: dict[Var, Expr] = {}
+    states, allowed = [Substitution(now)], []
+    for number in range(k):
+        inputs: dict[Var, Expr] = {var: _numbered_input(var, number) for var in system.inputs} if number else {}
+        step = Substitution({**now, **inputs})
+        allowed.append(step.bool(environment_))
+        now = {var: step(term) for var, term in system.next.items()}
+        states.append(Substitution(now))
+    return states, allowed
+
+
+def _numbered_input(var: Var, number: int) -> NumVar | BoolVar:
+    return replace(var, name=f"{var.name}@{number}")

@@ -1,0 +1,39 @@
+"""That something happens in no run, where one look at a step did not show it: a run of it, a proof, or neither."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from safeloc.language.spec import Goal
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.reachability import first_runs
+from safeloc.proof.provers.spacer import spacer
+
+
+def never(goal: Goal, why: str, limits: Limits) -> Verdict:
+    """Violated with a run that comes to the goal (of kind `reachable`), Proved that none does, or Unknown.
+
+    why  what spoke against it in one step
+    """
+    [verdict] = none_happens({goal: why}, limits).values()
+    return verdict
+
+
+def none_happens(goals: Mapping[Goal, str], limits: Limits) -> dict[Goal, Verdict]:
+    """The same for several goals of one system and one assumption, whose runs are searched together."""
+    runs = first_runs(list(goals), limits)
+    return {
+        goal: Violated(runs.found[goal], "bmc", why) if goal in runs.found else _excluded(goal, why, runs.depth, limits)
+        for goal, why in goals.items()
+    }
+
+
+def _excluded(goal: Goal, why: str, depth: int, limits: Limits) -> Verdict:
+    for engine in (kinduction, spacer):
+        verdict = engine(goal, replace(limits, seconds=limits.seconds / 2))
+        if isinstance(verdict, Proved):
+            return replace(verdict, invariant=None)  # it speaks of observers that only this goal has
+    return Unknown(f"not shown for every state ({why}), and no run comes there; a lemma may be missing", depth)

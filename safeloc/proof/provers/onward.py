@@ -1,0 +1,119 @@
+"""What lies a few steps beside a recording: exact search from where a recorded run comes to something new.
+
+Some cases are too deep for a search from the first state, and no recording shows them, though one comes near: a fault in
+a mode that takes minutes to reach. From a known state one or two steps are a small question.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import z3
+
+from safeloc.codegen.smt import Unrolling
+from safeloc.language.expr import BoolVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
+from safeloc.proof.provers.evidence import confirmed
+from safeloc.proof.provers.limits import Deadline, milliseconds
+from safeloc.proof.provers.recorded import Recording, Replay, known_first
+
+FURTHER = 3
+MOST_STARTS = 80
+SECONDS_EACH = 2.0
+
+
+@dataclass(frozen=True)
+class _Start:
+    """The state after so many steps of a recording."""
+
+    recording: Recording
+    steps: int
+    state: Sequence[Value]
+
+
+def onward(
+    system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
+) -> dict[int, Trace]:
+    """Runs to goals, by number, that follow a recording and go on for a few steps; all goals rely on the same."""
+    found: dict[int, Trace] = {}
+    if not goals or not recordings:
+        return found
+    replay = Replay(system, goals)
+    relied = next(iter(goals.values())).system.assume
+    unrolling = Unrolling(replace(replay.watched, assume=relied))
+    for start in _starts(replay, recordings, ends):
+        left = {number: goal for number, goal in goals.items() if number not in found}
+        if ends.passed or not left:
+            break
+        suffix = _suffix(system, unrolling, replay.watched.state, start.state, list(left.values()), ends)
+        if suffix is not None:
+            names = {var.name for var in system.inputs}
+            recorded: list[Mapping[str, object]] = [
+                {k: v for k, v in one.items() if k in names} for one in start.recording.steps[: start.steps]
+            ]
+            for number, goal in left.items():
+                if _broken(goal, unrolling, suffix):
+                    first, stream = known_first(system, start.recording), [*recorded, *suffix.stream]
+                    found[number] = confirmed(goal, first, stream, "bmc")
+    return found
+
+
+def _starts(replay: Replay, recordings: Sequence[Recording], ends: Deadline) -> list[_Start]:
+    """States of the recordings in which modes and flags are as nowhere before them, the last ones first."""
+    own = len(replay.system.state)
+    labels = [place for place, var in enumerate(replay.watched.state[:own]) if _is_label(var)]
+    seen: dict[tuple[Value, ...], _Start] = {}
+    for recording in recordings:
+        for steps, (state, kept) in enumerate(replay.states(recording)):
+            if ends.passed or not all(kept):
+                break
+            seen.setdefault(tuple(state[place] for place in labels), _Start(recording, steps, state))
+    return list(reversed(seen.values()))[:MOST_STARTS]
+
+
+def _is_label(var: Var) -> bool:
+    return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
+
+
+@dataclass(frozen=True)
+class _Suffix:
+    """What a solver found: so many steps."""
+
+    model: z3.ModelRef
+    stream: list[dict[str, Value]]
+
+
+def _suffix(
+    system: TransitionSystem,
+    unrolling: Unrolling,
+    variables: Sequence[Var],
+    state: Sequence[Value],
+    goals: Sequence[Goal],
+    ends: Deadline,
+) -> _Suffix | None:
+    """The fewest steps from a state to one of the goals."""
+    solver = z3.Solver()
+    solver.set("timeout", milliseconds(min(SECONDS_EACH, ends.left)))
+    solver.add(*(unrolling.at(var, 0) == value for var, value in zip(variables, state, strict=True)))
+    for depth in range(1, FURTHER + 1):
+        solver.add(unrolling.transition(depth - 1))
+        solver.push()
+        solver.add(z3.Or(*(z3.Not(unrolling.at(goal.good, depth)) for goal in goals)))
+        answer = solver.check()
+        if answer == z3.sat:
+            model = solver.model()
+            return _Suffix(model, [unrolling.values(model, step, system.inputs) for step in range(depth)])
+        if answer == z3.unknown:
+            return None
+        solver.pop()
+    return None
+
+
+def _broken(goal: Goal, unrolling: Unrolling, suffix: _Suffix) -> bool:
+    good = unrolling.at(goal.good, len(suffix.stream))
+    return bool(z3.is_false(suffix.model.eval(good, model_completion=True)))

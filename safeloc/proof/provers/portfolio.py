@@ -1,0 +1,337 @@
+"""All engines together: k-induction first, bounded search, Spacer, then falsifiers; several properties in parallel.
+
+A property may take its time limit twice, once to be decided and once to be re-checked; then the clock ends it: each
+one has a process of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Literal, assert_never
+
+from safeloc.codegen.smtlib import Query
+from safeloc.errors import PropertyError
+from safeloc.language.composition import inherited_term
+from safeloc.language.expr import TRUE
+from safeloc.language.spec import Goal, Property, always, observe
+from safeloc.language.system import Part, TransitionSystem, in_range
+from safeloc.language.terms import alike, variables
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.proof.provers import antecedents
+from safeloc.proof.provers.base import Base, base, known_base, ranges_and_lemmas, remember
+from safeloc.proof.provers.bmc import Exhausted, bmc, search
+from safeloc.proof.provers.dead_ends import given_lasts
+from safeloc.proof.provers.evidence import confirmed
+from safeloc.proof.provers.facts import Fact, about, owed_to
+from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.implication import Undecided
+from safeloc.proof.provers.inherited import contract_properties, contracts
+from safeloc.proof.provers.kinduction import given_facts, kinduction
+from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.settle import Settled, settled
+from safeloc.proof.provers.spacer import spacer
+from safeloc.proof.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
+from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.results import Finding
+
+GRACE_SECONDS = 5.0
+INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
+OnFinding = Callable[[Finding], None]
+
+
+def prove_one(goal: Goal, limits: Limits) -> Verdict:
+    """The verdict of the first engine that decides; Unknown with the greatest depth any of them reached."""
+    if goal.prop.kind == "reachable":
+        return _reach(goal, limits)
+    ends, said, depth = deadline(limits.seconds), list[str](), -1
+    for name, engine, share in _ENGINES:
+        verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share)))
+        if isinstance(verdict, Proved):
+            return given_lasts(goal, verdict, limits)
+        if not isinstance(verdict, Unknown):
+            return verdict
+        said.append(f"{name}: {verdict.reason}")
+        depth = max(depth, verdict.depth)
+    return Unknown("; ".join(said), depth)
+
+
+_ENGINES: tuple[tuple[str, Callable[[Goal, Limits], Verdict], float], ...] = (
+    ("k-induction", kinduction, INDUCTION_SHARE),
+    ("bounded search", bmc, SEARCH_SHARE),
+    ("Spacer", spacer, SPACER_SHARE),
+    ("falsifiers", falsify, 1.0),
+)
+
+
+def _reach(goal: Goal, limits: Limits) -> Verdict:
+    """A witness, or a proof that there is none."""
+    half = replace(limits, seconds=limits.seconds / 2)
+    found = search(goal, half)
+    if not isinstance(found, Exhausted):
+        return Proved(None, "bmc", len(found.steps), ("interpreter",), witness=found)
+    never = kinduction(goal, half)
+    if isinstance(never, Proved):
+        return Violated(None, never.engine, f"no run comes there: proved by {never.engine}")
+    if isinstance(never, Vacuous):
+        return never
+    return Unknown(found.reason, found.depth)
+
+
+def prove(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    limits: Limits,
+    *,
+    jobs: int = 1,
+    on_finding: OnFinding | None = None,
+    recordings: Sequence[Recording] = (),
+) -> list[Finding]:
+    """A Finding for every declared lemma and every property, in order; `on_finding` is told of each as it comes.
+
+    The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. What `recordings`
+    show to happen need not be found by search. PropertyError if two properties share a name.
+    """
+    _check_names(properties)
+    known, seconds = proved_base(system, limits)
+    lemmas = [*_lemma_claims(system, known, seconds), *_contract_claims(system, known, seconds)]
+    claims = [*lemmas, *(_property_claim(system, prop) for prop in properties)]
+    findings: dict[int, Finding] = {}
+    for index, finding in _findings(claims, _Cases(system, properties, limits, recordings), jobs):
+        findings[index] = finding
+        if on_finding is not None:
+            on_finding(finding)
+    return [findings[index] for index in range(len(claims))]
+
+
+def _check_names(properties: Sequence[Property]) -> None:
+    """A report tells properties apart by name."""
+    seen: dict[str, Property] = {}
+    for prop in properties:
+        other = seen.setdefault(prop.name, prop)
+        if other is not prop:
+            raise PropertyError(
+                f"{prop.src}: property {prop.name!r} has the name of another one ({other.src}); rename one of them."
+            )
+
+
+# ------------------------------------------------------------------ the base
+
+
+def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
+    """The system's base, proved in a process that the clock ends; and the seconds it took."""
+    known = known_base(system, limits.seconds)
+    if known is not None:
+        return known, 0.0
+    work = partial(base, system, seconds=limits.seconds)
+    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits) * (1 + len(system.parts)))
+    [(_, packed, seconds)] = in_processes([task], 1)
+    terms = {**ranges_and_lemmas(system), **contracts(system)}
+    if isinstance(packed, Lost):
+        known = Base({}, {}, {name: Undecided(packed.reason) for name in terms}, {}, limits.seconds)
+    else:
+        known = unpack_base(packed, terms)
+    remember(system, known)
+    return known, seconds
+
+
+def _end(limits: Limits) -> float:
+    return 2 * limits.seconds + GRACE_SECONDS
+
+
+# ------------------------------------------------------------------ claims
+
+
+@dataclass(frozen=True, eq=False)
+class _Claim:
+    """A statement to be decided by `prover` in a process of its own, or decided already: `finding`."""
+
+    goal: Goal
+    kind: Literal["lemma", "property"]
+    prover: Callable[[Goal, Limits], Verdict]
+    finding: Finding | None = None
+
+
+def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
+    return _Claim(observe(system, prop), "property", prove_one if prop.kept_by is None else _kept_by_a_machine)
+
+
+def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
+    """What a machine keeps by itself, where it hears what it may hear and is owed what it assumes; else as of the whole."""
+    inherited = _inherited(goal)
+    if inherited is None:
+        return prove_one(goal, limits)
+    part, own = inherited
+    known = base(goal.original, seconds=limits.seconds)
+    free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
+    owed = free or part.owed is TRUE or owed_to(part) in known.kept
+    if not owed or part.name not in known.heard:
+        return prove_one(goal, limits)
+    first, half = _at_first(goal, known, limits), replace(limits, seconds=limits.seconds / 2)
+    verdict = prove_one(observe(part.alone, own), half) if not first.failed else None
+    if isinstance(verdict, Proved):
+        texts = {**known.certificates, **verdict.certificates, **first.texts}
+        return replace(verdict, invariant=None, engine=f"{verdict.engine} of {part.name} by itself", certificates=texts)
+    return prove_one(goal, half)
+
+
+def _inherited(goal: Goal) -> tuple[Part, Property] | None:
+    """The machine and its own property, where what is claimed of the whole is what that says of it, and nothing else."""
+    if goal.prop.kept_by is None:
+        return None
+    machine, own = goal.prop.kept_by
+    part = next((part for part in goal.original.parts if part.machine is machine), None)
+    plain = own.kind == goal.prop.kind == "always" and own.given is goal.prop.given is TRUE
+    if part is None or not plain or own.unconditional != goal.prop.unconditional:
+        return None
+    return (part, own) if alike(inherited_term(part.into, own), goal.prop.term) else None
+
+
+def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
+    """A property of steps becomes one of states where an input is wired, and is then required of the first state too."""
+    if goal.observers:
+        return Settled({}, {})
+    first = [goal.system.init, in_range(goal.system.state), *given_facts(goal, known)]
+    head = about(goal.original, "first state", property=goal.prop.name)
+    query = Query(f"{goal.original.name} {goal.prop.name} first state", first, {"good": goal.good}, head)
+    return settled(query, deadline(limits.seconds), list(known.certificates))
+
+
+def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
+    """Proved lemmas; for one that was dropped, a run that breaks it is searched."""
+    for name, term in system.lemmas.items():
+        goal, key = observe(system, always(name, term)), Fact("lemma", name)
+        if key in known.refuted:
+            yield _Claim(goal, "lemma", _breaking(f"not used: {known.refuted[key]}"))
+        else:
+            verdict = Proved(term, "1-induction", 1, (ENGINE,), known.certificates)
+            reach = "for all inputs in range" if key in known.always else "under the assumption"
+            method = f"1-induction, all lemmas together, {reach}, re-checked by {ENGINE}"
+            yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
+
+
+def _contract_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
+    """What machines of a composition owe each other; for what was not shown, a run that breaks it is searched."""
+    for key, prop in contract_properties(system):
+        goal = observe(system, prop)
+        if key in known.kept:
+            verdict = Proved(known.kept[key], "1-induction", 1, (ENGINE,), known.certificates)
+            method = f"assume-guarantee: what is known of the machines before it, re-checked by {ENGINE}"
+            yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
+        else:
+            why = known.refuted.get(key, "a machine before it does not keep what it should")
+            yield _Claim(goal, "lemma", _breaking(f"not shown: {why}"))
+
+
+def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:
+    def prover(goal: Goal, limits: Limits) -> Verdict:
+        found = bmc(goal, limits)
+        return Unknown(f"{why}; {found.reason}", found.depth) if isinstance(found, Unknown) else found
+
+    return prover
+
+
+@dataclass(frozen=True, eq=False)
+class _Cases:
+    """What the search for the cases that properties speak of has to know."""
+
+    system: TransitionSystem
+    properties: Sequence[Property]
+    limits: Limits
+    recordings: Sequence[Recording]
+
+    def task(self) -> Task | None:
+        """The search; None where all is known."""
+        return antecedents.search_task(self.system, self.properties, self.limits, self.recordings)
+
+    def remember(self, packed: Sequence[antecedents.Outcome] | Lost) -> None:
+        """Keeps what the search found."""
+        antecedents.remember(self.system, self.properties, self.limits, len(self.recordings), packed)
+
+    def judged(self, prop: Property, verdict: Verdict) -> Verdict:
+        """Vacuous in the place of Proved where a case never occurs."""
+        return antecedents.found(self.system, [prop]).judged(prop, verdict)
+
+
+def _findings(claims: Sequence[_Claim], cases: _Cases, jobs: int) -> Iterator[tuple[int, Finding]]:
+    """Findings as they come, with the place of their claim."""
+    yield from ((index, claim.finding) for index, claim in enumerate(claims) if claim.finding is not None)
+    open_ = [index for index, claim in enumerate(claims) if claim.finding is None]
+    search, tasks = cases.task(), [_task(claims[index], cases.limits) for index in open_]
+    first = [] if search is None else [search]
+    kept = list[tuple[int, Verdict, float]]()
+    searching = bool(first)
+    for number, packed, seconds in in_processes([*first, *tasks], jobs):
+        if first and number == 0:
+            cases.remember(packed)
+            searching = False
+            yield from ((index, _decided(claims[index], cases, verdict, took)) for index, verdict, took in kept)
+            continue
+        index = open_[number - len(first)]
+        verdict = _received(packed, claims[index].goal)
+        if searching and _waits(claims[index], verdict):
+            kept.append((index, verdict, seconds))
+        else:
+            yield index, _decided(claims[index], cases, verdict, seconds)
+
+
+def _waits(claim: _Claim, verdict: Verdict) -> bool:
+    """Whether the verdict depends on what occurs."""
+    return isinstance(verdict, Proved) and bool(antecedents.antecedents(claim.goal.prop))
+
+
+def _decided(claim: _Claim, cases: _Cases, verdict: Verdict, seconds: float) -> Finding:
+    method = _method(verdict)
+    judged = cases.judged(claim.goal.prop, verdict) if claim.kind == "property" else verdict
+    return _finding(claim.goal, claim.kind, judged, method, seconds)
+
+
+def _task(claim: _Claim, limits: Limits) -> Task:
+    goal = claim.goal
+    end = _end(limits) * (1 if goal.prop.given is TRUE else 2)  # what is given has to be shown to last as well
+    return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), end)
+
+
+def _received(packed: Packed | Lost, goal: Goal) -> Verdict:
+    """The verdict of another process; its trace is judged once more in this one."""
+    if isinstance(packed, Lost):
+        return Unknown(packed.reason)
+    verdict = unpack(packed, goal.plain, goal.system)
+    trace = verdict.trace if isinstance(verdict, Violated) else verdict.witness if isinstance(verdict, Proved) else None
+    if trace is not None:
+        confirmed(goal, trace.initial, [step.inputs for step in trace.steps], "the prover's process")
+    return verdict
+
+
+def _finding(goal: Goal, kind: Literal["lemma", "property"], verdict: Verdict, method: str, seconds: float) -> Finding:
+    prop, machine = goal.prop, goal.original.name
+    return Finding(
+        id=f"{machine}/{kind}/{prop.name}",
+        machine=machine,
+        kind=kind,
+        statement=prop.statement,
+        result=verdict,
+        method=method,
+        seconds=seconds,
+        requirements=prop.trace,
+        assumption=prop.relies_on,
+    )
+
+
+def _method(verdict: Verdict) -> str:
+    match verdict:
+        case Proved(engine=engine, rechecked=rechecked):
+            return f"{engine}, re-checked by {' and '.join(rechecked)}"
+        case Violated(engine=engine, trace=None):
+            return f"{engine}, re-checked by {ENGINE}"
+        case Violated(engine=engine):
+            return f"{engine}, replayed in the interpreter"
+        case Vacuous():
+            return "proved, and nothing by it"
+        case Unknown():
+            return "k-induction, bounded search, Spacer, falsifiers"
+        case _:
+            assert_never(verdict)

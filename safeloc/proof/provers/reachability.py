@@ -1,0 +1,308 @@
+"""What can happen at all: every mode and every transition.
+
+One incremental search serves all targets; a target found is a stream, replayed in the interpreter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import z3
+
+from safeloc.codegen.smt import Unrolling
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import Bool, Lit, NumVar, before, was
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Goal, Watch, observe, reachable, watch
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.proof.provers.base import Base, base
+from safeloc.proof.provers.bmc import run_of
+from safeloc.proof.provers.drawn import drawn
+from safeloc.proof.provers.evidence import confirmed
+from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Deadline, Limits, deadline, milliseconds
+from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.recorded import Recording, shown
+from safeloc.proof.provers.relevance import Relevance
+from safeloc.proof.provers.spacer import spacer
+
+# ------------------------------------------------------------------ search for many targets at once
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """The shortest run to each target that was found, and the number of steps that were searched completely."""
+
+    found: Mapping[Goal, Trace]
+    depth: int
+
+
+def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = ()) -> Runs:
+    """Shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
+
+    The search ends where all that is left is `known` to be reached.
+    """
+    if not goals:
+        return Runs({}, limits.depth)
+    watched = watch(goals[0].plain, goals)
+    unrolling, solver, found = Unrolling(watched.system), z3.Solver(), dict[Goal, Trace]()
+    ends = deadline(limits.seconds)
+    solver.set("random_seed", limits.seed)
+    solver.add(unrolling.initially())
+    for depth in range(limits.depth + 1):
+        if not _search_depth(watched, unrolling, solver, depth, found, ends):
+            return Runs(found, depth - 1)
+        if all(goal in found or goal in known for goal in goals):
+            return Runs(found, depth)
+        solver.add(unrolling.transition(depth))
+    return Runs(found, limits.depth)
+
+
+def _search_depth(
+    watched: Watch, unrolling: Unrolling, solver: z3.Solver, depth: int, found: dict[Goal, Trace], ends: Deadline
+) -> bool:
+    """Adds what is found at this depth; whether the depth was searched completely."""
+    while left := [goal for goal in watched.goals if goal not in found]:
+        if ends.passed:
+            return False
+        solver.set("timeout", milliseconds(ends.left))
+        solver.push()
+        solver.add(z3.Or(*(z3.Not(unrolling.at(goal.good, depth)) for goal in left)))
+        answer = solver.check()
+        model = solver.model() if answer == z3.sat else None
+        solver.pop()
+        if model is None:
+            return bool(answer == z3.unsat)
+        run = run_of(watched, unrolling, model, depth)
+        for goal in left:
+            if z3.is_false(model.eval(unrolling.at(goal.good, depth), model_completion=True)):
+                found[goal] = confirmed(goal, *run, "bmc")
+    return True
+
+
+def happens(system: TransitionSystem, name: str, term: Bool) -> Goal:
+    """The goal that some step meets `term`, which is over the state before the step and its inputs."""
+    twins = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
+    return observe(system, reachable(name, Substitution(dict(twins)).bool(term)))
+
+
+def without_assumption(goal: Goal) -> Goal:
+    """The same for all inputs in range."""
+    return observe(goal.original, replace(goal.prop, unconditional=True))
+
+
+# ------------------------------------------------------------------ modes and transitions
+
+
+@dataclass(frozen=True, eq=False)
+class _Target:
+    """A mode or a transition; `goal` under the assumption, `free` for all inputs in range."""
+
+    name: str
+    statement: str
+    goal: Goal
+    free: Goal
+    part: int
+
+
+def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()) -> Iterator[Obligation]:
+    """Modes and transitions: first under the assumption, drawn, recorded or searched; what is none of these, without it."""
+    targets = _targets(system)
+    known = base(system, seconds=limits.seconds)
+    kept = _looked_for([one.goal for one in targets], known.everything, limits, recordings)
+    open_ = [one for one in targets if one.goal not in kept.runs]
+    alone = _by_itself(system, targets, open_, limits)
+    dead = _dead_in_the_whole(list(alone), known, limits)
+    free = _looked_for([one.free for one in open_ if one not in alone], list(known.always.values()), limits)
+    for one in targets:
+        excluded = one.goal in kept.excluded
+        if one.goal in kept.runs:
+            yield Obligation(one.name, one.statement, *_shown(kept.runs[one.goal], ""))
+        elif one.free in free.runs:
+            yield Obligation(one.name, one.statement, *_shown(free.runs[one.free], _defence(kept.depth, excluded)))
+        elif one in dead:
+            why = f"the machine by itself comes there ({alone[one].words}), the whole never, whatever its inputs: dead in it"
+            yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
+        elif one in alone:
+            yield _only_alone(one, alone[one], kept.depth, excluded)
+        else:
+            yield Obligation(one.name, one.statement, _dead(one.free, free.depth, limits), "bounded search")
+
+
+def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:
+    """The verdict on what a run comes to, and how it was found."""
+    told = (
+        f"a defence: {run.words} with the assumption broken, {defence}"
+        if defence
+        else f"{run.words} under the assumption"
+    )
+    return Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace), told
+
+
+def _defence(depth: int, excluded: bool) -> str:
+    searched = f"not found in {depth} steps" if depth >= 0 else "not searched in time"
+    return f"{'proved impossible' if excluded else searched} while it is kept"
+
+
+# ------------------------------------------------------------------ looking for runs
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """A run to a target, what found it, and in words."""
+
+    trace: Trace
+    engine: str
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """Runs to targets; targets that no run comes to; how many steps were searched completely for the rest."""
+
+    runs: Mapping[Goal, _Run]
+    excluded: Container[Goal]
+    depth: int
+
+
+def _looked_for(
+    goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, recordings: Sequence[Recording] = ()
+) -> _Looked:
+    """What drawn runs come to, or recorded ones; the rest is excluded in one step from `facts`, or searched."""
+    runs = {goal: _Run(run, "drawn", "a drawn run") for goal, run in drawn(goals, limits.seed).items()}
+    recorded = shown([goal for goal in goals if goal not in runs], recordings)
+    runs |= {goal: _Run(run, "recorded", "a recorded run") for goal, run in recorded.items()}
+    left = [goal for goal in goals if goal not in runs]
+    excluded = _never(left, facts, limits)
+    searched = first_runs([goal for goal in left if goal not in excluded], limits)
+    runs |= {goal: _Run(run, "bmc", "witness") for goal, run in searched.found.items()}
+    return _Looked(runs, excluded, searched.depth)
+
+
+def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits) -> set[Goal]:
+    """Goals that the first state is not, and that no step comes to from a state with these facts.
+
+    Of a composition, those together that speak of the same machines, from what is known of these.
+    """
+    if not goals:
+        return set()
+    watched, relevance = watch(goals[0].plain, goals), Relevance(goals[0].original)
+    given = [environment(watched.system), *facts]
+    after = Substitution(dict(watched.system.next))
+    later = {number: goal.good.implies(after.bool(goal.good)) for number, goal in enumerate(goals)}
+    alike: dict[frozenset[int], list[int]] = {}
+    for number, term in later.items():
+        alike.setdefault(relevance.machines([term]), []).append(number)
+    start = Query("first", [watched.system.init, in_range(watched.system.state)], {n: goals[n].good for n in later})
+    possible = set(unproved(start, limits.seconds))
+    for numbers in alike.values():
+        wanted = {number: later[number] for number in numbers if number not in possible}
+        step = Query("step", relevance.select(given, wanted.values()), wanted)
+        possible |= set(unproved(step, limits.seconds))
+    return {goal for number, goal in enumerate(goals) if number not in possible}
+
+
+# ------------------------------------------------------------------ a machine of a composition by itself
+
+
+@dataclass(frozen=True)
+class _Alone:
+    """A run of a machine by itself, and what it shows."""
+
+    words: str
+    run: Trace
+
+
+def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
+    """Of the whole no run was found: what is claimed is of the machine by itself, and what is known of the whole is told."""
+    whole = "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_whole(depth)
+    verdict = Proved(None, "bmc", len(alone.run.steps), ("interpreter",), witness=alone.run)
+    method = f"of the machine by itself, {alone.words}; {whole}"
+    return Obligation(target.name, f"{target.statement}, by itself", verdict, method)
+
+
+def _none_of_the_whole(depth: int) -> str:
+    return "the whole was not searched in time" if depth < 0 else f"none of the whole in {depth} steps"
+
+
+def _by_itself(
+    system: TransitionSystem, targets: Sequence[_Target], open_: Container[_Target], limits: Limits
+) -> dict[_Target, _Alone]:
+    """Of a composition, what no run of the whole was found for, but one of the machine alone; and what that run is."""
+    found: dict[_Target, _Alone] = {}
+    for number, part in enumerate(system.parts):
+        own = [target for target in targets if target.part == number]
+        pairs = [(mine, theirs) for mine, theirs in zip(_targets(part.alone), own, strict=True) if theirs in open_]
+        if pairs:
+            found |= {theirs: _Alone(*told) for theirs, told in _runs_alone(part.alone, pairs, limits)}
+    return found
+
+
+def _runs_alone(
+    alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits
+) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
+    """The targets of the whole that the machine comes to by itself, each with the words for it and the run."""
+    known = base(alone, seconds=limits.seconds)
+    lawful = _looked_for([mine.goal for mine, _ in pairs], known.everything, limits).runs
+    free = [mine.free for mine, _ in pairs if mine.goal not in lawful]
+    unlawful = _looked_for(free, list(known.always.values()), limits).runs
+    for mine, theirs in pairs:
+        if mine.goal in lawful:
+            run = lawful[mine.goal].trace
+            yield theirs, (f"witness of {len(run.steps)} steps under its assumption", run)
+        elif mine.free in unlawful:
+            run = unlawful[mine.free].trace
+            yield theirs, (f"a defence: witness of {len(run.steps)} steps with its assumption broken", run)
+
+
+def _place(src: str) -> str:
+    """File name and line, without the folder of whoever runs this."""
+    return src.replace("\\", "/").rpartition("/")[2]
+
+
+def _targets(system: TransitionSystem) -> list[_Target]:
+    """Modes and transitions of all machines, in order; those of a part of a composition know its number."""
+    if system.parts:
+        return [target for number in range(len(system.parts)) for target in _targets_of_part(system, number)]
+    machine = system.machines[0]
+    return list(_targets_of(system, machine, machine.mode, machine.fired_name))
+
+
+def _targets_of_part(system: TransitionSystem, number: int) -> Iterator[_Target]:
+    part = system.parts[number]
+    mode, fired = part.into(part.machine.mode), part.into(part.machine.fired_name)
+    assert isinstance(mode, NumVar)
+    assert isinstance(fired, NumVar)
+    yield from _targets_of(system, part.machine, mode, fired, number)
+
+
+def _targets_of(
+    system: TransitionSystem, machine: Machine, mode: NumVar, fired: NumVar, part: int = 0
+) -> Iterator[_Target]:
+    for number, label in enumerate(machine.modes):
+        goal = observe(system, reachable(f"mode {number} of machine {part}", mode.eq(label)))
+        name, text = f"mode {machine.name} {label.label}", f"{machine.name} comes to mode {label.label}"
+        yield _Target(name, text, goal, without_assumption(goal), part)
+    for number, row in enumerate(machine.transitions, 1):
+        goal = observe(system, reachable(f"row {number} of machine {part}", fired.eq(Lit(number, fired.unit))))
+        name, text = f"transition {machine.name}: {row.name}", f"{machine.name}: {row.name!r} fires ({_place(row.src)})"
+        yield _Target(name, text, goal, without_assumption(goal), part)
+
+
+def _dead_in_the_whole(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
+    """Targets that no run of the whole comes to, for all inputs in range, from what is known without the assumption."""
+    dead = _never([target.free for target in targets], list(known.always.values()), limits)
+    return {target for target in targets if target.free in dead}
+
+
+def _dead(free: Goal, depth: int, limits: Limits) -> Verdict:
+    for engine in (kinduction, spacer):
+        never = engine(free, replace(limits, seconds=limits.seconds / 2))
+        if isinstance(never, Proved):
+            return Violated(None, never.engine, "never occurs, whatever the inputs: dead; remove it or mend its guard")
+    return Unknown("no run found that comes there", depth)

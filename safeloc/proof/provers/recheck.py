@@ -1,0 +1,119 @@
+"""A second opinion: the SMT-LIB2 text of every proof is decided once more, by cvc5, from the text alone."""
+
+# pyright: reportAttributeAccessIssue=false
+# (cvc5's names come out of a compiled module, which pyright cannot read)
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+import cvc5
+
+from safeloc.codegen.smtlib import Key, Query, to_smtlib
+from safeloc.errors import EngineError
+from safeloc.proof.cache.answers import keep_proved, proved_before
+from safeloc.proof.provers.limits import Deadline, deadline, milliseconds
+
+ENGINE = f"cvc5 {cvc5.__version__}"
+OPTIONS = {"incremental": "true", "ext-rew-prep": "use"}  # the second one: measured, three times faster on our terms
+ALONE = {"decision": "justification"}  # for what is left: equalities of two copies take 0.5 s so, over 15 s together
+FIRST_SECONDS = 10.0  # for each goal among the others, before it is tried alone: most take 1 s, and 15 s alone
+
+
+LONGEST_NAME = 150
+
+
+@dataclass(frozen=True)
+class Certificate(Generic[Key]):
+    """The text of a query, and which of its goals cvc5 could not decide in time (none: the proof is confirmed)."""
+
+    file: str
+    text: str
+    undecided: tuple[Key, ...]
+
+
+def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate[Key]:
+    """The query's text, each goal decided by cvc5. EngineError if cvc5 contradicts a goal or cannot read the text.
+
+    `relies_on` names the files of the proofs whose results are hypotheses here.
+    """
+    text = to_smtlib(query, relies_on)
+    file = file_name(query.name, text)
+    if proved_before("cvc5", text):
+        return Certificate(file, text, ())
+    ends = deadline(seconds)
+    answers = recheck(file, text, len(query.goals), seconds=seconds, each=min(seconds, FIRST_SECONDS))
+    left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
+    open_ = tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
+    if not open_:
+        keep_proved("cvc5", text)
+    return Certificate(file, text, open_)
+
+
+def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
+    """Whether cvc5 confirms one goal from the same hypotheses, in what is left of the time."""
+    if ends.passed:
+        return False
+    one = Query(query.name, query.hypotheses, {goal: query.goals[goal]})
+    [answer] = recheck(query.name, to_smtlib(one), 1, seconds=ends.left, options=ALONE)
+    return answer == "unsat"
+
+
+def file_name(name: str, text: str) -> str:
+    """The file of a certificate: its name for people, and a digest of its text, so that one file has one content."""
+    plain = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.") else "-" for letter in name)
+    return f"{plain[:LONGEST_NAME]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.smt2"
+
+
+def recheck(
+    file: str,
+    text: str,
+    expected: int,
+    *,
+    seconds: float = 60.0,
+    each: float | None = None,
+    options: Mapping[str, str] = OPTIONS,
+) -> list[str]:
+    """cvc5's answers to the text, each `unsat` or `unknown`. `each`: seconds for one goal, if fewer than for all.
+
+    EngineError if there are not as many as `expected`, or one is anything else: then cvc5 contradicts the proof.
+    """
+    answers = decide(file, text, seconds=seconds, each=each, options=options)
+    if len(answers) != expected or any(answer not in ("unsat", "unknown") for answer in answers):
+        raise EngineError(
+            f"{file}: cvc5 does not confirm the proof: answers {answers}, expected {expected} times unsat. Do not use "
+            "this result; keep the text and report it."
+        )
+    return answers
+
+
+def decide(
+    file: str, text: str, *, seconds: float, each: float | None = None, options: Mapping[str, str] = OPTIONS
+) -> list[str]:
+    """cvc5's answers to the text's `check-sat` commands, in order; `unknown` to all that come after `seconds`."""
+    terms = cvc5.TermManager()
+    solver, symbols = cvc5.Solver(terms), cvc5.SymbolManager(terms)
+    for option, value in options.items():
+        solver.setOption(option, value)
+    solver.setOption("tlimit-per", str(milliseconds(seconds if each is None else each)))
+    parser = cvc5.InputParser(solver, symbols)
+    parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, text, file)
+    try:
+        return _answers(parser, solver, symbols, deadline(seconds))
+    except RuntimeError as error:
+        raise EngineError(f"{file}: cvc5 cannot read the text of the proof: {error}") from error
+
+
+def _answers(parser: cvc5.InputParser, solver: cvc5.Solver, symbols: cvc5.SymbolManager, ends: Deadline) -> list[str]:
+    answers = []
+    while not (command := parser.nextCommand()).isNull():
+        if ends.passed and command.getCommandName() == "check-sat":
+            answers.append("unknown")
+            continue
+        answer = str(command.invoke(solver, symbols)).strip()
+        if answer and answer != "success":
+            answers.append("unknown" if answer.startswith("unknown (") else answer)  # as in `unknown (TIMEOUT)`
+    return answers

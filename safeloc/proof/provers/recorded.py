@@ -1,0 +1,217 @@
+"""What is known to happen, because a recorded run shows it: a witness that no solver has to look for.
+
+Deep events of a composition (a word of five sections read, a reference that does not come for minutes) are beyond what
+a bounded search reaches, and are in the streams that ship with the machine. A recording counts as far as it keeps the
+assumption, replayed in the interpreter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain
+
+from safeloc.errors import EngineError, InputError
+from safeloc.language.expr import Bool, Var
+from safeloc.language.interpret import Program, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Watch, watch
+from safeloc.language.system import TransitionSystem, environment
+from safeloc.language.trace import Step, Trace
+from safeloc.proof.provers.limits import Deadline
+from safeloc.proof.runs.allowed import compiled_terms
+
+Values = Mapping[Var, Value]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recorded run: initial values of open state variables, and the inputs of every step; remarks are left out."""
+
+    first: Mapping[str, Value]
+    steps: Sequence[Mapping[str, object]]
+
+
+def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, Trace]:
+    """The shortest recorded run to each goal that some recording comes to; all goals are of one system.
+
+    Generated code tells where to look, the interpreter makes the runs. EngineError where the two differ.
+    """
+    found: dict[Goal, Trace] = {}
+    if not goals or not recordings:
+        return found
+    shortest = _shortest(goals, recordings)
+    for number, recording in enumerate(recordings):
+        wanted = {goal: steps for goal, (steps, where) in shortest.items() if where == number}
+        if wanted:
+            found |= _interpreted(wanted, recording)
+    return found
+
+
+def _shortest(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, tuple[int, int]]:
+    """For each goal that some recording comes to the fewest steps, and the number of that recording."""
+    replay, met = Replay(goals[0].plain, dict(enumerate(goals))), dict[int, tuple[int, int]]()
+    for number, recording in enumerate(recordings):
+        for goal, steps in replay.first_times(recording).items():
+            met[goal] = min(met.get(goal, (steps, number)), (steps, number))
+    return {goals[goal]: place for goal, place in met.items()}
+
+
+def _interpreted(wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal, Trace]:
+    """The beginnings of a recording that come to goals after so many steps."""
+    watched = watch(next(iter(wanted)).plain, list(wanted))
+    first = replace(recording, steps=recording.steps[: max(wanted.values())])
+    found = dict(_first_times(watched, first))
+    wrong = [goal.prop.name for goal, steps in wanted.items() if goal not in found or len(found[goal].steps) != steps]
+    if wrong:
+        raise EngineError(f"the interpreter does not come to {wrong[0]!r} where generated code does.")
+    return found
+
+
+def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: int) -> Trace | None:
+    """The beginning of a recorded run that keeps the assumption for so many steps; None if there is none."""
+    for recording in recordings:
+        taken: list[Step] = []
+        try:
+            state = start(system, _known(system, recording.first))
+            initial = _named(state, frozenset())
+            for one, _ in _admissible(system, state, recording, frozenset()):
+                taken.append(one)
+        except InputError:
+            continue
+        if len(taken) >= steps:
+            return Trace(system, initial, tuple(taken[:steps]))
+    return None
+
+
+def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[str, Value], list[Mapping[str, Value]]]:
+    """First state and inputs of a recorded run as far as it keeps the assumption; no steps if it never begins."""
+    try:
+        state = start(system, _known(system, recording.first))
+    except InputError:
+        return {}, []
+    stream = [one.inputs for one, _ in _admissible(system, state, recording, frozenset())]
+    return dict(_named(state, frozenset())), stream
+
+
+def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
+    """Each goal with the run up to the step in which the recording first comes to it."""
+    system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
+    state = start(system, _known(original, recording.first))
+    initial, left, taken = _named(state, hidden), list(watched.goals), list[Step]()
+    goods = Program([goal.good for goal in watched.goals])
+    for one, after in chain([(None, state)], _admissible(system, state, recording, hidden)):
+        taken += [] if one is None else [one]
+        for goal, good in zip(watched.goals, goods(after), strict=True):
+            if not good and goal in left:
+                left.remove(goal)
+                yield goal, Trace(original, initial, tuple(taken))
+
+
+def _admissible(
+    system: TransitionSystem, state: Values, recording: Recording, hidden: frozenset[Var]
+) -> Iterator[tuple[Step, Values]]:
+    """The steps as long as they are in range and keep the assumption, each with the state after it."""
+    allowed, names = environment(system), {var.name for var in system.inputs}
+    for record in recording.steps:
+        try:
+            inputs = read_inputs(system, {name: cell for name, cell in record.items() if name in names})
+        except InputError:
+            return
+        if not holds(allowed, {**state, **inputs}):
+            return
+        state, fired = step(system, state, inputs)
+        heard = {var.name: value for var, value in inputs.items()}
+        yield Step(heard, fired_names(fired), _named(state, hidden), outputs(system, state)), state
+
+
+def _known(system: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Value]:
+    names = {var.name for var in system.state}
+    return {name: value for name, value in first.items() if name in names}
+
+
+def _named(state: Values, hidden: frozenset[Var]) -> dict[str, Value]:
+    return {var.name: value for var, value in state.items() if var not in hidden}
+
+
+# ------------------------------------------------------------------ many goals, by generated code
+
+
+def come_to(
+    system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
+) -> set[int]:
+    """The goals of the system, by number, that some recording comes to while it keeps what they rely on.
+
+    The runs are made by generated code: that something happens has to be known of many goals at little cost, and no
+    proof rests on it. What the clock leaves out is not found.
+    """
+    found = set[int]()
+    if goals and recordings:
+        replay = Replay(system, goals)
+        for recording in recordings:
+            found |= replay.found(recording, ends)
+    return found
+
+
+def known_first(system: TransitionSystem, recording: Recording) -> dict[str, Value]:
+    """The first values that a recording gives, of variables that the system has."""
+    return _known(system, recording.first)
+
+
+class Replay:
+    """The moves of a system with the observers of all goals, as plain code."""
+
+    def __init__(self, system: TransitionSystem, goals: Mapping[int, Goal]) -> None:
+        self.system, self._numbers = system, tuple(goals)
+        self.watched = watch(system, list(goals.values())).system
+        relied: dict[Bool, int] = {}
+        self._relies = [relied.setdefault(goal.system.assume, len(relied)) for goal in goals.values()]
+        self._moves = tuple(self.watched.next)
+        self._reads = (*self.watched.state, *system.inputs)
+        admissible = environment(system, assume=False)
+        self._step = compiled_terms(self._reads, [admissible, *relied, *self.watched.next.values()])
+        self._goods = compiled_terms(self.watched.state, [goal.good for goal in goals.values()])
+        self._relied = len(relied)
+
+    def first_times(self, recording: Recording) -> dict[int, int]:
+        """The goals that it comes to, each with the steps until then."""
+        met: dict[int, int] = {}
+        for steps, (state, kept) in enumerate(self.states(recording)):
+            if not any(kept):
+                break
+            told = zip(self._numbers, self._goods(state), self._relies, strict=True)
+            met |= {number: steps for number, good, relies in told if not good and kept[relies] and number not in met}
+        return met
+
+    def found(self, recording: Recording, ends: Deadline) -> set[int]:
+        """The goals that it comes to."""
+        found = set[int]()
+        for state, kept in self.states(recording):
+            if ends.passed or not any(kept):
+                break
+            told = zip(self._numbers, self._goods(state), self._relies, strict=True)
+            found |= {number for number, good, relies in told if not good and kept[relies]}
+        return found
+
+    def states(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
+        """Each state, and what has been kept up to it; what the machine cannot take ends the recording."""
+        kept = [True] * self._relied
+        with suppress(InputError):
+            for state, now in self._each(recording):
+                kept = [was and one for was, one in zip(kept, now, strict=True)]
+                yield state, kept
+
+    def _each(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
+        """Each state, and what was kept in the step to it; as long as it is in range."""
+        names = {var.name for var in self.system.inputs}
+        values = start(self.watched, _known(self.system, recording.first))
+        yield [values[var] for var in self.watched.state], [True] * self._relied
+        for record in recording.steps:
+            inputs = read_inputs(self.system, {name: cell for name, cell in record.items() if name in names})
+            values |= inputs
+            admissible, *rest = self._step([values[var] for var in self._reads])
+            if not admissible:
+                return
+            values = dict(zip(self._moves, rest[self._relied :], strict=True))
+            yield [values[var] for var in self.watched.state], [bool(one) for one in rest[: self._relied]]

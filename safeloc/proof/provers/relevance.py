@@ -1,0 +1,54 @@
+"""Of many hypotheses about a composition those that speak of no other machines than the goals do.
+
+Leaving out a hypothesis is always sound. What a machine keeps by itself follows from what is known of that machine; the
+others only cost the solver time. For a single machine nothing is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from safeloc.language.expr import Bool, Expr, Var
+from safeloc.language.nodes import Node
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import children, in_order
+from safeloc.proof.provers.implication import conjuncts
+
+
+class Relevance:
+    """Which machines of a composition a term speaks of; computed once for each term."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self._machine: Mapping[Var, int] = _owners(system)
+        self._of: dict[Expr, frozenset[int]] = {}
+
+    def machines(self, terms: Iterable[Bool]) -> frozenset[int]:
+        """The machines that the terms speak of, by number; shared variables belong to none."""
+        found: frozenset[int] = frozenset()
+        for term in terms:
+            for node in in_order([term], self._of):
+                self._of[node] = self._seen(node)
+            found |= self._of[term]
+        return found
+
+    def _seen(self, node: Node) -> frozenset[int]:
+        if isinstance(node, Var):
+            return frozenset([self._machine[node]]) if node in self._machine else frozenset()
+        return frozenset().union(*(self._of[child] for child in children(node)))
+
+    def select(self, hypotheses: Iterable[Bool], goals: Iterable[Bool]) -> list[Bool]:
+        """The hypotheses, part by part, that speak of the goals' machines alone."""
+        wanted = self.machines(goals)
+        return [part for one in hypotheses for part in conjuncts(one) if self.machines([part]) <= wanted]
+
+
+def _owners(system: TransitionSystem) -> dict[Var, int]:
+    """Variables that a single machine of the composition has."""
+    owners: dict[Var, int] = {}
+    shared: set[Var] = set()
+    for number, part in enumerate(system.parts):
+        for var in (*part.alone.state, *part.alone.inputs):
+            twin = part.into(var)
+            if isinstance(twin, Var):
+                shared |= {twin} if owners.setdefault(twin, number) != number else set()
+    return {var: number for var, number in owners.items() if var not in shared}

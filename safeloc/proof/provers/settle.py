@@ -1,0 +1,42 @@
+"""One query by both solvers: z3 decides, and what it proves cvc5 has to confirm from the text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Generic
+
+from safeloc.codegen.smtlib import Key, Query
+from safeloc.proof.provers.implication import Failure, Undecided, unproved
+from safeloc.proof.provers.limits import Deadline
+from safeloc.proof.provers.recheck import certify
+
+UNCONFIRMED = "cvc5 could not confirm it in time"
+
+
+@dataclass(frozen=True)
+class Settled(Generic[Key]):
+    """The goals that do not follow, each with why; the certificate's text by its file name, if none is left."""
+
+    failed: Mapping[Key, Failure]
+    texts: Mapping[str, str]
+
+
+def settled_but(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> tuple[Settled[Key], list[Key]]:
+    """The same, and which goals follow: where some do not, the others are settled without them, so that none is lost."""
+    first = settled(query, ends, relies_on)
+    rest = {key: goal for key, goal in query.goals.items() if key not in first.failed}
+    if not first.failed or not rest:
+        return first, list(rest)
+    again = settled(replace(query, goals=rest), ends, relies_on)
+    return Settled({**first.failed, **again.failed}, again.texts), [key for key in rest if key not in again.failed]
+
+
+def settled(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> Settled[Key]:
+    """Whether every goal follows, by z3 and cvc5. EngineError if cvc5 contradicts z3."""
+    failed = unproved(query, ends.left)
+    if failed or not query.goals:
+        return Settled(failed, {})
+    certificate = certify(query, seconds=ends.left, relies_on=relies_on)
+    late: dict[Key, Failure] = {key: Undecided(UNCONFIRMED) for key in certificate.undecided}
+    return Settled(late, {} if late else {certificate.file: certificate.text})

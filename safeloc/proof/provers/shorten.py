@@ -1,0 +1,119 @@
+"""Shorter and plainer counterexamples: steps left out, inputs absent or at rest, for as long as the property still breaks.
+
+Candidates are tried with the compiled machine; what is returned is the interpreter's exact replay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from safeloc.codegen.compiled import compile_system
+from safeloc.errors import EngineError
+from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem, canonical, environment
+from safeloc.language.trace import Trace
+from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.limits import Deadline, deadline
+
+SECONDS = 3.0
+Record = dict[str, Value]
+Breaks = Callable[[Sequence[Record]], int | None]
+
+
+def shortened(
+    goal: Goal, first: Mapping[str, Value], stream: Sequence[Mapping[str, Value]], seconds: float = SECONDS
+) -> Trace:
+    """The replayed run with as much left out as the time allows; EngineError if the given run does not replay.
+
+    stream   values of all inputs in every step, presence flags included
+    """
+    breaks, ends = _judge(goal, first), deadline(seconds)
+    kept = [dict(record) for record in stream]
+    kept = kept[: breaks(kept) or 0]
+    before = None
+    while before != len(kept) and not ends.passed:
+        before = len(kept)
+        kept = _without_stretches(kept, breaks, ends)
+        kept = _at_rest(goal.system, kept, breaks, ends)
+    trace = replayed(goal, first, kept)
+    if trace is None:
+        raise EngineError(f"a run found for {goal.prop.name!r} does not break it in the interpreter.")
+    return trace
+
+
+def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
+    """How many steps a stream takes to break the property; None if it does not, or breaks the assumption before."""
+    allowed, system = BoolVar("observer.allowed"), goal.system
+    code = compile_system(
+        replace(
+            system,
+            state=(*system.state, allowed),
+            next={**system.next, allowed: environment(system)},
+            initial={**system.initial, allowed: True},
+            outputs={"good": goal.good},
+        )
+    )
+    names = [var.name for var in system.inputs]
+    begin = code.first(dict(first))
+
+    def breaks(stream: Sequence[Record]) -> int | None:
+        state = begin
+        if not code.outputs(state)[0]:
+            return 0
+        for number, record in enumerate(stream, 1):
+            state, _ = code.step(state, tuple(record[name] for name in names))
+            if not state[-1]:
+                return None
+            if not code.outputs(state)[0]:
+                return number
+        return None
+
+    return breaks
+
+
+def _without_stretches(kept: list[Record], breaks: Breaks, ends: Deadline) -> list[Record]:
+    size = len(kept) // 2
+    while size and not ends.passed:
+        for begin in range(0, len(kept) - size + 1, size):
+            trial = [*kept[:begin], *kept[begin + size :]]
+            steps = breaks(trial)
+            if steps is not None:
+                kept = trial[:steps]
+                break
+        else:
+            size //= 2
+    return kept
+
+
+def _at_rest(system: TransitionSystem, kept: list[Record], breaks: Breaks, ends: Deadline) -> list[Record]:
+    """Each input absent, false or nearest zero: in all steps, or else in as many as will do."""
+    for change in _changes(system):
+        for begin, end in _halves(0, len(kept)):
+            if ends.passed:
+                return kept
+            trial = [{**record, **change} if begin <= n < end else record for n, record in enumerate(kept)]
+            if trial != kept and breaks(trial) == len(kept):
+                kept = trial
+    return kept
+
+
+def _changes(system: TransitionSystem) -> Iterator[Record]:
+    optional: set[Var] = set()
+    for option in system.optionals:
+        optional |= {option.value, option.present}
+        yield {option.present.name: False, option.value.name: canonical(option.value)}
+    for var in system.inputs:
+        if var not in optional:
+            yield {var.name: canonical(var) if isinstance(var, NumVar) else False}
+
+
+def _halves(begin: int, end: int) -> Iterator[tuple[int, int]]:
+    """All of it, then halves, then quarters, down to eighths."""
+    pieces = [(begin, end)]
+    for _ in range(4):
+        yield from pieces
+        middle = [(low, (low + high) // 2, high) for low, high in pieces if high - low > 1]
+        pieces = [piece for low, mid, high in middle for piece in ((low, mid), (mid, high))]

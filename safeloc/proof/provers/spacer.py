@@ -1,0 +1,135 @@
+"""Spacer (property-directed reachability): finds an inductive invariant by itself.
+
+It is given the system's proved base as hypotheses. Its invariant is read back into our own terms; three queries
+(it holds at first, every step keeps it, it implies the property) are then decided by fresh z3 queries and, from
+text written from our terms, by cvc5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import z3
+
+from safeloc.codegen.smt import Terms, constant
+from safeloc.codegen.smtlib import Query
+from safeloc.errors import EngineError
+from safeloc.language.expr import TRUE, Bool, all_of
+from safeloc.language.spec import Goal
+from safeloc.language.system import environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.verdict import Proved, Unknown, Verdict
+from safeloc.proof.provers.base import Base, base
+from safeloc.proof.provers.facts import about
+from safeloc.proof.provers.given import nothing_given
+from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.kinduction import given_facts
+from safeloc.proof.provers.limits import Deadline, Limits, deadline
+from safeloc.proof.provers.reading import UnreadableError, read_bool
+from safeloc.proof.provers.recheck import ENGINE, certify
+
+
+def spacer(goal: Goal, limits: Limits) -> Verdict:
+    """Proved or Unknown; a violation it claims is left to bounded search, which gives the trace.
+
+    The re-check has the time limit once more.
+    """
+    known = base(goal.original, seconds=limits.seconds)
+    facts = given_facts(goal, known)
+    enough = not unproved(Query("the base alone", facts, {"good": goal.good}), limits.seconds)
+    found = TRUE if enough else _invariant(goal, facts, limits)
+    if isinstance(found, Unknown):
+        return found
+    return _confirmed(goal, known, found, deadline(limits.seconds))
+
+
+def _invariant(goal: Goal, facts: Sequence[Bool], limits: Limits) -> Bool | Unknown:
+    system = goal.system
+    now = Terms({var: constant(var) for var in (*system.state, *system.inputs)})
+    later = Terms({var: constant(var, "'") for var in system.state})
+    state, after = [now(var) for var in system.state], [later(var) for var in system.state]
+    reached = z3.Function("reached", *(term.sort() for term in state), z3.BoolSort())
+    engine = _engine(limits)
+    engine.register_relation(reached)
+    engine.declare_var(*state, *after, *(now(var) for var in system.inputs))
+    known = [now.bool(fact) for fact in facts]
+    first = [now.bool(system.init), now.bool(in_range(system.state))]
+    moves = [later(var) == now(term) for var, term in system.next.items()]
+    engine.rule(reached(*state), [*first, *known])
+    engine.rule(reached(*after), [reached(*state), *known, now.bool(environment(system)), *moves])
+    try:
+        answer = engine.query(z3.And(reached(*state), *known, z3.Not(now.bool(goal.good))))
+    except z3.Z3Exception as error:
+        return Unknown(f"spacer: {error}")
+    if answer == z3.sat:
+        return Unknown("spacer claims a violation; bounded search has to show it")
+    if answer != z3.unsat:
+        return Unknown(f"spacer: {_text(engine.reason_unknown())}")
+    return _read(engine.get_answer(), state, goal)
+
+
+def _text(reason: str | bytes) -> str:
+    """z3 gives this reason as bytes, and as `canceled` where its time is up."""
+    return (reason.decode() if isinstance(reason, bytes) else reason).replace("canceled", "time limit") or "undecided"
+
+
+def _engine(limits: Limits) -> z3.Fixedpoint:
+    engine = z3.Fixedpoint()
+    engine.set(engine="spacer", timeout=limits.milliseconds)
+    engine.set("spacer.random_seed", limits.seed)
+    return engine
+
+
+def _read(answer: z3.ExprRef, state: list[z3.ExprRef], goal: Goal) -> Bool | Unknown:
+    try:
+        return read_bool(_body(answer, state), {var.name: var for var in goal.system.state})
+    except UnreadableError as error:
+        return Unknown(f"spacer: its invariant cannot be read back: {error}")
+
+
+def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
+    """The invariant over the state constants, out of `forall s. reached(s) = body(s)`."""
+    if not isinstance(answer, z3.QuantifierRef):
+        raise EngineError(f"spacer: its answer is no quantified equation: {answer.sexpr()[:200]}")
+    equation = answer.body()
+    left, body = (equation.arg(0), equation.arg(1)) if z3.is_eq(equation) else (equation, z3.BoolVal(True))
+    slots = {z3.get_var_index(left.arg(index)): constant_ for index, constant_ in enumerate(state)}
+    return z3.substitute_vars(body, *(slots[index] for index in range(len(slots))))
+
+
+def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verdict:
+    """The invariant's three queries, by z3 and by cvc5."""
+    empty = nothing_given(goal, ends.left)
+    if empty is not None:
+        return empty
+    certificates = dict(known.certificates)
+    for query in queries(goal, given_facts(goal, known), invariant):
+        failed = unproved(query, ends.left)
+        if failed:
+            return Unknown(f"spacer: its invariant fails {query.name!r}: {next(iter(failed.values()))}")
+        certificate = certify(query, seconds=ends.left, relies_on=list(known.certificates))
+        if certificate.undecided:
+            return Unknown("proved by spacer, but cvc5 could not confirm it in time")
+        certificates[certificate.file] = certificate.text
+    return Proved(all_of([*given_facts(goal, known), invariant]), "spacer", 0, (ENGINE,), certificates)
+
+
+def queries(goal: Goal, facts: Sequence[Bool], invariant: Bool) -> tuple[Query[str], Query[str], Query[str]]:
+    """Initiation, consecution, and that the property follows."""
+    system, name = goal.system, f"{goal.original.name} {goal.prop.name} spacer"
+    after = Substitution(dict(system.next)).bool(invariant)
+    first = [system.init, in_range(system.state), *facts]
+    return (
+        Query(f"{name} start", first, {"invariant": invariant}, _about(goal, "start")),
+        Query(
+            f"{name} step",
+            [environment(system), *facts, invariant],
+            {"invariant after it": after},
+            _about(goal, "step"),
+        ),
+        Query(f"{name} implies", [*facts, invariant], {"good": goal.good}, _about(goal, "implies")),
+    )
+
+
+def _about(goal: Goal, what: str) -> dict[str, str]:
+    return about(goal.original, f"invariant {what}", property=goal.prop.name)

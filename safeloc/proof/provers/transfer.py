@@ -1,0 +1,157 @@
+"""Verdicts and findings as plain data, to be sent between processes.
+
+Terms are graphs too deep to be pickled as they are: they travel as flat lists, parts before wholes. Traces travel
+as first state and inputs, and are run again by the interpreter on arrival.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, assert_never
+
+from safeloc.language.expr import TRUE, Bool, Expr, Var
+from safeloc.language.interpret import run
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.terms import in_order
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.proof.provers.base import Base
+from safeloc.proof.provers.facts import Fact
+from safeloc.proof.provers.implication import Failure
+
+Flat = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Stands for an earlier node of a flat term."""
+
+    index: int
+
+
+def pack_term(term: Expr) -> Flat:
+    """The nodes below the term; variables by name, parts by place."""
+    nodes = in_order([term])
+    place: dict[Expr, _Part] = {node: _Part(index) for index, node in enumerate(nodes)}
+    return tuple(node.name if isinstance(node, Var) else (type(node), _packed_fields(node, place)) for node in nodes)
+
+
+def _packed_fields(node: Expr, place: Mapping[Expr, _Part]) -> tuple[Any, ...]:
+    values = (getattr(node, field.name) for field in fields(node))  # type: ignore[arg-type] # nodes are dataclasses
+    return tuple(
+        place[value]
+        if isinstance(value, Expr)
+        else tuple(place[part] for part in value)
+        if isinstance(value, tuple)
+        else value
+        for value in values
+    )
+
+
+def unpack_term(flat: Flat, system: TransitionSystem) -> Bool:
+    """The term over the system's variables."""
+    nodes: list[Expr] = []
+    for packed in flat:
+        if isinstance(packed, str):
+            nodes.append(system.variable(packed))
+        else:
+            kind, values = packed
+            nodes.append(kind(*(_unpacked_field(value, nodes) for value in values)))
+    assert isinstance(nodes[-1], Bool)
+    return nodes[-1]
+
+
+def _unpacked_field(value: Any, nodes: list[Expr]) -> Any:
+    if isinstance(value, _Part):
+        return nodes[value.index]
+    return tuple(nodes[part.index] for part in value) if isinstance(value, tuple) else value
+
+
+@dataclass(frozen=True)
+class PackedTrace:
+    """First state, and inputs of every step; of a composition `part` names the machine whose run it is by itself."""
+
+    initial: Mapping[str, Value]
+    stream: tuple[Mapping[str, Value], ...]
+    part: str = ""
+
+
+def pack_trace(trace: Trace | None) -> PackedTrace | None:
+    """What is needed to run it again."""
+    if trace is None:
+        return None
+    part = trace.system.machines[0].name if trace.system.whole else ""
+    return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), part)
+
+
+def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
+    """The run, made again by the interpreter; of a machine by itself whatever it was looked for under."""
+    if packed is None:
+        return None
+    return run(_by_itself(packed.part, system) if packed.part else system, packed.stream, first=packed.initial)
+
+
+def _by_itself(name: str, system: TransitionSystem) -> TransitionSystem:
+    alone = next(part.alone for part in system.parts if part.name == name)
+    return replace(alone, assume=TRUE, init=first_without_the_world(alone))
+
+
+Packed = tuple[Any, ...]
+
+
+def pack(verdict: Verdict) -> Packed:
+    """The verdict as plain data."""
+    match verdict:
+        case Proved(invariant, engine, depth, rechecked, certificates, witness, by_construction):
+            term = None if invariant is None else pack_term(invariant)
+            run_ = pack_trace(witness)
+            return ("proved", term, engine, depth, rechecked, dict(certificates), run_, by_construction)
+        case Violated(trace, engine, reason):
+            return ("violated", pack_trace(trace), engine, reason)
+        case Unknown(reason, depth):
+            return ("unknown", reason, depth)
+        case Vacuous(reason, trace):
+            return ("vacuous", reason, pack_trace(trace))
+        case _:
+            assert_never(verdict)
+
+
+def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem) -> Verdict:
+    """The verdict again: traces are runs of `system`, invariants speak of the variables of `observed`."""
+    match packed:
+        case ("proved", term, engine, depth, rechecked, certificates, witness, by_construction):
+            invariant = None if term is None else unpack_term(term, observed)
+            run_ = unpack_trace(witness, system)
+            return Proved(invariant, engine, depth, rechecked, certificates, run_, by_construction)
+        case ("violated", trace, engine, reason):
+            return Violated(unpack_trace(trace, system), engine, reason)
+        case ("unknown", reason, depth):
+            return Unknown(reason, depth)
+        case ("vacuous", reason, trace):
+            return Vacuous(reason, unpack_trace(trace, system))
+        case _:
+            raise AssertionError(packed)
+
+
+def pack_base(known: Base) -> Packed:
+    """A proved base: which facts hold, the rest as it is."""
+    always, facts = tuple(known.always), tuple(known.facts)
+    return (
+        always,
+        facts,
+        dict(known.refuted),
+        dict(known.certificates),
+        known.seconds,
+        tuple(known.kept),
+        tuple(known.heard),
+    )
+
+
+def unpack_base(packed: Packed, terms: Mapping[Fact, Bool]) -> Base:
+    """The base again, out of the terms of its facts."""
+    always, facts, certificates = packed[0], packed[1], packed[3]
+    refuted: Mapping[Fact, Failure] = packed[2]
+    always_, facts_, kept = ({key: terms[key] for key in keys} for keys in (always, facts, packed[5]))
+    return Base(always_, facts_, refuted, certificates, packed[4], kept, packed[6])

@@ -1,0 +1,222 @@
+"""Where a condition holds along one variable, and how far it is from failing: what searches steer by.
+
+Condition(term).segments(var, values)   the intervals of values of `var` for which it holds, the rest held fixed
+Slack(term)(values)                     the least numeric distance to failing
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+
+from safeloc.codegen.compiled import compile_terms
+from safeloc.language.expr import Bool, Expr, NumVar, Var
+from safeloc.language.interpret import Program, evaluate
+from safeloc.language.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
+from safeloc.language.terms import in_order, variables
+from safeloc.language.units import ONE
+
+Segment = tuple[int, int]
+
+
+class Condition:
+    """A condition with its comparisons, compiled: whether it holds, and where along a variable it changes."""
+
+    def __init__(self, term: Bool) -> None:
+        self.term = term
+        self.reads: dict[Var, int] = {var: place for place, var in enumerate(variables([term]))}
+        self._row = _row_of(tuple(self.reads))
+        self._compares = [node for node in in_order([term]) if isinstance(node, Compare)]
+        self._along: dict[Var, _Along] = {}
+        self._truth = compiled_terms(tuple(self.reads), [term])
+
+    def holds(self, values: Mapping[Var, Value]) -> bool:
+        """Whether the condition is true of the values."""
+        return bool(self._truth(self._row(values))[0])
+
+    def segments(self, var: NumVar, values: Mapping[Var, Value]) -> list[Segment]:
+        """Intervals of values of `var` for which the condition holds, in order; the other variables stay as they are.
+
+        Comparisons are taken as linear between two neighbouring probes; where that misses a change, a part of an
+        interval may be left out or too much, so whoever uses a value checks the condition again.
+        """
+        row = list(self._row(values))
+        at = self.reads[var]
+        if var not in self._along:
+            self._along[var] = _along(var, tuple(self.reads), self._compares)
+        points = sorted(self._along[var].changes(row, at) | {var.low, var.high})
+        return _joined([piece for piece in _pieces(points) if self._is_true(row, at, (piece[0] + piece[1]) // 2)])
+
+    def _is_true(self, row: list[Value], at: int, value: int) -> bool:
+        row[at] = value
+        return bool(self._truth(row)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class _Along:
+    """The comparisons of a condition that read one variable.
+
+    straight  right less left of those that are linear in it, and by how much each grows when it grows by 1
+    bent      left and right of the others, one after the other
+    """
+
+    var: NumVar
+    straight: Callable[[Sequence[Value]], Sequence[Value]]
+    slopes: tuple[int, ...]
+    bent: Callable[[Sequence[Value]], Sequence[Value]] | None
+
+    def changes(self, row: list[Value], at: int) -> set[int]:
+        """Values of the variable where a comparison may change, and those beside them. The row is left as it was."""
+        low, high, here = self.var.low, self.var.high, int(row[at])
+        roots = set[int]()
+        if self.slopes:
+            for gap, slope in zip(self.straight(row), self.slopes, strict=True):
+                roots.update(_meeting(here, int(gap), slope))
+        if self.bent is not None:
+            for probe, step in ((low, 1), (high, -1), (here, 1 if here < high else -1)):
+                roots.update(_roots(self.bent, row, at, probe, step))
+            row[at] = here
+        return {root + shift for root in roots for shift in (-1, 0, 1) if low <= root + shift <= high}
+
+
+def _along(var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare]) -> _Along:
+    reading = [node for node in compares if var in set(variables([node]))]
+    slopes = {node: _slope(Sub(node.right, node.left, ONE), var) for node in reading}
+    straight = [node for node in reading if slopes[node]]
+    bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
+    return _Along(
+        var,
+        compiled_terms(reads, [Sub(node.right, node.left, ONE) for node in straight]),
+        tuple(grows for grows in slopes.values() if grows),
+        compiled_terms(reads, bent) if bent else None,
+    )
+
+
+def _slope(term: Num, var: NumVar) -> int | None:
+    """By how much a term grows when the variable grows by 1, whatever the values; None where that depends on them."""
+    match term:
+        case NumVar():
+            return int(term is var)
+        case Add(left, right) | Sub(left, right):
+            first, second = _slope(left, var), _slope(right, var)
+            if first is None or second is None:
+                return None
+            return first + second if isinstance(term, Add) else first - second
+        case Mul(Lit(factor), inner) | Mul(inner, Lit(factor)):
+            grows = _slope(inner, var)
+            return None if grows is None else factor * grows
+        case _:
+            return None if var in set(variables([term])) else 0
+
+
+def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
+    """The values of `reads`, in order; `itemgetter` gives no sequence for fewer than two."""
+    if len(reads) > 1:
+        return itemgetter(*reads)
+    return lambda values: [values[var] for var in reads]
+
+
+def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
+    """The terms as compiled code over a row of values of `reads`; without case analysis, so quickly made."""
+    if not reads:
+        constants = evaluate(terms, {})
+        return lambda _row: constants
+    return compile_terms(reads, terms)
+
+
+def _roots(
+    sides: Callable[[Sequence[Value]], Sequence[Value]], row: list[Value], at: int, probe: int, step: int
+) -> Iterable[int]:
+    """Where left meets right, for each comparison, by the slope at the probe."""
+    row[at] = probe
+    first = sides(row)
+    row[at] = probe + step
+    second = sides(row)
+    for n in range(0, len(first), 2):
+        gap = first[n + 1] - first[n]
+        slope = (second[n + 1] - second[n] - gap) * step
+        if slope:
+            yield from _meeting(probe, gap, slope)
+
+
+def _meeting(here: int, gap: int, slope: int) -> tuple[int, int]:
+    """Where a gap that grows by `slope` from `here` on is closed: the whole numbers on either side."""
+    return here - gap // slope, here - -(-gap // slope)
+
+
+def _pieces(points: Sequence[int]) -> Iterable[Segment]:
+    """The points themselves and what lies between two of them."""
+    for point, following in zip(points, [*points[1:], None], strict=True):
+        yield point, point
+        if following is not None and following - point > 1:
+            yield point + 1, following - 1
+
+
+def _joined(pieces: Sequence[Segment]) -> list[Segment]:
+    joined: list[Segment] = []
+    for low, high in pieces:
+        if joined and joined[-1][1] + 1 == low:
+            joined[-1] = (joined[-1][0], high)
+        else:
+            joined.append((low, high))
+    return joined
+
+
+def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]:
+    """What two lists of segments share."""
+    pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
+    return [(low, high) for low, high in pairs if low <= high]
+
+
+def conjuncts(term: Bool) -> list[Bool]:
+    """The parts of a conjunction, nested ones included; none of what is true anyway."""
+    if isinstance(term, And):
+        return [inner for part in term.parts for inner in conjuncts(part)]
+    return [] if isinstance(term, Truth) and term.value else [term]
+
+
+class Slack:
+    """How far a term is from being false: the least numeric distance, negative once it is false, infinite if logical."""
+
+    def __init__(self, term: Bool) -> None:
+        self._term = term
+        self._reads = [side for leaf in _leaves(term) for side in _sides(leaf)]
+        self._program = Program(self._reads)
+
+    def __call__(self, values: Mapping[Var, Value]) -> float:
+        """The distance under these values."""
+        return _slack(self._term, dict(zip(self._reads, self._program(values), strict=True)))
+
+
+def _leaves(term: Bool) -> Iterable[Bool]:
+    """The parts of conjunctions and disjunctions that are neither."""
+    if isinstance(term, (And, Or)):
+        return [leaf for part in term.parts for leaf in _leaves(part)]
+    return [term]
+
+
+def _sides(leaf: Bool) -> Sequence[Expr]:
+    """The terms whose values say how far a leaf is from failing."""
+    match leaf:
+        case Compare(_, a, b) | Not(Compare("<" | "<=", a, b)):
+            return (a, b)
+        case _:
+            return (leaf,)
+
+
+def _slack(term: Bool, found: Mapping[Expr, Value]) -> float:
+    match term:
+        case Compare(op, a, b):
+            left, right = found[a], found[b]
+            return {"==": -abs(left - right), "<": right - left - 1, "<=": right - left}[op]
+        case And(parts):
+            return min(_slack(part, found) for part in parts)
+        case Or(parts):
+            return max(_slack(part, found) for part in parts)
+        case Not(Compare("<", a, b)):
+            return float(found[a] - found[b])
+        case Not(Compare("<=", a, b)):
+            return float(found[a] - found[b] - 1)
+        case _:
+            return float("inf") if found[term] else float("-inf")

@@ -1,0 +1,240 @@
+"""One run after another of a system under the observers of its properties, exactly as the interpreter would run them.
+
+A run follows stretches of inputs (safeloc.proof.runs.profiles). Plausible stretches are repaired step by step so that the
+assumption holds; a faulty stretch is taken as it is, and once it has broken the assumption only properties without an
+assumption are still required.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from safeloc.codegen.compiled import Row, compile_system
+from safeloc.language.expr import BoolVar, Expr, Var
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property, observe, watch
+from safeloc.language.system import TransitionSystem, environment, first_without_the_world
+from safeloc.language.trace import Trace
+from safeloc.proof.provers.shorten import shortened
+from safeloc.proof.runs.allowed import Slack
+from safeloc.proof.runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
+from safeloc.proof.runs.occurring import Key, Occurring
+from safeloc.proof.runs.profiles import Profile
+
+
+@dataclass
+class Statistics:
+    """What the runs did: how far they went, what fired, how often a step had to be given up, and how long it took.
+
+    admitted  of each property, the steps in which it was required
+    occurred  of each property and number of a case that it speaks of, the states of runs in which that occurred while
+              the property was required
+    """
+
+    runs: int = 0
+    steps: int = 0
+    deepest: int = 0
+    known: int = 0
+    refused: int = 0
+    lawful: int = 0
+    seconds: float = 0.0
+    fired: Counter[str] = field(default_factory=Counter)
+    admitted: Counter[Property] = field(default_factory=Counter)
+    occurred: Counter[tuple[Property, int]] = field(default_factory=Counter)
+
+    def notes(self, transitions: Sequence[str]) -> dict[str, str]:
+        """For a report."""
+        never = [name for name in transitions if not self.fired[name]]
+        return {
+            "runs": str(self.runs),
+            "steps": str(self.steps),
+            "steps that keep the assumption": str(self.lawful),
+            "steps of known runs among them": str(self.known),
+            "deepest run": str(self.deepest),
+            "steps per second, drawing and repair included": f"{self.steps / self.seconds:.0f}" if self.seconds else "",
+            "steps given up": str(self.refused),
+            "transitions fired": ", ".join(f"{name} {count}" for name, count in self.fired.most_common()),
+            "never fired": ", ".join(never),
+        }
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A recorded run with the state after each of its steps, so that a new run can start anywhere along it.
+
+    breaks   its last step breaks a property; what was recorded after that is left out
+    """
+
+    first: Mapping[str, Value]
+    stream: tuple[Mapping[str, Value], ...]
+    states: tuple[Row, ...]
+    kept: tuple[Sequence[bool], ...]
+    breaks: bool
+
+
+class Driver:
+    """Drives runs; `broken` names the first property that failed in the present one.
+
+    NoFirstStateError where no first state is found and no run is known that could be begun with.
+    """
+
+    def __init__(self, system: TransitionSystem, properties: Sequence[Property], corpus: Sequence[Trace] = ()) -> None:
+        self.properties = [prop for prop in properties if prop.kind != "reachable"]
+        self.goals = [observe(system, prop) for prop in self.properties]
+        watched = watch(system, self.goals).system
+        self._slack = [Slack(goal.good) for goal in self.goals]
+        self._occurring = Occurring(system, watched.state, self.properties)
+        flags, begin = self._occurring.moves, self._occurring.initial
+        allowed = BoolVar("observer.allowed")
+        given: dict[Var, Expr] = {BoolVar(f"observer.given {n}"): goal.prop.given for n, goal in enumerate(self.goals)}
+        outputs: dict[str, Expr] = {f"good {n}": goal.good for n, goal in enumerate(self.goals)}
+        self._whole = replace(
+            watched,
+            state=(*watched.state, *flags, *given, allowed),
+            next={**watched.next, **flags, **given, allowed: environment(system)},
+            initial={**watched.initial, **begin, **dict.fromkeys(given, True), allowed: True},
+            init=first_without_the_world(system),  # whether the environment begins so is looked at for each run
+            outputs=outputs,
+        )
+        self.system, self.code = system, compile_system(self._whole)
+        self._kept = [True]
+        self._repair = Repair(system)
+        self._usual = _usual(system, corpus)
+        self.statistics = Statistics()
+        self._known = [self._recorded(trace) for trace in corpus]
+        self.reset()
+
+    def reset(self, first: Mapping[str, Value] | None = None) -> None:
+        """Start a new run, from the given first values or the usual ones."""
+        self.first = dict(self._usual if first is None else first)
+        self._start(self.code.first(dict(self.first)), [])
+
+    def follow(self, which: int, share: float = 1.0) -> None:
+        """Start a new run that first repeats a share of a run of the corpus."""
+        known = self._known[which]
+        steps = round(share * len(known.stream))
+        self.first = dict(known.first)
+        self._start(known.states[steps], [dict(record) for record in known.stream[:steps]], known.kept[steps])
+
+    @property
+    def breaking(self) -> int | None:
+        """The first run of the corpus that breaks a property by itself; None if all of them keep all."""
+        return next((which for which, known in enumerate(self._known) if known.breaks), None)
+
+    def drive(self, kind: str, length: int, seed: int, *, faulty: bool = False, lean: int | None = None) -> None:
+        """Several steps by one rule of safeloc.proof.runs.profiles; `lean` is the seed of the side to which the environment leans."""
+        started = time.perf_counter()
+        leaning = None if lean is None else random.Random(lean)
+        profile = Profile(self.system, kind, random.Random(seed), leaning)
+        for _ in range(length):
+            if self.broken is not None:
+                break
+            values = self.state()
+            inputs: dict[Var, Value] | None = profile.inputs(values)
+            if self.kept and not faulty and inputs is not None:
+                inputs = self._mended(values, inputs, profile.draw, profile.pick)
+            if inputs is not None:
+                self._step(inputs)
+        self.statistics.seconds += time.perf_counter() - started
+
+    def state(self) -> dict[Var, Value]:
+        """The present state, observers of the properties included."""
+        return dict(zip(self._whole.state, self._state, strict=True))
+
+    def edges(self) -> dict[str, float]:
+        """For each property with a number in it, how near the run's present state is to violating it; greater is nearer."""
+        values = self.state()
+        found = {goal.prop.name: -slack(values) for goal, slack in zip(self.goals, self._slack, strict=True)}
+        return {name: edge for name, edge in found.items() if math.isfinite(edge)}
+
+    def trace(self) -> Trace:
+        """The run that broke a property, shortened, as the interpreter replays it."""
+        goal = next(goal for goal in self.goals if goal.prop is self.broken)
+        return shortened(goal, self.first, self.stream)
+
+    def _start(self, state: Row, stream: list[dict[str, Value]], kept: Sequence[bool] = ()) -> None:
+        self._state, self.stream = state, stream
+        self._kept = list(kept) if kept else [True] * (len(self.goals) + 1)
+        self._count_cases(self._occurring.at_first(state))
+        self.broken: Property | None = None
+        self.statistics.runs += 1
+        self._judge()
+
+    @property
+    def kept(self) -> bool:
+        """Whether the assumption has been kept so far."""
+        return self._kept[-1]
+
+    def _mended(
+        self, values: Mapping[Var, Value], inputs: dict[Var, Value], draw: random.Random, pick: Pick
+    ) -> dict[Var, Value] | None:
+        repaired = self._repair.mend(values, inputs, draw, pick)
+        self.statistics.refused += repaired is None
+        return repaired
+
+    def _step(self, inputs: Mapping[Var, Value]) -> None:
+        kept, tail = self._kept, len(self.goals) + 1
+        before, row = self._state, tuple(inputs[var] for var in self.system.inputs)
+        state, fired = self.code.step(before, row)
+        self._state = state
+        self._kept = [was and bool(now) for was, now in zip(kept, state[-tail:], strict=True)]
+        self.stream.append({var.name: inputs[var] for var in self.system.inputs})
+        self._judge()
+        self._count(fired)
+        self._count_cases(self._occurring.after(before, row, state, fired))
+
+    def _judge(self) -> None:
+        goods = self.code.outputs(self._state)
+        for number, (prop, good) in enumerate(zip(self.properties, goods, strict=True)):
+            if not good and self._required(number):
+                self.broken = prop
+                return
+
+    def _count_cases(self, occurring: Iterable[Key]) -> None:
+        for number, place in occurring:
+            self.statistics.occurred[self.properties[number], place] += self._required(number)
+
+    def _required(self, number: int) -> bool:
+        """Whether what a property relies on has been kept so far."""
+        return self._kept[number] and (self.kept or self.properties[number].unconditional)
+
+    def _count(self, fired: Sequence[int]) -> None:
+        done = self.statistics
+        done.steps += 1
+        done.lawful += self.kept
+        for number, prop in enumerate(self.properties):
+            done.admitted[prop] += self._required(number)
+        done.deepest = max(done.deepest, len(self.stream))
+        done.fired.update(self.code.fired(fired).values())
+
+    def _recorded(self, trace: Trace) -> _Known:
+        self.first = dict(trace.initial)
+        lawful = begins(self.system, self.first)
+        self._start(self.code.first(dict(self.first)), [], [*[True] * len(self.goals), lawful])
+        started = time.perf_counter()
+        states, kept = [self._state], [self._kept]
+        for record in trace.steps:
+            if self.broken is not None:
+                break
+            self._step({var: record.inputs[var.name] for var in self.system.inputs})
+            states.append(self._state)
+            kept.append(self._kept)
+        self.statistics.known += len(self.stream)
+        self.statistics.seconds += time.perf_counter() - started
+        return _Known(self.first, tuple(self.stream), tuple(states), tuple(kept), self.broken is not None)
+
+
+def _usual(system: TransitionSystem, corpus: Sequence[Trace]) -> dict[str, Value]:
+    """A lawful first state near zero; where none is found, the one of a known run."""
+    try:
+        return first_state(system, random.Random(0))
+    except NoFirstStateError:
+        lawful = [run.initial for run in corpus if begins(system, run.initial)]
+        if not lawful:
+            raise
+        return dict(lawful[0])

@@ -1,0 +1,173 @@
+"""Inputs that keep a machine's assumption: what a search changes is repaired, at the ends of what is allowed.
+
+One input after another is moved to where the broken part of the assumption holds together with every other part that
+reads it: mostly what the environment chooses freely, else a measurement. Where no single move will do, the broken part
+alone is mended and the others follow, or the measurement is left out of the step.
+"""
+
+from __future__ import annotations
+
+import random
+import weakref
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from safeloc.errors import InputError
+from safeloc.language.expr import BoolVar, Lit, NumVar, Var
+from safeloc.language.interpret import start
+from safeloc.language.machine import Any_
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.proof.runs.allowed import Condition, Segment, common, conjuncts
+
+REPAIRS = 20
+ATTEMPTS = 5
+GHOSTS_FIRST = 0.8
+Pick = Callable[[NumVar, int, int], int]
+
+
+def any_end(draw: random.Random) -> Pick:
+    """Chooses either end of what is allowed, or a value inside."""
+    return lambda _var, low, high: draw.choice((low, high, draw.randint(low, high)))
+
+
+class NoFirstStateError(InputError):
+    """No values were found that satisfy `initially`."""
+
+
+class Repair:
+    """Changes inputs until the assumption holds."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self._system = system
+        self._conditions = [Condition(part) for part in conjuncts(system.assume)]
+        inputs = set(system.inputs)
+        self._present = {option.value: option.present for option in system.optionals}
+        self._value = {option.present: option.value for option in system.optionals}
+        self._free = {c: [var for var in c.reads if var in inputs] for c in self._conditions}
+        self._readers = {var: [c for c in self._conditions if var in c.reads] for var in system.inputs}
+
+    def mend(
+        self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], draw: random.Random, pick: Pick | None = None
+    ) -> dict[Var, Value] | None:
+        """Inputs that keep the assumption, or None if none were found. `pick` chooses within what is allowed."""
+        pick = pick or any_end(draw)
+        values = {**state, **inputs}
+        holds = {one: one.holds(values) for one in self._conditions}
+        for attempt in range(REPAIRS):
+            broken = [one for one, kept in holds.items() if not kept]
+            if not broken:
+                return {var: values[var] for var in self._system.inputs}
+            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / REPAIRS):
+                holds |= {one: one.holds(values) for one in self._readers[var]}
+        return None
+
+    def _mend_one(
+        self, broken: Condition, values: dict[Var, Value], draw: random.Random, pick: Pick, patience: float
+    ) -> Sequence[Var]:
+        """The variables that were changed."""
+        candidates = self._ordered(broken, values, draw)
+        for var in candidates:
+            allowed = self._allowed(broken, var, values)
+            if allowed:
+                values[var] = pick(var, *draw.choice(allowed))
+                return [var]
+        left_out = self._leave_out(broken, values, draw) if draw.random() > patience else []
+        if left_out:
+            return left_out
+        for var in candidates:
+            allowed = broken.segments(var, values)
+            if allowed:
+                values[var] = pick(var, *draw.choice(allowed))
+                return [var]
+        return []
+
+    def _ordered(self, broken: Condition, values: Mapping[Var, Value], draw: random.Random) -> list[NumVar]:
+        """The numeric inputs it reads, in the order to try; the value of an absent input is none."""
+        numbers = [var for var in self._free[broken] if isinstance(var, NumVar)]
+        usable = [var for var in numbers if var not in self._present or values[self._present[var]]]
+        mixed = draw.sample(usable, len(usable))
+        ghosts_first = draw.random() < GHOSTS_FIRST
+        return sorted(mixed, key=lambda var: (var not in self._system.ghosts) == ghosts_first)
+
+    def _allowed(self, broken: Condition, var: NumVar, values: Mapping[Var, Value]) -> Sequence[Segment]:
+        """Where the broken part holds along `var` together with every other part that reads it."""
+        found: Sequence[Segment] = broken.segments(var, values)
+        for other in self._readers[var]:
+            if found and other is not broken:
+                found = common(found, other.segments(var, values))
+        return found
+
+    def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> Sequence[Var]:
+        """Change a truth value, such as the presence of a measurement, so that the broken part holds; what was changed."""
+        flags = [var for var in self._free[broken] if isinstance(var, BoolVar)]
+        for flag in draw.sample(flags, len(flags)):
+            trial = {**values, flag: not values[flag]}
+            if flag in self._value:
+                trial[self._value[flag]] = canonical(self._value[flag])
+            if broken.holds(trial):
+                values.update(trial)
+                return [flag, self._value[flag]] if flag in self._value else [flag]
+        return []
+
+
+def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:
+    """Whether a run of the system can start there: a run for all inputs may start where its environment never would."""
+    try:
+        start(system, first)
+    except InputError:
+        return False
+    return True
+
+
+_FIRST: weakref.WeakKeyDictionary[TransitionSystem, list[Condition]] = weakref.WeakKeyDictionary()
+
+
+def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: float = 0.0) -> dict[str, Value]:
+    """Values for what is open at the start, such that `initially` holds; NoFirstStateError if none were found.
+
+    adventurous: the share of variables that begin at an end of their range instead of near zero
+    """
+    free = [var for var in system.state if isinstance(system.initial[var], Any_)]
+    if system not in _FIRST:
+        _FIRST[system] = [Condition(part) for part in conjuncts(system.init)]
+    conditions = _FIRST[system]
+    for attempt in range(ATTEMPTS):
+        share = adventurous * (1 - attempt / (ATTEMPTS - 1))
+        values = {var: _first_value(system, var, draw, share) for var in system.state}
+        if _mended(conditions, free, values, draw):
+            return {var.name: values[var] for var in free}
+    raise NoFirstStateError(f"{system.name}: no first state found that satisfies `initially`; give one explicitly.")
+
+
+def _mended(
+    conditions: Sequence[Condition], free: Sequence[Var], values: dict[Var, Value], draw: random.Random
+) -> bool:
+    """Whether the values keep every condition, after some repairs."""
+    for _ in range(REPAIRS):
+        broken = [one for one in conditions if not one.holds(values)]
+        if not broken:
+            return True
+        for one in broken:
+            _mend_first(one, free, values, draw)
+    return False
+
+
+def _first_value(system: TransitionSystem, var: Var, draw: random.Random, adventurous: float) -> Value:
+    declared = system.initial[var]
+    if not isinstance(declared, Any_):
+        return declared.value if isinstance(declared, Lit) else declared
+    if isinstance(var, BoolVar):
+        return draw.random() < 0.5
+    return draw.choice((var.low, var.high)) if draw.random() < adventurous else canonical(var)
+
+
+def _mend_first(broken: Condition, free: Iterable[Var], values: dict[Var, Value], draw: random.Random) -> None:
+    candidates = [var for var in free if var in broken.reads]
+    for var in draw.sample(candidates, len(candidates)):
+        if isinstance(var, BoolVar):
+            values[var] = not values[var]
+            return
+        allowed = broken.segments(var, values)
+        if allowed:
+            values[var] = draw.choice(draw.choice(allowed))
+            return

@@ -1,0 +1,170 @@
+"""Inputs over a stretch of steps: how a moving train, its sensors and its surroundings behave for a while.
+
+    steady, ramp, standstill, reversal     one level for all inputs of a kind, as sensors of one train see one movement
+    ends, random                           each input at an end of its range, or anywhere
+    stuck, silent, zero, scaled            steady, with one input at fault: frozen, absent, zero, too great or too small
+
+Identities and absolute positions mean something only in relation to what the machine knows: some inputs therefore
+repeat a value of the state (a marker that is waited for, the place where the train is), or one next to it. What the
+environment may choose can lean to one side for long, which is how errors add up.
+"""
+
+from __future__ import annotations
+
+import random
+import weakref
+from collections.abc import Mapping
+from fractions import Fraction
+
+from safeloc.language.expr import BoolVar, Num, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.units import COUNT, Enumeration
+from safeloc.proof.runs.lawful import Pick, any_end
+
+PLAUSIBLE = ("steady", "steady", "ramp", "standstill", "reversal", "ends", "random")
+FAULTY = ("stuck", "silent", "zero", "scaled", "ends", "random")
+Kind = tuple[str, int, int, str]
+
+
+class Profile:
+    """Inputs of one stretch, drawn from one seed. `lean`: to which side the environment leans, often for a whole run."""
+
+    def __init__(
+        self, system: TransitionSystem, kind: str, draw: random.Random, lean: random.Random | None = None
+    ) -> None:
+        self._system, self._kind, self.draw = system, kind, draw
+        self._numbers = [var for var in system.inputs if isinstance(var, NumVar)]
+        self._together = draw.random() < 0.85
+        self._level = {self._group(var): _level(var, draw) for var in self._numbers}
+        self._change = {group: draw.uniform(-1, 1) * (group[2] - group[1]) / 200 for group in self._level}
+        self._missing = {option.value: draw.choice((0.0, 0.02, 0.5, 0.95, 1.0)) for option in system.optionals}
+        related = {option.value for option in system.optionals} | {var for var in self._numbers if var.unit is COUNT}
+        likes = _likes(system)
+        self._mirrored = {var: likes[var] for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)}
+        self._favourite = draw.randrange(1_000)
+        self._coin_for_all = draw.random() < 0.5
+        self._flags = {var: draw.choice((0.0, 0.05, 0.5, 1.0)) for var in system.inputs if isinstance(var, BoolVar)}
+        self._held = {var: _member(var, draw) for var in self._numbers if isinstance(var.unit, Enumeration)}
+        self._lean = {var: (lean or draw).choice((0, 1, 0, 1, 2)) for var in self._numbers}
+        self._leaning = lean is not None
+        measured = [var for var in self._numbers if var not in system.ghosts]
+        self._at_fault = draw.choice(measured) if measured else None
+        self._scale = draw.choice((0.0, 0.5, 0.9, 1.1, 2.0, -1.0))
+        self._number = 0
+
+    @property
+    def pick(self) -> Pick:
+        """How a value is chosen within what the assumption allows: always to one side, or at any end."""
+        if not self._leaning:
+            return any_end(self.draw)
+        return lambda var, low, high: (low, high, (low + high) // 2)[self._lean[var]]
+
+    def inputs(self, state: Mapping[Var, Value]) -> dict[Var, Value]:
+        """The next step's inputs; absent optional ones hold their canonical value."""
+        values: dict[Var, Value] = {}
+        for var in self._system.inputs:
+            if isinstance(var, BoolVar):
+                values[var] = self.draw.random() < self._flags[var]
+            else:
+                values[var] = self._value(var, state)
+        coin = self.draw.random()
+        for option in self._system.optionals:
+            silent = self._kind == "silent" and option.value is self._at_fault
+            thrown = coin if self._coin_for_all else self.draw.random()
+            absent = silent or thrown < self._missing[option.value]
+            values[option.present] = not absent
+            if absent:
+                values[option.value] = canonical(option.value)
+        self._number += 1
+        return values
+
+    def _value(self, var: NumVar, state: Mapping[Var, Value]) -> int:
+        if isinstance(var.unit, Enumeration):
+            if self.draw.random() < 0.3:
+                self._held[var] = _member(var, self.draw)
+            return self._held[var]
+        if self._leaning and var in self._system.ghosts and self._lean[var] < 2:
+            return (var.low, var.high)[self._lean[var]]
+        if self._mirrored.get(var):
+            return _within(var, self._mirror(var, state))
+        return _within(var, self._moved(var) * self._fault(var))
+
+    def _mirror(self, var: NumVar, state: Mapping[Var, Value]) -> float:
+        """A value of the state, mostly one that is not zero, or one beside it."""
+        known = [like for like in self._mirrored[var] if state[like[0]]] or self._mirrored[var]
+        like = known[self._favourite % len(known)] if self.draw.random() < 0.7 else self.draw.choice(known)
+        seen, numerator, denominator = like
+        beside = self.draw.choice((0, 0, 0, 1, -1, self.draw.randint(-1000, 1000)))
+        return state[seen] * numerator / denominator + beside
+
+    def _fault(self, var: NumVar) -> float:
+        """What the measured value is multiplied with: 1, unless this input is at fault."""
+        if var is not self._at_fault or self._kind not in ("zero", "scaled"):
+            return 1.0
+        return 0.0 if self._kind == "zero" else self._scale
+
+    def _moved(self, var: NumVar) -> float:
+        group = self._group(var)
+        level, kind = self._level[group], self._kind
+        if kind in ("ramp", "stuck", "scaled") and var is not self._at_fault:
+            return level + self._number * self._change[group]
+        if kind == "ends":
+            return self.draw.choice((var.low, var.high, canonical(var)))
+        if kind == "standstill":
+            return canonical(var)
+        if kind == "reversal":
+            return level if self._number % 20 < 10 else -level
+        if kind == "random":
+            return self.draw.choice((var.low, var.high, canonical(var), self.draw.randint(var.low, var.high)))
+        return level
+
+    def _group(self, var: NumVar) -> Kind:
+        return (var.unit.name, var.low, var.high, "" if self._together else var.name)
+
+
+def _level(var: NumVar, draw: random.Random) -> float:
+    """A level to hold: an end of the range, rest, or some small or large share of the range."""
+    share = draw.choice((0.0005, 0.01, 0.1, 1.0, 1.0))
+    inside = draw.uniform(var.low, var.high) * share
+    return draw.choice((var.low, var.high, canonical(var), inside, inside, inside))
+
+
+def _member(var: NumVar, draw: random.Random) -> int:
+    return draw.randint(var.low, var.high)
+
+
+def _within(var: NumVar, value: float) -> int:
+    return min(max(round(value), var.low), var.high)
+
+
+Like = tuple[NumVar, int, int]
+"""A state variable of the same dimension as an input, and the factor between their units as a fraction."""
+
+_LIKES: weakref.WeakKeyDictionary[TransitionSystem, dict[NumVar, list[Like]]] = weakref.WeakKeyDictionary()
+
+
+def _likes(system: TransitionSystem) -> dict[NumVar, list[Like]]:
+    """State variables whose values an input may repeat, for each input."""
+    if system not in _LIKES:
+        _LIKES[system] = {
+            var: [
+                (other, *_factor(other, var).as_integer_ratio())
+                for other in system.state
+                if isinstance(other, NumVar) and _same_dimension(other, var)
+            ]
+            for var in system.inputs
+            if isinstance(var, NumVar)
+        }
+    return _LIKES[system]
+
+
+def _same_dimension(one: Num, other: Num) -> bool:
+    if isinstance(one.unit, Enumeration) or isinstance(other.unit, Enumeration):
+        return False
+    return one.unit.dimension == other.unit.dimension
+
+
+def _factor(one: Num, other: Num) -> Fraction:
+    assert not isinstance(one.unit, Enumeration) and not isinstance(other.unit, Enumeration)
+    return one.unit.scale / other.unit.scale

@@ -1,0 +1,73 @@
+"""Runs to check a back end by: what ships with a target, what its simulation gives, and drawn ones.
+
+Drawn runs are lawful ones (the environment beside the machine, its assumption kept) and any ones in range.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from safeloc.codegen.c99_vectors import Run
+from safeloc.language.expr import Var
+from safeloc.language.interpret import start, step
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.trace import present_inputs
+from safeloc.proof.runs.lawful import Repair, first_state
+from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
+from safeloc.runtime.streams.steps import Cell, read_steps
+from safeloc.target import Target
+
+STRETCH = 12
+
+
+def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run]:
+    """Runs of what runs on board, up to `steps` steps each; the same for the same seed."""
+    on_board = without_ghosts(target.system)
+    runs = [recorded_run(on_board, path, steps) for path in target.streams]
+    if target.simulate is not None:
+        runs.append(Run("simulated", _read(on_board, target.simulate(seed)[:steps])))
+    return [*runs, drawn_run(target.system, seed, steps, lawful=True), drawn_run(on_board, seed, steps, lawful=False)]
+
+
+def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
+    """A shipped stream as what runs on board reads it, up to `steps` steps."""
+    stream = read_steps(path)
+    kept = {var.name for var in on_board.state}
+    first = {name: value for name, value in stream.first.items() if name in kept}
+    return Run(path.stem, _read(on_board, stream.steps[:steps]), first)
+
+
+def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) -> Run:
+    """A drawn run of what runs on board. A lawful one keeps the assumption, and may be shorter where that cannot go on."""
+    draw = random.Random(seed)
+    first = first_state(system, draw)
+    on_board = without_ghosts(system)
+    rows = _read(on_board, list(_drawn(system, first, draw, steps, lawful)))
+    kept = {var.name for var in on_board.state}
+    chosen = {name: value for name, value in first.items() if name in kept}
+    return Run("lawful" if lawful else "any inputs in range", rows, chosen)
+
+
+def _drawn(
+    system: TransitionSystem, first: Mapping[str, Value], draw: random.Random, steps: int, lawful: bool
+) -> Iterator[Mapping[str, Value]]:
+    state, repair, profile = start(system, first), Repair(system), Profile(system, "steady", draw)
+    kinds = PLAUSIBLE if lawful else (*PLAUSIBLE, *FAULTY)
+    for number in range(steps):
+        if number % STRETCH == 0:
+            profile = Profile(system, draw.choice(kinds), draw)
+        inputs: dict[Var, Value] | None = profile.inputs(state)
+        if lawful and inputs is not None:
+            inputs = repair.mend(state, inputs, draw, profile.pick)
+        if inputs is not None:
+            state, _ = step(system, state, inputs)
+            yield present_inputs(system, {var.name: value for var, value in inputs.items()})
+
+
+def _read(on_board: TransitionSystem, steps: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Cell]]:
+    """What the machine reads of each step: neither ghosts nor remarks."""
+    names = {var.name for var in on_board.inputs}
+    return [{name: value for name, value in step.items() if name in names} for step in steps]

@@ -1,0 +1,20 @@
+"""Runs that are worked out beforehand: what happens in them, and what is to come of it in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from safeloc.runtime.streams.steps import Cell
+
+Config_ = TypeVar("Config_", contravariant=True)
+Steps = list[dict[str, Cell]]
+
+
+@dataclass(frozen=True)
+class WorkedRun(Generic[Config_]):
+    """What is to come of a run, in words, and its steps for a machine of a configuration."""
+
+    outcome: str
+    steps: Callable[[Config_], Sequence[Mapping[str, Cell]]]

@@ -1,0 +1,226 @@
+"""Property tests for any machine: Hypothesis drives whole runs, exactly as the interpreter would run them.
+
+    TestOdometer = state_machine_test(system, properties)     a unittest class for pytest
+    run_tests(system, properties, ...) -> list[Finding]       the same, for the command line and the report
+
+A run is made of a few big draws: a rule (safeloc.proof.runs.profiles), a length and a seed, since Hypothesis's own draws would take
+nearly all the time. Half of the runs keep the assumption to the end; the others have faulty stretches. `target()` pulls
+runs towards the edge of every property. A run that breaks one is shortened by exact replays, not by Hypothesis.
+"""
+
+from __future__ import annotations
+
+import time
+import unittest
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import hypothesis
+from hypothesis import Phase
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+
+from safeloc.language.antecedents import cases
+from safeloc.language.monitor import NEVER
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, first_without_the_world
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Held, Result, Unknown, Vacuous, Violated
+from safeloc.proof.results import Finding
+from safeloc.proof.runs.driver import Driver, Statistics
+from safeloc.proof.runs.lawful import NoFirstStateError, begins
+from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE
+
+STRETCHES = 8
+PHASES = (Phase.explicit, Phase.generate, Phase.target)
+
+
+def state_machine(
+    system: TransitionSystem, properties: Sequence[Property], *, steps: int = 60, corpus: Sequence[Trace] = ()
+) -> type[RuleBasedStateMachine]:
+    """A Hypothesis state machine for the system.
+
+    steps    the longest stretch; a run has up to as many stretches as the settings' stateful_step_count
+    corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams); a
+             property that one of them breaks is found without searching. One that begins as the environment never
+             does is a run for unconditional properties only
+    """
+    on_board = replace(system, init=first_without_the_world(system))
+    corpus = [run for run in corpus if begins(on_board, run.initial)]
+    driver = Driver(system, properties, corpus)
+    lengths = sorted({steps, -(-steps // 2), -(-steps // 10), 1}, reverse=True)
+
+    class Run(RuleBasedStateMachine):  # type: ignore[misc, unused-ignore]
+        statistics = driver.statistics
+        faults: bool = False
+        lean: int | None = None
+
+        @initialize(
+            which=st.integers(-1, len(corpus) - 1),
+            percent=st.integers(0, 100),
+            faults=st.booleans(),
+            lean=st.none() | st.integers(0, 2**16),
+        )
+        def begin(self, which: int, percent: int, faults: bool, lean: int | None) -> None:
+            """From the first state, or from somewhere along a known run; one that breaks a property is followed at once."""
+            self.faults, self.lean = faults, lean
+            if driver.breaking is not None:
+                driver.follow(driver.breaking)
+            elif which < 0:
+                driver.reset()
+            else:
+                driver.follow(which, percent / 100)
+            self._look()
+
+        @rule(kind=st.sampled_from(PLAUSIBLE), length=st.sampled_from(lengths), seed=st.integers(0, 2**16))
+        def run_plausibly(self, kind: str, length: int, seed: int) -> None:
+            """A stretch that keeps the assumption."""
+            driver.drive(kind, length, seed, lean=self.lean)
+            self._look()
+
+        @precondition(lambda self: self.faults)
+        @rule(kind=st.sampled_from(FAULTY), length=st.integers(1, 5), seed=st.integers(0, 2**16))
+        def run_with_faults(self, kind: str, length: int, seed: int) -> None:
+            """A stretch with any inputs in range."""
+            driver.drive(kind, length, seed, faulty=True)
+            self._look()
+
+        def teardown(self) -> None:
+            """Tell Hypothesis how far the run went and how near it came to violating each property."""
+            hypothesis.target(float(len(driver.stream)), label="steps")
+            for name, edge in driver.edges().items():
+                hypothesis.target(edge, label=f"edge of {name}")
+
+        def _look(self) -> None:
+            if driver.broken is not None:
+                raise PropertyBroken(driver.broken, driver.trace())
+
+    Run.__name__ = "".join(letter if letter.isalnum() else "_" for letter in system.name)
+    return Run
+
+
+class PropertyBroken(AssertionError):
+    """A property failed in a run; the message shows the run."""
+
+    def __init__(self, prop: Property, trace: Trace) -> None:
+        super().__init__(f"{prop.name}: {prop.statement}\n{trace.table()}")
+        self.prop, self.trace = prop, trace
+
+
+def state_machine_test(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    *,
+    settings: hypothesis.settings | None = None,
+    steps: int = 60,
+    corpus: Sequence[Trace] = (),
+) -> type[unittest.TestCase]:
+    """A unittest class that pytest collects: every property on many runs. PropertyBroken shows a shortened run.
+
+    settings   as any Hypothesis user sets them; by default those of the active profile without Hypothesis's shrinking
+    """
+    run = state_machine(system, properties, steps=steps, corpus=corpus)
+    case: type[unittest.TestCase] = run.TestCase
+    case.settings = settings or hypothesis.settings(phases=PHASES)  # type: ignore[attr-defined]
+    return case
+
+
+def run_tests(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    *,
+    examples: int,
+    steps: int,
+    seed: int,
+    corpus: Sequence[Trace] = (),
+) -> list[Finding]:
+    """One Finding a property: Held with statistics, or Violated with a shortened trace.
+
+    Vacuous where a case that it speaks of never occurred (of what a machine of a composition keeps by itself a note
+    says so); Unknown where no step required it, or no first state was
+    found to begin with.
+    """
+    started = time.monotonic()
+    asked = [prop for prop in properties if prop.kind != "reachable"]
+    try:
+        results = _results(system, properties, examples, steps, seed, corpus)
+    except NoFirstStateError as error:
+        results = dict.fromkeys(asked, Unknown(str(error), -1))
+    seconds = time.monotonic() - started
+    return [_finding(system, prop, results[prop], seconds) for prop in asked]
+
+
+def _results(
+    system: TransitionSystem,
+    properties: Sequence[Property],
+    examples: int,
+    steps: int,
+    seed: int,
+    corpus: Sequence[Trace],
+) -> Mapping[Property, Result]:
+    left, broken = list(properties), dict[Property, Result]()
+    while True:
+        run = state_machine(system, left, steps=steps, corpus=corpus)
+        caught = _caught(run, examples, seed)
+        if caught is None:
+            break
+        broken[caught.prop] = Violated(caught.trace, "Hypothesis")
+        left = [prop for prop in left if prop is not caught.prop]
+    statistics = run.statistics  # type: ignore[attr-defined]
+    names = [t.name for machine in system.machines for t in machine.transitions]
+    held = Held("Hypothesis", statistics.runs, statistics.steps, statistics.notes(names))
+    return {prop: _held(prop, held, statistics) for prop in left} | broken
+
+
+def _held(prop: Property, held: Held, statistics: Statistics) -> Result:
+    """Held, unless no step at all kept what the property relies on, or a case that it speaks of never occurred."""
+    if statistics.steps and not statistics.admitted[prop]:
+        return Unknown("no step kept what the property is given, or assumes: nothing was tested", 0)
+    never = [one.words for place, one in enumerate(cases(prop)) if not statistics.occurred[prop, place]]
+    if never and prop.kept_by is not None:  # the machine by itself comes there; that the whole did not is told
+        return replace(held, notes={**held.notes, NEVER: "; ".join(never)})
+    if never:
+        return Vacuous(f"{'; '.join(never)} never occurred in {statistics.steps} steps: nothing was tested of it")
+    return held
+
+
+def _caught(run: type[RuleBasedStateMachine], examples: int, seed: int) -> PropertyBroken | None:
+    settings = hypothesis.settings(
+        max_examples=examples,
+        stateful_step_count=STRETCHES,
+        phases=PHASES,
+        deadline=None,
+        database=None,
+        suppress_health_check=(
+            hypothesis.HealthCheck.too_slow,
+            hypothesis.HealthCheck.filter_too_much,
+            hypothesis.HealthCheck.data_too_large,
+        ),
+        print_blob=False,
+    )
+    seeded = hypothesis.seed(seed)(run)
+    try:
+        run_state_machine_as_test(seeded, settings=settings)
+    except PropertyBroken as error:
+        return error
+    return None
+
+
+def _finding(system: TransitionSystem, prop: Property, result: Result, seconds: float) -> Finding:
+    return Finding(
+        f"{system.name}/test/{prop.name}",
+        system.name,
+        "test",
+        prop.statement,
+        result,
+        "Hypothesis, plausible and faulty streams",
+        seconds,
+        prop.trace,
+        prop.relies_on,
+    )

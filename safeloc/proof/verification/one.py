@@ -1,0 +1,121 @@
+"""One target from its properties to its findings: proofs, obligations, property tests, replays of what ships with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from safeloc.catalogue import Target
+from safeloc.language.spec import Property
+from safeloc.language.verdict import Proved
+from safeloc.proof.provers.antecedents import found
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import CHECKS, obligations
+from safeloc.proof.provers.portfolio import OnFinding, prove
+from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.results import Finding
+from safeloc.proof.testing import run_tests
+from safeloc.proof.verification.replay import replay_stream, whole_run
+from safeloc.proof.verification.unasked import nothing_asked
+from safeloc.runtime.streams.steps import read_steps
+
+OnPhase = Callable[[str, int], None]
+"""Hears what begins, in words, and how many findings are expected of it."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The effort for one target.
+
+    limits    bounds of the provers, for each property
+    examples  runs of the property tests; steps: of one stretch of such a run, at most; seed: of these runs
+    """
+
+    limits: Limits
+    examples: int
+    steps: int
+    seed: int
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """Verifies one target, in at most `jobs` processes at a time; `on_phase` and `on_finding` hear of it as it comes."""
+
+    target: Target
+    jobs: int
+    on_phase: OnPhase
+    on_finding: OnFinding
+
+    def verified(self, plan: Plan) -> list[Finding]:
+        """Return all findings, in order: lemmas and properties, obligations, tests, replays.
+
+        StreamError for a recording that the target cannot take, EngineError where solvers contradict each other.
+        """
+        findings = self._told(nothing_asked(self.target)) + self.proved(self.target.properties, plan.limits)
+        owed = self.obliged(plan.limits)
+        findings += [*owed, *self.tested(plan, owed)]
+        for stream in self.target.streams:
+            self.on_phase(f"replaying {stream.name}", len(self.target.properties))
+            findings += self._told(replay_stream(self.target, stream)[1])
+        return findings
+
+    def proved(self, properties: Sequence[Property], limits: Limits) -> list[Finding]:
+        """Prove lemmas, contracts and these properties."""
+        self.on_phase(f"proving {self.target.name}", claims(self.target, properties))
+        return prove(
+            self.target.system,
+            properties,
+            limits,
+            jobs=self.jobs,
+            on_finding=self.on_finding,
+            recordings=self._recordings(),
+        )
+
+    def obliged(self, limits: Limits) -> list[Finding]:
+        """Prove the obligations, which every machine has without anybody writing a property."""
+        self.on_phase(f"obligations of {self.target.name}", owed(self.target))
+        return obligations(
+            self.target.system,
+            limits,
+            jobs=self.jobs,
+            on_finding=self.on_finding,
+            recordings=self._recordings(),
+            properties=self.target.properties,
+        )
+
+    def tested(self, plan: Plan, owed: Sequence[Finding]) -> list[Finding]:
+        """Run the property tests, also from along witnesses and shipped streams, so that deep modes and cases are tested."""
+        self.on_phase(f"testing {self.target.name}", len(self.target.properties))
+        system, properties = self.target.system, self.target.properties
+        kept = [one.result.witness for one in owed if isinstance(one.result, Proved)]
+        witnesses = [
+            run for run in kept if run is not None and not run.system.whole
+        ]  # of the whole, of no machine in it
+        streams = [whole_run(self.target, path) for path in self.target.streams]
+        corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
+        tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
+        return self._told(tests)
+
+    def _recordings(self) -> list[Recording]:
+        return [Recording(stream.first, stream.steps) for stream in map(read_steps, self.target.streams)]
+
+    def _told(self, findings: list[Finding]) -> list[Finding]:
+        for one in findings:
+            self.on_finding(one)
+        return findings
+
+
+def claims(target: Target, properties: Sequence[Property]) -> int:
+    """Count the findings that proving these will give, as near as can be said beforehand."""
+    return len(properties) + sum(len(machine.lemmas) for machine in target.machines)
+
+
+def owed(target: Target) -> int:
+    """Count the obligations, as near as can be said beforehand: one of each kind, each mode and transition by itself."""
+    return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
+
+
+def expected(target: Target) -> int:
+    """Count the findings of all phases, as near as can be said beforehand."""
+    tests, replays = len(target.properties), len(target.streams) * len(target.properties)
+    return claims(target, target.properties) + owed(target) + tests + replays

@@ -1,0 +1,299 @@
+"""A recorded stream through a machine: one row a step, and every property on the whole of it."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import time
+import weakref
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from pathlib import Path
+
+from safeloc.catalogue import Target
+from safeloc.errors import InputError, StreamError
+from safeloc.language.expr import Num, Var
+from safeloc.language.interpret import read_inputs
+from safeloc.language.monitor import Checks
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.terms import variables
+from safeloc.language.trace import Trace, shown
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Held, NotAsked, Result, Violated
+from safeloc.proof.results import Finding, Replayed
+from safeloc.proof.runs.quick import Quick, quick_run
+from safeloc.proof.verification.recordings import counted, recorded_steps
+from safeloc.proof.verification.unasked import reason
+from safeloc.runtime.border import Fault
+from safeloc.runtime.outside import quoted
+from safeloc.runtime.streams.columns import read_runs
+from safeloc.runtime.streams.steps import StepStream, read_steps
+
+
+@dataclass(frozen=True)
+class Row:
+    """One replayed step."""
+
+    number: int
+    modes: Mapping[str, str]
+    fired: Mapping[str, str]
+    outputs: Mapping[str, Value | str]
+    truth: str
+
+    def as_json(self) -> str:
+        """One JSON line."""
+        return json.dumps(
+            {
+                "step": self.number,
+                "mode": dict(self.modes),
+                "fired": dict(self.fired),
+                **self.outputs,
+                "truth": self.truth,
+            }
+        )
+
+    def cells(self) -> dict[str, str]:
+        """Column -> text."""
+        outputs = {
+            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in self.outputs.items()
+        }
+        fired = {"fired": ", ".join(self.fired.values())}
+        return {"step": str(self.number), **self.modes, **outputs, **fired, "truth": self.truth}
+
+
+def as_table(rows: Sequence[Row]) -> list[str]:
+    """Plain lines under a heading, in columns; rows have the same columns."""
+    cells = [row.cells() for row in rows]
+    widths = {name: max(len(name), *(len(row[name]) for row in cells)) for name in cells[0]}
+    lines = [{name: name for name in widths}, *cells]
+    return ["  ".join(line[name].ljust(width) for name, width in widths.items()).rstrip() for line in lines]
+
+
+def replay_stream(
+    target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None
+) -> tuple[list[Row], list[Finding]]:
+    """Rows and findings. StreamError with file and line for a step the machine cannot take, or without any step.
+
+    With `period_ms` the file holds single records, and what the border refused of them is a finding of its own. `run`
+    is the id of a result, and the file one of a report's traces: the run that shows it is replayed.
+
+    A stream with the ghosts of the machine in it is checked against every property. One without them (a real
+    recording) is checked against those that do not speak of the truth; `truth_mm`, where the stream has it, is
+    compared with the reported interval, if the machine reports one.
+    """
+    started = time.monotonic()
+    stream, faults = (_steps(path, run), None) if period_ms is None else recorded_steps(target, path, period_ms)
+    if not stream.steps:
+        raise StreamError(f"{path}: no steps, so nothing was replayed.")
+    _refuse_other(target, path, stream)
+    asked = _asked(target, whole=_is_whole(target, stream))
+    system, properties = asked.system, asked.properties
+    truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
+    trace = _run(system, path, stream)
+    rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
+    verdicts = asked.checks(trace)
+    findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
+    if target.reported is not None and any(value is not None for value in truth):
+        findings.append(_containment(target, path, rows, trace, truth, started))
+    unchecked = asked.unchecked
+    if not findings:
+        findings.append(_nothing_checked(target, path, unchecked, started))
+    if faults is not None:
+        findings.append(_border(target, path, len(rows), faults, started))
+    replayed = Replayed(path.stem, trace, tuple(truth))
+    findings = [replace(finding, replayed=replayed) for finding in findings]
+    return rows, _noted(findings, unchecked)
+
+
+def _steps(path: Path, run: str | None) -> StepStream:
+    """A recording; of a file of runs the one that is asked for."""
+    return read_steps(path) if run is None else read_runs(path).stream(run)
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What is checked on a target's recordings: the system that they are runs of, and which properties speak of it."""
+
+    system: TransitionSystem
+    properties: Sequence[Property]
+    unchecked: Sequence[Property]
+    checks: Checks
+
+
+_ASKED: weakref.WeakKeyDictionary[Target, dict[bool, _Asked]] = weakref.WeakKeyDictionary()
+
+
+def _asked(target: Target, *, whole: bool) -> _Asked:
+    """The whole system, or as it runs on board; worked out once for all recordings of a target."""
+    known = _ASKED.setdefault(target, {})
+    if whole not in known:
+        system = target.system if whole else without_ghosts(target.system)
+        every = [prop for prop in target.properties if prop.kind != "reachable"]
+        properties = [prop for prop in every if _is_applicable(prop, system)]
+        unchecked = [prop for prop in every if prop not in properties]
+        known[whole] = _Asked(system, properties, unchecked, Checks(system, properties, Quick))
+    return known[whole]
+
+
+def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[Finding]:
+    """The findings, the first of them with a note of what was not checked."""
+    if not unchecked:
+        return list(findings)
+    names = "; ".join(prop.name for prop in unchecked)
+    note = {"not checked": f"{_number(unchecked)} ({names}), the stream has no ghosts"}
+    return [replace(findings[0], notes={**findings[0].notes, **note}), *findings[1:]]
+
+
+def _nothing_checked(target: Target, path: Path, unchecked: Sequence[Property], started: float) -> Finding:
+    """Neither a property nor the truth: no news of the recording, and not good news."""
+    ghosts = "every property speaks of ghosts, and the stream has none; simulate one, or record the truth as truth_mm"
+    said, name = "something of the recording was checked", f"{target.name}/replay/{path.stem}: nothing checked"
+    why, seconds = NotAsked(ghosts if unchecked else reason(target)), time.monotonic() - started
+    return Finding(name, target.name, "replay", said, why, f"replay of {path.name}", seconds)
+
+
+def _number(unchecked: Sequence[Property]) -> str:
+    return "1 property" if len(unchecked) == 1 else f"{len(unchecked)} properties"
+
+
+def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
+    """A stream says in its header which machine it is for, or nothing."""
+    if stream.machine not in ("", target.name):
+        raise StreamError(
+            f"{path}:1: a stream for machine {stream.machine!r}, and {target.name!r} is replayed; "
+            "take the machine of the stream, or leave `machine` out of the header."
+        )
+
+
+def whole_run(target: Target, path: Path) -> Trace | None:
+    """A stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
+    stream = read_steps(path)
+    _refuse_other(target, path, stream)
+    return _run(target.system, path, stream) if _is_whole(target, stream) else None
+
+
+def _is_whole(target: Target, stream: StepStream) -> bool:
+    ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}
+    return bool(stream.steps) and ghosts <= set(stream.steps[0])
+
+
+def _run(system: TransitionSystem, path: Path, stream: StepStream) -> Trace:
+    names = {var.name for var in system.inputs}
+    known = {var.name for var in system.state}
+    first = {name: value for name, value in stream.first.items() if name in known}
+    rows = [{name: value for name, value in step.items() if name in names} for step in stream.steps]
+    _refuse_unknown(system, path, stream)
+    try:
+        return quick_run(system, rows, first=first)
+    except InputError as error:
+        raise StreamError(f"{path}: {error} ({_first_bad(system, stream, rows)})") from error
+
+
+def _first_bad(system: TransitionSystem, stream: StepStream, rows: Sequence[Mapping[str, object]]) -> str:
+    for line, row in zip(stream.lines, rows, strict=True):
+        try:
+            read_inputs(system, row)
+        except InputError:
+            return f"line {line}"
+    return "in the first state"
+
+
+def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) -> None:
+    """A column nobody reads is a misspelt name, unless it is a remark; with nothing under it as well."""
+    known = _names(system)
+    steps = ((name, line) for line, step in zip(stream.lines, stream.steps, strict=True) for name in step)
+    for name, line in chain(stream.columns.items(), steps):
+        if name not in known and name not in REMARKS:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            inputs = sorted(one for one in known if not one.endswith(".present"))
+            raise StreamError(f"{path}:{line}: {system.name} has no input {quoted(name)}; it has {inputs}.{hint}")
+
+
+REMARKS = ("truth_mm", "time_ms")
+
+
+def _names(system: TransitionSystem) -> set[str]:
+    every = {var.name for var in system.inputs}
+    return every | {var.name for machine in system.machines for var in machine.ghost_inputs}
+
+
+def _row(target: Target, trace: Trace, index: int, truth_mm: int | None) -> Row:
+    step = trace.steps[index]
+    by_name = {var.name: var for var in trace.system.state}
+    modes = {name: shown(by_name[name], value) for name, value in step.state.items() if name.split(".")[-1] == "mode"}
+    outputs = {name: _shown(trace.system, name, value) for name, value in step.outputs.items()}
+    return Row(index + 1, modes, step.fired, outputs, _standing(target, step.outputs, truth_mm))
+
+
+def _shown(system: TransitionSystem, name: str, value: Value) -> Value | str:
+    term = system.outputs[name]
+    if isinstance(term, Num) and isinstance(term.unit, Enumeration):
+        return term.unit.members[value]
+    return value
+
+
+def _standing(target: Target, outputs: Mapping[str, Value], truth_mm: int | None) -> str:
+    if truth_mm is None or target.reported is None:
+        return ""
+    return target.reported.standing(outputs, truth_mm)
+
+
+def _truth_mm(path: Path, stream: StepStream, index: int) -> int | None:
+    truth = stream.steps[index].get("truth_mm")
+    if truth is None or (isinstance(truth, int) and not isinstance(truth, bool)):
+        return truth
+    raise StreamError(f"{path}:{stream.lines[index]}: truth_mm is {truth!r}; give whole mm, or leave it out.")
+
+
+def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
+    """Whether the property speaks of nothing that the system lacks."""
+    known: set[Var] = {*system.state, *system.inputs, *system.fired}
+    read = variables([prop.term, prop.response, prop.given])
+    return all((var if var.before is None else var.before) in known for var in read)
+
+
+def _finding(target: Target, path: Path, prop: Property, verdict: Result, started: float) -> Finding:
+    seconds = time.monotonic() - started
+    name = f"{target.name}/replay/{path.stem}: {prop.name}"
+    return Finding(name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.trace)
+
+
+def _border(target: Target, path: Path, steps: int, faults: Sequence[Fault], started: float) -> Finding:
+    return Finding(
+        f"{target.name}/replay/{path.stem}: border",
+        target.name,
+        "replay",
+        "every record is an input as it came, or refused with its reason",
+        Held("replay", 1, steps, counted(faults)),
+        f"replay of {path.name}",
+        time.monotonic() - started,
+    )
+
+
+def _containment(
+    target: Target, path: Path, rows: Sequence[Row], trace: Trace, truth: Sequence[int | None], started: float
+) -> Finding:
+    wrong = [row.number for row in rows if row.truth == "WRONG"]
+    invalid = sum(row.truth == "INVALID" for row in rows)
+    notes = {"contained": str(sum(row.truth == "contained" for row in rows)), "not reported": str(invalid)}
+    outcome: Result = Held("replay", 1, len(rows), notes)
+    seen: tuple[int | None, ...] = ()
+    if wrong:
+        part = Trace(trace.system, trace.initial, trace.steps[: wrong[0]])
+        steps = ", ".join(map(str, wrong[:10])) + (f" and {len(wrong) - 10} more" if len(wrong) > 10 else "")
+        outcome = Violated(part, "replay", f"the reported interval misses truth_mm at steps {steps}")
+        seen = tuple(truth[: wrong[0]])
+    return Finding(
+        f"{target.name}/replay/{path.stem}: truth",
+        target.name,
+        "replay",
+        "the reported interval holds the truth of the recording",
+        outcome,
+        f"replay of {path.name}",
+        time.monotonic() - started,
+        truth_mm=seen,
+    )

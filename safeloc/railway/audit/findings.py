@@ -1,0 +1,163 @@
+"""What the audit found: broken rules with place and figures, and how often every rule was put to the test."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from safeloc.language.nodes import Value
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit.rules import UNBOUNDED, Figures, Rule
+from safeloc.railway.map.elements import TrackEdge
+from safeloc.railway.map.places import Place, kilometre_text
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A rule that does not hold: where, for what, and the figures. `severity` is violated or advice."""
+
+    severity: str
+    rule: str
+    requirements: tuple[str, ...]
+    subject: str
+    place: Place
+    kilometre: str
+    figures: Figures | None
+
+    def as_text(self) -> str:
+        """One line for people."""
+        kilometre = f", km {self.kilometre}" if self.kilometre else ""
+        figures = f": {shown(self.figures)}" if self.figures else ""
+        where = f"{self.place.edge} at {self.place.position_mm} mm{kilometre}"
+        return f"{self.severity:9} {self.rule} [{' '.join(self.requirements)}] {self.subject}, on {where}{figures}"
+
+
+def shown(figures: Figures) -> str:
+    """Figures as people read them: `distance 502.000 m, must be <= 465.250 m`."""
+    actual, required = _amount(figures.actual, figures.unit), _amount(figures.required, figures.unit)
+    return f"{figures.what} {actual}, must be {figures.relation} {required}".lstrip()
+
+
+def _amount(value: int, unit: str) -> str:
+    if abs(value) >= UNBOUNDED // 2:
+        return "without bound"
+    return f"{value / 1000:.3f} m" if unit == "mm" else f"{value}"
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """After how many missed or misread reflectors each of two routes looks like the other; None: never."""
+
+    first_as_second: int | None
+    second_as_first: int | None
+
+    @property
+    def least(self) -> int | None:
+        """The smaller number."""
+        known = [count for count in (self.first_as_second, self.second_as_first) if count is not None]
+        return min(known, default=None)
+
+    def as_text(self, first: str, second: str) -> str:
+        """For people, with the names of the two."""
+        match self.least:
+            case None:
+                return "never"
+            case 0:
+                return "not distinguishable"
+            case least if least == self.first_as_second:
+                return f"{first} looks like {second} after {least}"
+            case least:
+                return f"{second} looks like {first} after {least}"
+
+
+@dataclass(frozen=True)
+class RoutePair:
+    """How easily two routes are taken for each other.
+
+    by_models      by the sequence of models alone
+    by_all         with distances and balises taken into account
+    common_suffix  reflectors at the end that look alike: a vehicle that joins there sees no difference
+    """
+
+    first: str
+    second: str
+    first_models: str
+    second_models: str
+    by_models: Likeness
+    by_all: Likeness
+    common_suffix: int
+    place: Place
+
+    def as_text(self) -> str:
+        """One line for people: missed or misread reflectors that make the one look like the other."""
+        first, second = self._labels()
+        alone, every = self.by_models.as_text(first, second), self.by_all.as_text(first, second)
+        suffix = _suffix(self.first_models, self.second_models, self.common_suffix)
+        return f"{first} / {second}: by models alone {alone}; with distances and balises {every}{suffix}"
+
+    def _labels(self) -> tuple[str, str]:
+        """The models, where they tell the two apart; the edges otherwise."""
+        if self.first_models and self.second_models and self.first_models != self.second_models:
+            return self.first_models, self.second_models
+        return _label(self.first, self.first_models), _label(self.second, self.second_models)
+
+
+def _label(name: str, models: str) -> str:
+    return f"{name} ({models})" if models else name
+
+
+def _suffix(first: str, second: str, common: int) -> str:
+    shorter, longer = sorted((first, second), key=len)
+    if common and common == len(shorter) and first != second:
+        return f"; {shorter} is a suffix of {longer}"
+    return f"; both end in {shorter[-common:]}" if common else ""
+
+
+@dataclass(frozen=True)
+class AuditReport:
+    """The whole result, for one vehicle's figures. `cases` counts how often every rule was put to the test."""
+
+    vehicle: str
+    line: str
+    version: str
+    checksum: str
+    layout: LayoutConfig
+    elements: dict[str, int]
+    findings: tuple[Finding, ...]
+    cases: dict[str, int]
+    routes: int | None
+    route_pairs: tuple[RoutePair, ...]
+
+    @property
+    def violated(self) -> tuple[Finding, ...]:
+        """Broken rules that are no mere advice."""
+        return tuple(finding for finding in self.findings if finding.severity == "violated")
+
+    def as_data(self) -> dict[str, Any]:
+        """For JSON (schema safeloc-audit/1)."""
+        own = asdict(self) | {"layout": self.layout.model_dump()}
+        return {"schema": "safeloc-audit/1", "holds": not self.violated, **own}
+
+
+@dataclass
+class Ledger:
+    """Puts rules to figures, and keeps count and what was broken."""
+
+    edges: dict[str, TrackEdge]
+    cases: Counter[str] = field(default_factory=Counter)
+    findings: list[Finding] = field(default_factory=list)
+
+    def check(self, rule: Rule, place: Place, subject: str, **values: Value) -> bool:
+        """Whether the rule holds for these figures; a finding at `place` where it does not."""
+        self.cases[rule.name] += 1
+        if not rule.broken(values):
+            return True
+        self.add(rule, place, subject, rule.figures(values))
+        return False
+
+    def add(self, rule: Rule, place: Place, subject: str, figures: Figures | None = None) -> None:
+        """A finding without a term: what the rule speaks of is not there at all."""
+        severity = "advice" if rule.advice else "violated"
+        kilometre = kilometre_text(self.edges[place.edge], place.position_mm)
+        self.findings.append(Finding(severity, rule.name, rule.requirements, subject, place, kilometre, figures))

@@ -1,0 +1,159 @@
+"""Balises and the reflectors behind them: order, prescribed distance, function test, direction (RFL-6 to RFL-9, RFL-D5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from safeloc.railway.audit.findings import Ledger
+from safeloc.railway.audit.rules import UNBOUNDED, Figures, Rules
+from safeloc.railway.audit.stretches import longest, name
+from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.topology import Run
+from safeloc.railway.map.walk import Reference, Seen, Walk, carried
+
+SLACK_MM = 1_000_000
+"""How much farther than stated a reflector is looked for, so that its true distance can be told."""
+
+
+class References:
+    """Balise groups with their reflectors, for one vehicle's figures."""
+
+    def __init__(self, walk: Walk, rules: Rules, ledger: Ledger) -> None:
+        self.walk, self.rules, self.ledger = walk, rules, ledger
+        self._testing: dict[Run, set[str]] = {}
+        self._reach = longest(0, rules.layout)
+
+    def check(self) -> None:
+        """Function tests first, since a reflector counts from the last balise where one is possible."""
+        for seen in self.walk.everywhere():
+            if isinstance(seen.element, BaliseGroup):
+                self._function_test(seen, seen.element)
+                self._telegrams(seen, seen.element)
+                self._direction(seen, seen.element)
+        self._reflectors_follow()
+
+    def _next_reflectors(self, seen: Seen) -> Iterator[tuple[Seen, Reflector]]:
+        for ahead in self.walk.first_ahead(seen.run, seen.offset_mm, self._reach, is_reflector):
+            assert isinstance(ahead.element, Reflector)
+            yield ahead, ahead.element
+
+    def _function_test(self, seen: Seen, group: BaliseGroup) -> None:
+        ahead = list(self._next_reflectors(seen))
+        possible = [
+            self.ledger.check(
+                self.rules.function_test,
+                self.walk.place(seen.run, seen.offset_mm),
+                f"{name(group)} with {name(reflector)}",
+                distance_mm=one.distance_mm,
+                view_from_mm=reflector.view_from_mm,
+                view_to_mm=reflector.view_to_mm,
+            )
+            for one, reflector in ahead
+        ]
+        if possible and all(possible):
+            self._testing.setdefault(seen.run, set()).add(group.id)
+
+    def _telegrams(self, seen: Seen, group: BaliseGroup) -> None:
+        for told in group.telegram_reflectors:
+            if told.direction == seen.run.direction:
+                reach = told.distance_mm + SLACK_MM
+                ahead = self.walk.ahead(seen.run, seen.offset_mm, reach)
+                found = next(
+                    (one for one in ahead if one.element.id == told.reflector and is_reflector(one.element)), None
+                )
+                self._told(seen, group, found, told.reflector, told.distance_mm, told.search_from_mm)
+
+    def _told(
+        self, seen: Seen, group: BaliseGroup, found: Seen | None, reflector: str, stated: int, search_from: int | None
+    ) -> None:
+        place = self.walk.place(seen.run, seen.offset_mm)
+        subject = f"{name(group)}, {seen.run.direction}, to reflector {reflector}"
+        if found is None and self.walk.line.part and reflector not in {one.id for one in self.walk.line.reflectors}:
+            return  # on another part of the map, that was not loaded
+        if found is None:
+            self.ledger.add(self.rules.reference_distance, place, f"{subject}: it is not ahead on any route")
+            return
+        assert isinstance(found.element, Reflector)
+        distance = found.distance_mm
+        self.ledger.check(self.rules.reference_distance, place, subject, stated_mm=stated, distance_mm=distance)
+        prescribed = self.rules.layout.prescribed_distance_mm
+        if prescribed is not None:
+            self.ledger.check(self.rules.reference_distance, place, subject, stated_mm=prescribed, distance_mm=distance)
+        if search_from is not None:
+            view = found.element.view_from_mm
+            self.ledger.check(
+                self.rules.search_start,
+                place,
+                subject,
+                search_from_mm=search_from,
+                distance_mm=distance,
+                view_from_mm=view,
+            )
+
+    def _direction(self, seen: Seen, group: BaliseGroup) -> None:
+        """A balise without orientation, between reflectors: the models before and after it tell the direction."""
+        if group.orientation is not None:
+            return
+        behind = [one for one in self.walk.behind(seen.run, seen.offset_mm, self._reach) if is_reflector(one.element)]
+        last = min(behind, key=lambda one: one.distance_mm, default=None)
+        for _, after in self._next_reflectors(seen) if last else ():
+            assert last is not None and isinstance(last.element, Reflector)
+            place = self.walk.place(seen.run, seen.offset_mm)
+            subject = f"{name(group)} between {name(last.element)} and {name(after)}"
+            self.ledger.check(self.rules.direction, place, subject, same_model=last.element.model == after.model)
+
+    # -------------------------------------------------------------- reflectors since a balise
+
+    def _reflectors_follow(self) -> None:
+        arriving, loops = carried(self.walk, self._entering, self._leaving, self._through, _greatest)
+        for loop in loops:
+            if any(is_reflector(element) for run in loop for _, element in self.walk.references[run]):
+                self._missing(loop[0], 0, "a loop with reflectors")
+        for run, count in arriving.items():
+            for offset, element, since in self._counted(run, count):
+                self._follows(run, offset, element, since)
+
+    def _follows(self, run: Run, offset: int, element: Reference, since: int) -> None:
+        if since > UNBOUNDED:
+            self._missing(run, offset, f"{name(element)}, {run.direction}")
+        else:
+            place = self.walk.place(run, offset)
+            self.ledger.check(self.rules.after_balise, place, name(element), reflectors_since_balise=since)
+
+    def _missing(self, run: Run, offset: int, subject: str) -> None:
+        self.ledger.cases[self.rules.after_balise.name] += 1
+        told = f"{subject}: on some route no balise with a function test comes before it"
+        most = self.rules.layout.reflectors_per_balise
+        figures = Figures("reflectors since balise", UNBOUNDED, "<=", most, "count")
+        self.ledger.add(self.rules.after_balise, self.walk.place(run, offset), told, figures)
+
+    def _counted(self, run: Run, count: int) -> Iterator[tuple[int, Reference, int]]:
+        testing = self._testing.get(run, set())
+        for offset, element in self.walk.references[run]:
+            if is_reflector(element):
+                count += 1
+                yield offset, element, count
+            elif element.id in testing:
+                count = 0
+
+    def _entering(self, run: Run) -> int:
+        """Behind a seam the last balise may lie on another part of the map."""
+        return 0 if self.walk.topology.comes_over_seam(run) else UNBOUNDED
+
+    def _leaving(self, run: Run) -> int | None:
+        return self._through(run, 0) if run in self._testing else None
+
+    def _through(self, run: Run, count: int) -> int:
+        testing = self._testing.get(run, set())
+        for _, element in self.walk.references[run]:
+            count = count + 1 if is_reflector(element) else 0 if element.id in testing else count
+        return count
+
+
+def _greatest(counts: Iterable[int]) -> int:
+    return max(counts)
+
+
+def is_reflector(element: Reference) -> bool:
+    """Whether it is a reflector, not a balise group."""
+    return isinstance(element, Reflector)

@@ -1,0 +1,197 @@
+"""Routes told apart by what is seen on them (RFL-D6).
+
+Where a line has few routes, every pair of them is compared from end to end. Where it has many, the ways on from every
+place with a choice are compared until they meet again or leave the horizon: the work grows with the line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+import networkx as nx
+
+from safeloc.railway.audit.confusion import NEVER, Sighting, common_suffix, faults_towards
+from safeloc.railway.audit.findings import Ledger, Likeness, RoutePair
+from safeloc.railway.audit.rules import Rules
+from safeloc.railway.audit.stretches import longest
+from safeloc.railway.map.elements import Reflector
+from safeloc.railway.map.places import Place
+from safeloc.railway.map.routes import Route, through_routes
+from safeloc.railway.map.topology import Run, Topology
+from safeloc.railway.map.walk import Reference, Walk
+
+MOST_ROUTES = 24
+MOST_WORK = 2_000_000
+"""Comparisons of two sightings that all pairs of routes may take; beyond, ways are compared behind choices."""
+WAYS_ON = 32
+HORIZON_STRETCHES = 3
+LONGEST_COMPARED_MM = 10_000_000
+KEPT_PAIRS = 100
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way along the line, with what is seen on it, in order."""
+
+    name: str
+    runs: tuple[Run, ...]
+    seen: tuple[Sighting, ...]
+    length_mm: int
+
+    @property
+    def models(self) -> str:
+        """The reflector models in order."""
+        return "".join(one.what for one in self.seen if not one.certain)
+
+
+def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, tuple[RoutePair, ...]]:
+    """The number of routes, None where they are too many to compare one by one, and the pairs that were compared."""
+    count = route_count(walk.topology)
+    few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
+    pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules, ledger))]
+    for pair in pairs:
+        subject = f"{pair.first} and {pair.second}"
+        ledger.check(rules.routes, pair.place, subject, faults_to_confuse=_faults(pair))
+    if few:
+        return count, tuple(pairs)
+    close = sorted((pair for pair in pairs if pair.by_all.least is not None), key=_faults)
+    return None, tuple(close[:KEPT_PAIRS])
+
+
+def _references(walk: Walk) -> int:
+    return sum(len(there) for there in walk.references.values())
+
+
+def _faults(pair: RoutePair) -> int:
+    least = pair.by_all.least
+    return NEVER if least is None else least
+
+
+def route_count(topology: Topology) -> int | None:
+    """How many routes lead over the whole map; None where a loop makes them uncountable."""
+    if not nx.is_directed_acyclic_graph(topology.graph):
+        return None
+    counts: dict[Run, int] = {}
+    for run in nx.topological_sort(topology.graph):
+        counts[run] = sum(counts[before] for before in topology.before(run)) or 1
+    return sum(counts[run] for run in topology.exits())
+
+
+def _gate_mm(rules: Rules) -> int:
+    """Two places this near may be one by estimate: both errors, as in `separable_by_distance`."""
+    return 2 * (rules.layout.tolerance_mm + rules.layout.reflector_fix_mm)
+
+
+# ------------------------------------------------------------------ few routes
+
+
+def _whole(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
+    ways = [_way(walk, route) for route in through_routes(walk.topology, MOST_ROUTES)]
+    for first, second in combinations(ways, 2):
+        same_start = first.runs[0] == second.runs[0]
+        place = walk.place(_parting(first.runs, second.runs), 0)
+        yield _pair(first, second, rules, same_start, place)
+
+
+def _way(walk: Walk, route: Route) -> Way:
+    return _seen_along(walk, route.name, route.runs)
+
+
+def _seen_along(walk: Walk, name: str, runs: Sequence[Run]) -> Way:
+    seen: list[Sighting] = []
+    start = 0
+    for run in runs:
+        seen += [_sighting(element, run, start + offset) for offset, element in walk.references[run]]
+        start += walk.topology.length_mm(run)
+    return Way(name, tuple(runs), tuple(seen), start)
+
+
+def _sighting(element: Reference, run: Run, position_mm: int) -> Sighting:
+    if isinstance(element, Reflector):
+        return Sighting(element.model, position_mm, element.id)
+    way = "" if element.orientation is None else " nominal" if element.orientation == run.direction else " reverse"
+    return Sighting(f"balise group {element.id}{way}", position_mm, element.id, certain=True)
+
+
+def _parting(first: Sequence[Run], second: Sequence[Run]) -> Run:
+    """The first run of one route that is not the other's."""
+    differing = (one for one, other in zip(first, second, strict=False) if one != other)
+    return next(differing, first[-1])
+
+
+def _pair(first: Way, second: Way, rules: Rules, same_start: bool, place: Place) -> RoutePair:
+    one, other = ([seen for seen in way.seen if not seen.certain] for way in (first, second))
+    alone = _likeness(one, other, None, same_start)
+    every = _likeness(first.seen, second.seen, _gate_mm(rules), same_start)
+    suffix = common_suffix(one, other)
+    return RoutePair(first.name, second.name, first.models, second.models, alone, every, suffix, place)
+
+
+def _likeness(first: Sequence[Sighting], second: Sequence[Sighting], gate_mm: int | None, same_start: bool) -> Likeness:
+    there, back = ((first, second), (second, first))
+    return Likeness(faults_towards(*there, gate_mm, same_start), faults_towards(*back, gate_mm, same_start))
+
+
+# ------------------------------------------------------------------ many routes
+
+
+def _behind_choices(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RoutePair]:
+    horizon = HORIZON_STRETCHES * min(longest(0, rules.layout), LONGEST_COMPARED_MM)
+    for run in walk.runs:
+        place = walk.place(run, walk.topology.length_mm(run))
+        ways = [_ways_on(walk, branch, horizon) for branch in _branches(walk, run)]
+        if any(len(one) > WAYS_ON for one in ways):
+            ledger.add(rules.all_ways, place, f"more than {WAYS_ON} ways lead on from {walk.topology.end(run)}")
+        for one, other in combinations(ways, 2):
+            pairs = [
+                _pair(*_until_they_meet(walk, left, right, rules), rules, True, place)
+                for left, right in product(one[:WAYS_ON], other[:WAYS_ON])
+            ]
+            yield min(pairs, key=_faults)
+
+
+def _branches(walk: Walk, run: Run) -> list[Run]:
+    after = walk.topology.after(run)
+    return after if len(after) > 1 else []
+
+
+def _ways_on(walk: Walk, run: Run, horizon_mm: int) -> list[tuple[Run, ...]]:
+    """The ways on from the start of a run, as far as the horizon; one more than are compared, if there are so many."""
+    found: list[tuple[Run, ...]] = []
+    open_ways: list[tuple[tuple[Run, ...], int]] = [((run,), walk.topology.length_mm(run))]
+    while open_ways and len(found) <= WAYS_ON:
+        runs, length = open_ways.pop()
+        after = [] if length >= horizon_mm else [one for one in walk.topology.after(runs[-1]) if one not in runs]
+        open_ways += [((*runs, one), length + walk.topology.length_mm(one)) for one in reversed(after)]
+        if not after:
+            found.append(runs)
+    return found
+
+
+def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rules: Rules) -> tuple[Way, Way]:
+    """Both ways up to where they meet and on to the next reference, which comes later on the longer way."""
+    met = next((run for run in left if run in right), None)
+    if met is None:
+        ways = _named(walk, left), _named(walk, right)
+        common = min(way.length_mm for way in ways) - _gate_mm(rules)
+        return _shortened(ways[0], common), _shortened(ways[1], common)
+    together = left[left.index(met) :]
+    last = next((index for index, run in enumerate(together) if walk.references[run]), len(together) - 1)
+    tail = together[: last + 1]
+    return _named(walk, (*_before(left, met), *tail)), _named(walk, (*_before(right, met), *tail))
+
+
+def _named(walk: Walk, runs: Sequence[Run]) -> Way:
+    return _seen_along(walk, " > ".join(run.edge for run in runs), runs)
+
+
+def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:
+    return runs[: runs.index(met)]
+
+
+def _shortened(way: Way, length_mm: int) -> Way:
+    """What lies beyond is not compared: the other way was not followed as far."""
+    kept = tuple(one for one in way.seen if one.position_mm <= length_mm)
+    return Way(way.name, way.runs, kept, length_mm)

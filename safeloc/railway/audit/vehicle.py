@@ -1,0 +1,43 @@
+"""The vehicle's figures for the audit: table `[localization]` of a vehicle file, or a file with nothing else."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from safeloc.errors import InputError
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.map.toml_place import line_of
+
+SHIPPED = Path(__file__).resolve().parents[2] / "models" / "vehicles"
+TABLE = "localization"
+
+
+def find_layout(name: str) -> LayoutConfig:
+    """The figures of a shipped vehicle by name, or of a file. InputError with line and key for what does not fit."""
+    shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    if name not in shipped and not Path(name).is_file():
+        raise InputError(f"{name}: no such file, and no shipped vehicle; shipped are {', '.join(shipped)}.")
+    path = shipped.get(name, Path(name))
+    try:
+        text = path.read_text(encoding="utf-8")
+        data = tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{path}: nested too deeply to be a vehicle.") from error
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}.") from error
+    return _layout(path, text, data)
+
+
+def _layout(path: Path, text: str, data: dict[str, object]) -> LayoutConfig:
+    if TABLE not in data:
+        raise InputError(f"{path}: has no table [{TABLE}] with the figures for the audit (docs/line.md lists them).")
+    try:
+        return LayoutConfig.model_validate(data[TABLE])
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = line_of(text, (TABLE, *first["loc"]))
+        key = ".".join(str(part) for part in (TABLE, *first["loc"]))
+        raise InputError(f"{path}:{where}: {key}: {first['msg'].removeprefix('Value error, ')}") from error

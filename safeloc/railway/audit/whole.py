@@ -1,0 +1,46 @@
+"""All checks of a line, in one report."""
+
+from __future__ import annotations
+
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit.findings import AuditReport, Ledger
+from safeloc.railway.audit.neighbours import check_balises, check_reflectors
+from safeloc.railway.audit.references import References
+from safeloc.railway.audit.routes import check_routes
+from safeloc.railway.audit.rules import Rules
+from safeloc.railway.audit.stops import check_stops
+from safeloc.railway.audit.stretches import Stretches
+from safeloc.railway.audit.switches import check_switches
+from safeloc.railway.map.integrity import kinds
+from safeloc.railway.map.model import Line, content_checksum
+from safeloc.railway.map.walk import Walk
+
+
+def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "default figures") -> AuditReport:
+    """Every rule of the layout on every place it concerns.
+
+    `layout` holds the vehicle's figures, the defaults without it; `vehicle` is what the report calls it. Several
+    vehicles on one line (RFL-15) are audited one by one: the line has to suit each.
+    """
+    layout = layout or LayoutConfig()
+    walk, rules, ledger = Walk(line), Rules(layout), Ledger({edge.id: edge for edge in line.edges})
+    Stretches(walk, rules, ledger).check()
+    References(walk, rules, ledger).check()
+    check_reflectors(walk, rules, ledger)
+    check_balises(walk, rules, ledger)
+    check_switches(walk, rules, ledger)
+    check_stops(walk, rules, ledger)
+    routes, pairs = check_routes(walk, rules, ledger)
+    findings = sorted(ledger.findings, key=lambda one: (one.severity == "advice", one.rule, one.place, one.subject))
+    return AuditReport(
+        vehicle=vehicle,
+        line=line.name,
+        version=line.version,
+        checksum=content_checksum(line),
+        layout=layout,
+        elements={kind: len(elements) for kind, elements in kinds(line).items() if elements},
+        findings=tuple(findings),
+        cases=dict(ledger.cases),
+        routes=routes,
+        route_pairs=pairs,
+    )

@@ -1,0 +1,50 @@
+"""The figures of a guard: what the vehicle can do, and what is chosen besides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from safeloc.errors import InputError
+from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.railway.audit.vehicle import SHIPPED
+from safeloc.simulation.motion import VehicleConfig
+from safeloc.simulation.vehicles import load_vehicle
+
+STRONGEST_BRAKE_MM_S2 = GuardConfig.model_fields["brake_mm_s2"].default
+"""Vehicle files tell the service brake; a guard has to allow for the emergency brake."""
+
+
+def find_vehicle(name: str) -> VehicleConfig:
+    """A shipped vehicle by name, or one from a file. InputError with file and field for what does not fit."""
+    shipped = SHIPPED / f"{name}.toml"
+    if not shipped.is_file() and not Path(name).is_file():
+        known = ", ".join(sorted(path.stem for path in SHIPPED.glob("*.toml")))
+        raise InputError(f"{name}: no such file, and no shipped vehicle; shipped are {known}.")
+    return load_vehicle(shipped if shipped.is_file() else Path(name))
+
+
+def guard_config(vehicle: VehicleConfig | None, chosen: Mapping[str, Any] | None = None) -> GuardConfig:
+    """The configuration for a vehicle; what is `chosen` goes before its figures. InputError for what does not fit.
+
+    Its brake is taken to be no weaker than 1.5 m/s2, since its file tells the service brake only.
+    """
+    figures = {} if vehicle is None else _of(vehicle)
+    try:
+        return GuardConfig.model_validate({**figures, **(chosen or {})})
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        field = ".".join(str(part) for part in first["loc"]) or "figures"
+        told = first["msg"].removeprefix("Value error, ")
+        raise InputError(f"guard, {field}: {told}") from error
+
+
+def _of(vehicle: VehicleConfig) -> dict[str, int]:
+    return {
+        "max_speed_mm_s": vehicle.max_speed_mm_s,
+        "acceleration_mm_s2": vehicle.acceleration_mm_s2,
+        "brake_mm_s2": max(vehicle.brake_mm_s2, STRONGEST_BRAKE_MM_S2),
+    }

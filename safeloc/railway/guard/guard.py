@@ -1,0 +1,254 @@
+"""The guard at work: deliveries in, one judgement each out, by the proved machine and the map.
+
+The machine steps once a period of the receiver's clock, and with every delivery. What a delivery says is judged by the
+machine alone; here its time is compared with those before, and its place is looked up on the map.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.models.guard import build
+from safeloc.models.guard_parts.variables import FARTHEST_OFF_MM, FAULT, JUDGED, NM_PER_MM, GuardConfig, parts
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.tracks import Match, Tracks, Window
+from safeloc.railway.map.places import Place
+from safeloc.runtime.border import Deliveries, Raw, Reason
+
+MODES = ("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
+BEGINS = {"first fix", "fix begins anew", "fix agrees", "receiver believed"}
+"""Transitions after which a fix is all that is known of the way: those before it may have been false."""
+GOES_ON = {"fix passed on", "receiver believed again"}
+FAULT_NUMBER = {fault.label: number for number, fault in enumerate(FAULT)}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What became of one delivery.
+
+    passed            it is passed on
+    reason            PASSED, or why it is withheld
+    mode              of the guard after it
+    at_ms             the time for which interval and window hold: the delivery's, rounded up to a whole period
+    interval_mm       where the vehicle is along the way, if that is known within the tolerance
+    window_mm         the same, also where it is wider; None while nothing is held
+    position_mm, offset_mm, place   where the fix lies on the map; None for what is no fix
+    ends              the places of the interval's ends; None where more than one track leads there
+    detail            the reason in words, where there is more to say
+    """
+
+    delivery: Delivery
+    passed: bool
+    reason: str
+    mode: str
+    at_ms: int | None = None
+    interval_mm: tuple[int, int] | None = None
+    window_mm: tuple[int, int] | None = None
+    position_mm: int | None = None
+    offset_mm: int | None = None
+    place: Place | None = None
+    ends: tuple[Place | None, Place | None] = (None, None)
+    detail: str = ""
+
+
+class Guard:
+    """The guard of one receiver on one vehicle. It has no clock of its own, and no other state than what it holds."""
+
+    def __init__(self, config: GuardConfig, tracks: Tracks) -> None:
+        """InputError for a route that is longer than `position_limit_mm`."""
+        ends = [laid.start_mm + tracks.topology.length_mm(laid.run) for laid in tracks.route or ()]
+        if max(ends, default=0) > config.position_limit_mm:
+            raise InputError(f"the way is {max(ends)} mm long; raise position_limit_mm {config.position_limit_mm}.")
+        self.config, self.tracks = config, tracks
+        self._code = _code(config.model_dump_json())
+        self._state = self._code.first()
+        self._idle = self._code.read(_inputs(advance=True))
+        self._deliveries = Deliveries()
+        self._now_ms: int | None = None
+        self._at_ms: int | None = None
+        self._ways = [True, True]
+        self._backwards: list[int] = []
+        self._place: tuple[float | None, float | None] = (None, None)
+
+    def judge_all(self, deliveries: Iterable[Delivery]) -> Iterator[Judgement]:
+        """A judgement for each delivery, as soon as it is there."""
+        return (self.judge(delivery) for delivery in deliveries)
+
+    def judge(self, delivery: Delivery) -> Judgement:
+        """Judge one delivery."""
+        if delivery.wrong:
+            return self._step(delivery, "MALFORMED", delivery.wrong)
+        if delivery.time_ms is None:
+            return self._step(delivery, "NO_FIX", "no time")
+        came = delivery.time_ms if delivery.received_ms is None else delivery.received_ms
+        now = came if self._now_ms is None else max(came, self._now_ms)
+        late = self._late(delivery.time_ms, now)
+        if late is not None and self._now_ms is None:
+            return self._step(delivery, *late)
+        ahead = self._run_until(now)
+        fault = late or _no_position(delivery) or self._frozen(delivery)
+        if fault is not None:
+            return self._step(delivery, *fault)
+        try:
+            match = self._matched(delivery)
+        except InputError as error:
+            return self._step(delivery, "MALFORMED", str(error))
+        if match.offset_mm > FARTHEST_OFF_MM:
+            return self._step(delivery, "OFF_TRACK", f"{match.offset_mm} mm off the nearest track")
+        return self._located(delivery, match, now - delivery.time_ms + ahead)
+
+    # -------------------------------------------------------------- time
+
+    def _late(self, time_ms: int, now_ms: int) -> tuple[str, str] | None:
+        """Why its time is wrong; None where it is new and in time."""
+        found = self._deliveries.fault("fix", Raw(0, time_ms), now_ms, self.config.max_age_ms)
+        self._backwards = [*self._backwards, time_ms] if found and found.reason is Reason.OUT_OF_ORDER else []
+        if found and len(self._backwards) >= self.config.confirmations and sorted(self._backwards) == self._backwards:
+            self._begin_anew()
+        return None if found is None else (found.reason.name, found.detail)
+
+    def _begin_anew(self) -> None:
+        """The receiver's clock was set back for good: all that is held is given up."""
+        self._state, self._deliveries = self._code.first(), Deliveries()
+        self._now_ms, self._at_ms, self._backwards = None, None, []
+
+    def _run_until(self, now_ms: int) -> int:
+        """Step until the machine's time is not before this; how far it is ahead then."""
+        if self._now_ms is None:
+            self._start_ms = self._now_ms = now_ms
+        period = self.config.period_ms
+        steps = -((self._now_ms - self._start_ms) // -period)
+        wanted = -((now_ms - self._start_ms) // -period)
+        self._now_ms = now_ms
+        for _ in range(wanted - steps):
+            before = self._state
+            self._state, _ = self._code.step(before, self._idle)
+            self._note_ways()
+            if self._state == before:
+                break
+        self._at_ms = self._start_ms + wanted * period
+        return self._at_ms - now_ms
+
+    # -------------------------------------------------------------- place
+
+    def _frozen(self, delivery: Delivery) -> tuple[str, str] | None:
+        """A place that is repeated to the last digit while the vehicle runs; None where it is another or may rest."""
+        place, self._place = self._place, (delivery.x, delivery.y)
+        told = delivery.speed_mm_s is not None and delivery.speed_mm_s > self.config.speed_error_mm_s
+        runs = self._value("slow_um_s") > 0 or self._value("fast_um_s") < 0
+        return ("DUPLICATE", "the same place again at speed") if place == self._place and (told or runs) else None
+
+    def _matched(self, delivery: Delivery) -> Match:
+        assert delivery.x is not None and delivery.y is not None
+        match = self.tracks.match(delivery.x, delivery.y, self._window(), alone=self._mode == "RECOVERING")
+        if abs(match.position_mm) <= self.config.position_limit_mm:
+            return match
+        self._state = self._code.first()  # so far that positions count from here anew
+        return self.tracks.match(delivery.x, delivery.y, None)
+
+    def _window(self) -> Window | None:
+        """Where the vehicle can be by what is held, or by the row of agreeing fixes."""
+        return None if self._mode == "WITHDRAWN" else self._held_window()
+
+    def _held_window(self) -> Window:
+        low, high = self._value("low_nm"), self._value("high_nm")
+        return Window(low // NM_PER_MM, -(-high // NM_PER_MM), *self._ways)
+
+    def _note_ways(self) -> None:
+        """Whether, since a fix was last taken, the vehicle can have run forwards, and backwards."""
+        self._ways = [self._ways[0] or self._value("fast_um_s") > 0, self._ways[1] or self._value("slow_um_s") < 0]
+
+    def _remember(self, match: Match, fired: str) -> None:
+        """What a fix that was taken says of the way."""
+        if fired in BEGINS:
+            self.tracks.began(match)
+        elif fired in GOES_ON:
+            self.tracks.took(match, self._held_window())
+        else:
+            return
+        self._ways = [False, False]
+        self._note_ways()
+
+    # -------------------------------------------------------------- the machine
+
+    def _step(self, delivery: Delivery, fault: str, detail: str) -> Judgement:
+        """A delivery without a position to judge."""
+        self._state, _ = self._code.step(self._state, self._code.read(_inputs(fault=FAULT_NUMBER[fault])))
+        return self._judgement(delivery, None, detail)
+
+    def _located(self, delivery: Delivery, match: Match, age_ms: int) -> Judgement:
+        """A delivery with a place on the map."""
+        self._state, numbers = self._code.step(self._state, self._code.read(_of_match(match, delivery, age_ms)))
+        (fired,) = self._code.fired(numbers).values()
+        self._remember(match, fired)
+        return self._judgement(delivery, match, "")
+
+    def _judgement(self, delivery: Delivery, match: Match | None, detail: str) -> Judgement:
+        said = self._code.named_outputs(self._state)
+        window = (said["window_from_mm"], said["window_to_mm"]) if said["holding"] else None
+        interval = None
+        if said["valid"]:
+            interval = said["position_mm"] - said["under_mm"], said["position_mm"] + said["over_mm"]
+        return Judgement(
+            delivery,
+            bool(said["passed"]),
+            JUDGED[int(said["reason"])].label,
+            self._mode,
+            self._at_ms,
+            interval,
+            window,
+            None if match is None or match.elsewhere else match.position_mm,
+            None if match is None else match.offset_mm,
+            None if match is None else match.place,
+            (None, None) if interval is None else (self.tracks.place(interval[0]), self.tracks.place(interval[1])),
+            detail,
+        )
+
+    @property
+    def _mode(self) -> str:
+        return MODES[self._value("mode")]
+
+    def _value(self, name: str) -> int:
+        return int(self._state[self._code.state_names.index(name)])
+
+
+@cache
+def _code(figures: str) -> Compiled:
+    """The machine of a configuration (as JSON), compiled once for all receivers that have it."""
+    config = GuardConfig.model_validate_json(figures)
+    return compile_system(without_ghosts(lower(build(parts(config)).machine)))
+
+
+def _inputs(**given: Value) -> dict[str, Value]:
+    """A step's inputs in which nothing is delivered, but for what is given."""
+    return {
+        "advance": False, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False,
+        "fix_elsewhere": False, **given,
+    }  # fmt: skip
+
+
+def _of_match(match: Match, delivery: Delivery, age_ms: int) -> dict[str, Value]:
+    said = _inputs(
+        fix_mm=match.position_mm,
+        fix_offset_mm=match.offset_mm,
+        fix_age_ms=age_ms,
+        fix_ambiguous=match.ambiguous,
+        fix_elsewhere=match.elsewhere,
+    )
+    return said if delivery.speed_mm_s is None else {**said, "fix_speed_mm_s": delivery.speed_mm_s}
+
+
+def _no_position(delivery: Delivery) -> tuple[str, str] | None:
+    """Why there is no position to look up; None where there is one."""
+    if delivery.x is None or delivery.y is None:
+        return "NO_FIX", ""
+    if not (math.isfinite(delivery.x) and math.isfinite(delivery.y)):
+        return "NOT_FINITE", f"({delivery.x}, {delivery.y})"
+    return None

@@ -1,0 +1,104 @@
+"""NMEA 0183 sentences as deliveries. Needs the extra `nmea` (pynmeagps).
+
+One kind of sentence makes the stream: RMC tells position, speed, date and whether there is a fix; GGA, GNS and GLL tell
+the time of day only, and midnight is where it falls back by more than half a day. Others are passed over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from datetime import UTC, date, datetime, time, timedelta
+from typing import Any
+
+from safeloc.errors import EngineError, InputError
+from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.fields import milliseconds_of, speed_mm_s
+from safeloc.runtime.outside import shortened
+
+SENTENCES = ("RMC", "GGA", "GNS", "GLL")
+LONGEST_SENTENCE = 1_000
+"""Characters; NMEA 0183 allows 82."""
+HALF_A_DAY = timedelta(hours=12)
+
+
+def nmea_deliveries(lines: Iterable[str], sentence: str = "RMC") -> Iterator[Delivery]:
+    """A delivery for every sentence of that kind, and for every line that is no sentence; proprietary ones are passed over.
+
+    Raises InputError for a kind that tells no position, EngineError without the extra.
+    """
+    if sentence not in SENTENCES:
+        raise InputError(f"sentence {sentence!r}: choose one of {', '.join(SENTENCES)}.")
+    parse = _parser()
+    clock = _Clock()
+    for number, line in enumerate(lines, 1):
+        text = line.strip()
+        if text and not text.startswith("$P") and (not _known(text) or text[3:6] == sentence):
+            yield _delivery(number, text, parse, clock)
+
+
+def _known(text: str) -> bool:
+    """Whether a line looks like a sentence."""
+    return text.startswith("$") and len(text) > 6 and text[1:6].isalnum() and text.isascii()
+
+
+def _delivery(number: int, text: str, parse: Callable[[str], Any], clock: _Clock) -> Delivery:
+    try:
+        if not text.isascii():
+            raise InputError("not ASCII, as NMEA is")
+        said = parse(text[:LONGEST_SENTENCE])
+        if said is None:
+            raise InputError("no sentence")
+        return _of(number, said, clock)
+    except InputError as error:
+        return Delivery(number, wrong=f"{error}".splitlines()[0] if f"{error}" else "no sentence")
+    except Exception as error:  # the parser is somebody else's, and fails in its own ways
+        return Delivery(number, wrong=shortened(error))
+
+
+def _of(number: int, said: Any, clock: _Clock) -> Delivery:
+    if said.time in ("", None):
+        return Delivery(number)
+    when = clock.at(said.time, getattr(said, "date", None))
+    flag = str(getattr(said, "status", getattr(said, "quality", getattr(said, "posMode", ""))))
+    fixed = flag not in ("V", "0", "N", "NN", "") and said.lat != "" and said.lon != ""
+    x, y = (float(said.lon), float(said.lat)) if fixed else (None, None)
+    knots = getattr(said, "spd", "")
+    speed = None if knots in ("", None) else speed_mm_s("speed", knots, "knots")
+    return Delivery(number, milliseconds_of(when), x, y, speed, flag)
+
+
+class _Clock:
+    """Days of sentences that tell the time of day only: a time that falls back by more than half a day is of the next."""
+
+    def __init__(self) -> None:
+        self._last: datetime | None = None
+
+    def at(self, when: object, told: object) -> datetime:
+        """The time of a sentence; InputError where it tells none."""
+        if not isinstance(when, time):
+            raise InputError("no time")
+        dated = isinstance(told, date)
+        day = told if isinstance(told, date) else (self._last or datetime(1970, 1, 1)).date()
+        found = datetime.combine(day, when.replace(tzinfo=None), UTC)
+        if not dated and self._last is not None and self._last - found > HALF_A_DAY:
+            found += timedelta(days=1)
+        self._last = found
+        return found
+
+
+def _parser() -> Callable[[str], Any]:
+    try:
+        from pynmeagps import NMEAReader
+        from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEATypeError
+    except ImportError as error:
+        raise EngineError("reading NMEA sentences needs pynmeagps; install safeloc[nmea].") from error
+
+    reader: Any = NMEAReader  # its hints say bytes, it takes both
+
+    def parse(text: str) -> Any:
+        try:
+            return reader.parse(text)
+        except (NMEAParseError, NMEAMessageError, NMEATypeError) as error:
+            raise InputError(str(error)) from error
+
+    return parse

@@ -1,0 +1,58 @@
+"""A judgement as data: one object a delivery, schema safeloc-guard/1."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import Any
+
+from safeloc.railway.guard.guard import Judgement
+from safeloc.railway.map.places import Place
+
+SCHEMA = "safeloc-guard/1"
+
+
+def as_data(judgement: Judgement) -> dict[str, Any]:
+    """What a consumer reads.
+
+    position  of a fix that is passed on: edge, place on it, position along the way, distance off the track (mm)
+    withheld  the same of one that is not; no consumer should use it
+    interval  where the vehicle is along the way at a time, with the places of the ends; None while that is not known
+    """
+    located = _located(judgement)
+    return {
+        "line": judgement.delivery.number,
+        "time_ms": judgement.delivery.time_ms,
+        "passed": judgement.passed,
+        "reason": judgement.reason,
+        "mode": judgement.mode,
+        "position": located if judgement.passed else None,
+        "interval": _interval(judgement),
+        "withheld": None if judgement.passed else located,
+        "flag": judgement.delivery.flag,
+        "detail": judgement.detail,
+    }
+
+
+def _located(judgement: Judgement) -> dict[str, Any] | None:
+    if judgement.place is None:
+        return None
+    way, offset = judgement.position_mm, judgement.offset_mm
+    return {**_place(judgement.place), "way_mm": way, "offset_mm": offset}
+
+
+def _interval(judgement: Judgement) -> dict[str, Any] | None:
+    if judgement.interval_mm is None:
+        return None
+    low, high = judgement.interval_mm
+    begin, end = (None if place is None else _place(place) for place in judgement.ends)
+    return {"at_ms": judgement.at_ms, "min_mm": low, "max_mm": high, "from": begin, "to": end}
+
+
+def _place(place: Place) -> dict[str, Any]:
+    return {"edge": place.edge, "position_mm": place.position_mm}
+
+
+def counted(judgements: Iterable[Judgement]) -> dict[str, int]:
+    """How many were passed on, and withheld for each reason; the most frequent first."""
+    return dict(Counter(judgement.reason for judgement in judgements).most_common())

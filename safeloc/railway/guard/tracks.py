@@ -1,0 +1,262 @@
+"""On which track a fix lies, and where on the way that the vehicle can have come.
+
+Positions along a way are mm in its own direction. A way is known for certain only as far as fixes that were passed on
+lie on it; where it goes on from there, or came from, is open: every legal movement is followed as far as the vehicle can
+be by now, and a fix that lies near two tracks it can have come to is ambiguous. A fix is taken to lie, if it is true, on
+one legal way with the vehicle, which it misses by less than the clearance. Needs the extra `geo`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, combinations
+
+from safeloc.errors import InputError
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.places import Place, along
+from safeloc.railway.map.projection import WGS84, Projected, Projector
+from safeloc.railway.map.routes import Route
+from safeloc.railway.map.topology import Run, Topology
+
+ONE_WAY_MM = 1_000
+"""Ways to one run that differ in length by no more are one: a vehicle that goes there and back on both would otherwise
+be at ever more positions. It is part of what a fix is charged."""
+
+
+@dataclass(frozen=True, order=True)
+class Laid:
+    """A run, and the position along the way at which it begins."""
+
+    start_mm: int
+    run: Run
+
+    def is_like(self, other: Laid) -> bool:
+        """The same run at the same position, but for ways that differ in length by less than a metre."""
+        return self.run == other.run and abs(self.start_mm - other.start_mm) <= ONE_WAY_MM
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where the vehicle can be along the way, and whether it can have run forwards or backwards since the last fix."""
+
+    from_mm: int
+    to_mm: int
+    forwards: bool = True
+    backwards: bool = True
+
+    def wider(self, by_mm: int) -> Window:
+        """The same, longer on either side."""
+        return replace(self, from_mm=self.from_mm - by_mm, to_mm=self.to_mm + by_mm)
+
+
+@dataclass(frozen=True)
+class Match:
+    """Where a fix lies.
+
+    place, offset_mm  nearest place of the track, and the distance off it, rounded up
+    laid              the run it lies on, as a piece of the way
+    position_mm       along the way
+    ambiguous         another track that the vehicle can have come to is not clear of it
+    elsewhere         no way leads there from where the vehicle can be
+    possible          every piece of track that the vehicle can have come to
+    """
+
+    place: Place
+    offset_mm: int
+    laid: Laid
+    position_mm: int
+    ambiguous: bool = False
+    elsewhere: bool = False
+    possible: tuple[Laid, ...] = ()
+
+
+class _Known:
+    """Pieces that were seen already."""
+
+    def __init__(self) -> None:
+        self._pieces: dict[Run, list[Laid]] = {}
+
+    def is_new(self, laid: Laid) -> bool:
+        """Whether none like it was seen; from now on it is."""
+        seen = self._pieces.setdefault(laid.run, [])
+        if any(laid.is_like(other) for other in seen):
+            return False
+        seen.append(laid)
+        return True
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A nearby place on a piece of the way."""
+
+    projected: Projected
+    laid: Laid
+    position_mm: int
+
+
+class Tracks:
+    """A line, or one route on it, as tracks that a vehicle can be on.
+
+    clear_mm   a fix tells the track only where no other one is nearer to it than this
+    reach_mm   how far from the vehicle along the track it may lie at most
+    route      the pieces of the route, where one is told
+    projector  what lays positions on the tracks
+    roots      the pieces of track that the vehicle was on when a fix was last taken
+    """
+
+    def __init__(
+        self, line: Line, *, clear_mm: int, reach_mm: int, route: Route | None = None, crs: str = WGS84
+    ) -> None:
+        self.topology = Topology(line)
+        self.crs, self.clear_mm, self.reach_mm = crs, clear_mm, reach_mm
+        self.route = None if route is None else tuple(laid_along(route))
+        edges = [edge.id for edge in line.edges] if route is None else sorted({run.edge for run in route.runs})
+        _with_course(line, edges)
+        self.projector = Projector(line, edges=edges)
+        self.projector.prepare(crs)
+        self.roots: tuple[Laid, ...] = self.route or ()
+
+    def match(self, x: float, y: float, window: Window | None, *, alone: bool = False) -> Match:
+        """Where a fix lies. InputError for what is no position in the coordinate system.
+
+        window  where the vehicle can be; None while nothing is held
+        alone   what is known of the way comes from fixes that may be false: any other track near makes it ambiguous
+        """
+        near = self.projector.near(x, y, self.clear_mm, crs=self.crs)
+        if not near:
+            beside = self._beginning([self.projector.project(x, y, crs=self.crs)])
+            return replace(beside, elsewhere=self.route is None)
+        if window is None and self.route is None:
+            return self._beginning(near)
+        wide = None if window is None else window.wider(self.reach_mm)
+        possible = self.route or tuple(self._reached(self.roots, wide))
+        found = [one for projected in near for one in self._laid(projected, possible, wide)]
+        if not found:
+            return replace(self._beginning(near), elsewhere=True)
+        best = min(found, key=lambda one: abs(one.projected.offset_mm))
+        ambiguous = not (self._one_place(found) and self._one_way(found))
+        ambiguous = ambiguous or (alone and self._beginning(near).ambiguous)
+        place, offset = best.projected.place, _up(best.projected)
+        return Match(place, offset, best.laid, best.position_mm, ambiguous, possible=possible)
+
+    def took(self, match: Match, window: Window) -> None:
+        """The fix was passed on, or goes on with a row: the vehicle is in the window, on one way with the fix."""
+        if self.route is None:
+            kept = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
+            self.roots = tuple(sorted({match.laid, *kept}))
+
+    def began(self, match: Match) -> None:
+        """The fix is all that is known."""
+        if self.route is None:
+            self.roots = (match.laid,)
+
+    def place(self, position_mm: int) -> Place | None:
+        """The place at a position along the way; None where more than one track, or none, is known to be there."""
+        there = [laid for laid in self.roots if laid.start_mm <= position_mm <= self._end(laid)]
+        if not there or not all(self._joined(one, there[0]) for one in there):
+            return None
+        laid = there[0]
+        return Place(laid.run.edge, along(laid.run.direction, self._length(laid.run), position_mm - laid.start_mm))
+
+    # -------------------------------------------------------------- where the vehicle can have come
+
+    def _laid(self, projected: Projected, possible: Iterable[Laid], window: Window | None) -> Iterator[_Found]:
+        """A nearby place on the pieces of its edge, where these lie in the window."""
+        for laid in possible:
+            if laid.run.edge == projected.place.edge:
+                position = laid.start_mm + self._within(laid.run, projected.place)
+                if window is None or window.from_mm <= position <= window.to_mm:
+                    yield _Found(projected, laid, position)
+
+    def _reached(self, roots: Iterable[Laid], window: Window | None) -> Iterator[Laid]:
+        """Every piece that a vehicle can have come to: legal movements over joints within the window."""
+        known = _Known()
+        waiting = [laid for laid in roots if known.is_new(laid)]
+        while waiting:
+            laid = waiting.pop()
+            yield laid
+            waiting += [other for other in self._next(laid, window) if known.is_new(other)]
+
+    def _next(self, laid: Laid, window: Window | None) -> Iterator[Laid]:
+        if window is None or (window.forwards and window.from_mm <= self._end(laid) <= window.to_mm):
+            yield from (Laid(self._end(laid), run) for run in self.topology.after(laid.run))
+        if window is None or (window.backwards and window.from_mm <= laid.start_mm <= window.to_mm):
+            yield from (Laid(laid.start_mm - self._length(run), run) for run in self.topology.before(laid.run))
+
+    def _meets(self, laid: Laid, window: Window) -> bool:
+        return laid.start_mm <= window.to_mm and self._end(laid) >= window.from_mm
+
+    # -------------------------------------------------------------- one place, one way
+
+    def _one_place(self, found: Iterable[_Found]) -> bool:
+        """Nearby places that are far apart along the way are not one: the way comes by twice."""
+        positions = [one.position_mm for one in found]
+        return max(positions) - min(positions) <= self._one_place_mm
+
+    @property
+    def _one_place_mm(self) -> int:
+        return 4 * self.clear_mm + 1_000
+
+    def _one_way(self, found: Iterable[_Found]) -> bool:
+        """No two of them lie on tracks that exclude each other."""
+        return all(self._joined(one, other) for one, other in combinations({one.laid for one in found}, 2))
+
+    def _joined(self, one: Laid, other: Laid) -> bool:
+        """Whether one legal way leads over both."""
+        first, last = sorted((one, other))
+        ahead = Window(first.start_mm, last.start_mm + ONE_WAY_MM, backwards=False)
+        return any(here.is_like(last) for here in self._reached((first,), ahead))
+
+    # -------------------------------------------------------------- where no way is known
+
+    def _beginning(self, near: Sequence[Projected]) -> Match:
+        """The nearest place as the beginning of a way; ambiguous where another track is near."""
+        first = self._first(near[0])
+        position = first.start_mm + self._within(first.run, near[0].place)
+        here = Window(position, position).wider(self._one_place_mm)
+        ahead, behind = replace(here, backwards=False), replace(here, forwards=False)
+        around = {*self._reached((first,), ahead), *self._reached((first,), behind)}
+        beside = [list(self._laid(one, around, here)) for one in near[1:]]
+        found = [_Found(near[0], first, position), *chain(*beside)]
+        clear = all(beside) and self._one_place(found) and self._one_way(found)
+        return Match(near[0].place, _up(near[0]), first, position, not clear)
+
+    def _first(self, projected: Projected) -> Laid:
+        """The piece that an edge is on the route; without one the edge itself, beginning at 0 of its own way."""
+        if self.route is not None:
+            return next(laid for laid in self.route if laid.run.edge == projected.place.edge)
+        ways = (Run(projected.place.edge, "increasing"), Run(projected.place.edge, "decreasing"))
+        return Laid(0, next(run for run in ways if run in self.topology.graph))
+
+    def _within(self, run: Run, place: Place) -> int:
+        return along(run.direction, self._length(run), place.position_mm)
+
+    def _end(self, laid: Laid) -> int:
+        return laid.start_mm + self._length(laid.run)
+
+    def _length(self, run: Run) -> int:
+        return self.topology.length_mm(run)
+
+
+def _with_course(line: Line, edges: Iterable[str]) -> None:
+    """A track without a course would be one that no fix can lie on, and none could be ambiguous with."""
+    bare = {edge.id for edge in line.edges if edge.geometry is None} & set(edges)
+    if bare:
+        raise InputError(
+            f"{line.name}: {len(bare)} edges have no course (geometry), such as {min(bare)!r}; positions on them "
+            "cannot be told. Add their courses, or name a way over others."
+        )
+
+
+def laid_along(route: Route) -> Iterator[Laid]:
+    """The runs of a route with the positions along it at which they begin."""
+    start = -route.start_mm
+    for run in route.runs:
+        yield Laid(start, run)
+        start += route.topology.length_mm(run)
+
+
+def _up(projected: Projected) -> int:
+    """The distance off the track, a millimetre more for the rounding of place and distance."""
+    return abs(projected.offset_mm) + 1

@@ -1,0 +1,40 @@
+"""Lengths as files write them, into whole mm: exact decimal arithmetic, and a remark where something was lost."""
+
+from __future__ import annotations
+
+from decimal import ROUND_HALF_EVEN, Decimal, InvalidOperation
+
+from safeloc.errors import InputError
+from safeloc.runtime.outside import MOST_DIGITS, quoted
+
+MM_PER_M = 1000
+BEYOND_ALL = Decimal(10) ** 15
+"""No length, place, speed or identity of a map is that large; 1e999999999 would be a number of a billion digits."""
+
+
+def decimal(text: object, place: str) -> Decimal:
+    """A number as it is written, in ASCII digits. InputError for what is no finite number below 10^15; binary fractions
+    are refused."""
+    if isinstance(text, bool) or not isinstance(text, (str, int, Decimal)):
+        raise InputError(f"{place}: expected a number, got {quoted(text)}.")
+    try:
+        value = Decimal(_ascii(text.strip()) if isinstance(text, str) else text)
+    except InvalidOperation as error:
+        raise InputError(f"{place}: expected a number, got {quoted(text)}.") from error
+    if not value.is_finite():
+        raise InputError(f"{place}: expected a finite number, got {quoted(text)}.")
+    if not -BEYOND_ALL < value < BEYOND_ALL:
+        raise InputError(f"{place}: expected a number below 10^15, got {quoted(text)}.")
+    return value
+
+
+def _ascii(text: str) -> str:
+    """The text where it has neither digits of other scripts nor `_` in it, which `Decimal` reads over; else none."""
+    return text if text.isascii() and "_" not in text and len(text) <= MOST_DIGITS else ""
+
+
+def millimetres(metres: Decimal) -> tuple[int, bool]:
+    """Metres in whole mm, to the nearest (halves to the even one), and whether nothing was lost."""
+    exact = metres * MM_PER_M
+    whole = exact.to_integral_value(rounding=ROUND_HALF_EVEN)
+    return int(whole), whole == exact

@@ -1,0 +1,60 @@
+"""What an importer hands back: the line, and what the file said that is not on it, or not as it stood there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from safeloc.railway.map.model import Line
+
+Kind = Literal["not understood", "not carried over", "assumed", "rounded", "doubtful"]
+
+
+@dataclass(frozen=True)
+class Note:
+    """One remark.
+
+    kind   not understood    the importer does not know what this is
+           not carried over  known, but the map has no place for it or the file does not say enough
+           assumed           the map holds something that the file does not say
+           rounded           a length that is no whole number of mm
+           doubtful          the file contradicts itself; the text says what was taken
+    place  where in the file: element, identity, line
+    """
+
+    kind: Kind
+    place: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.kind}: {self.text}"
+
+
+class Imported(NamedTuple):
+    """A line and the notes on its import, in the order of the file."""
+
+    line: Line
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
+class Similar:
+    """Notes of one kind and text, told together."""
+
+    kind: Kind
+    text: str
+    places: tuple[str, ...]
+
+    def __str__(self) -> str:
+        shown = ", ".join(self.places[:3])
+        more = f" and {len(self.places) - 3} more" if len(self.places) > 3 else ""
+        return f"{self.kind}: {self.text} [{shown}{more}]"
+
+
+def similar(notes: Iterable[Note]) -> list[Similar]:
+    """The notes by kind and text, in the order of their first one: what a reader looks at first."""
+    places: dict[tuple[Kind, str], list[str]] = {}
+    for note in notes:
+        places.setdefault((note.kind, note.text), []).append(note.place)
+    return [Similar(kind, text, tuple(found)) for (kind, text), found in places.items()]

@@ -1,0 +1,201 @@
+"""Balise groups of a railML document: identity, place, order of the balises, orientation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+
+from safeloc.errors import InputError
+from safeloc.railway.map.elements import Balise, BaliseGroup, Direction, TrackEdge, opposite
+from safeloc.railway.map.imports.building import made
+from safeloc.railway.map.imports.lengths import decimal, millimetres
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.railml_places import Places, Spot
+from safeloc.railway.map.imports.railml_xml import Element
+
+BELONGS = ("belongsToBaliseGroup", "baliseGroupRef", "belongsToParent")
+NUMBER = ("positionInGroup", "numberInGroup")
+PREDECESSOR = ("distanceToPredecessorBaliseWithinGroup", "distanceToPredecessor")
+
+
+@dataclass(frozen=True)
+class Single:
+    """One balise of a group: its number where the document tells it, and its place where it does."""
+
+    element: Element
+    number: int | None
+    spot: Spot | None
+    distance_mm: int | None
+
+
+def balise_groups(functional: Element, places: Places, edges: Mapping[str, TrackEdge]) -> Iterator[BaliseGroup]:
+    """All Eurobalise groups that have a place. InputError for balises of an unknown group."""
+    groups = {group.need("id"): group for group in functional.all("baliseGroups", "baliseGroup")}
+    singles: dict[str, list[Single]] = {name: [] for name in groups}
+    for balise in functional.all("balises", "balise"):
+        owner = _owner(balise)
+        if owner not in groups:
+            raise InputError(f"{balise.place}: there is no baliseGroup {owner!r}.")
+        singles[owner].append(_single(balise, places))
+    for name, group in groups.items():
+        found = _group(group, singles[name], places, edges)
+        if found is not None:
+            yield found
+
+
+def _owner(balise: Element) -> str | None:
+    for name in BELONGS:
+        told = balise.get(name) or next((child.need("ref") for child in balise.all(name)), None)
+        if told is not None:
+            return told
+    raise InputError(f"{balise.place}: belongs to no balise group; give {BELONGS[0]!r}.")
+
+
+def _single(balise: Element, places: Places) -> Single:
+    told = balise.one("isEurobalise")
+    numbers = [one.get(name) for one in (balise, *([told] if told else [])) for name in NUMBER]
+    number = next((one for one in numbers if one is not None), None)
+    distance = next((one for name in PREDECESSOR if (one := balise.get(name)) is not None), None)
+    spot = places.spot(balise) if distance is None or balise.all("spotLocation") else None
+    return Single(
+        balise,
+        _whole(number, balise.place) if number is not None else None,
+        spot,
+        millimetres(decimal(distance, balise.place))[0] if distance is not None else None,
+    )
+
+
+def _group(
+    group: Element, singles: Sequence[Single], places: Places, edges: Mapping[str, TrackEdge]
+) -> BaliseGroup | None:
+    euro = group.one("isEurobaliseGroup")
+    spot = places.spot(group) if group.all("spotLocation") else _first_place(singles)
+    if euro is None or spot is None:
+        told = "no Eurobalise group" if euro is None else "no place on the micro level"
+        places.notes.append(Note("not carried over", group.place, told))
+        return None
+    toward = _direction(group, spot, edges[spot.edge], places.notes)
+    balises = _balises(group, singles, spot, toward, places.notes)
+    linked = _linked(group, euro, places.notes)
+    _count(group, len(balises), places.notes)
+    if not linked and len(balises) < 2:
+        places.notes.append(Note("not carried over", group.place, "unlinked group of which one balise is known"))
+        return None
+    found = made(
+        BaliseGroup,
+        group.place,
+        id=group.need("id"),
+        edge=spot.edge,
+        identity=_whole(euro.need("groupID"), group.place),
+        country=_whole(euro.need("countryID"), group.place),
+        balises=balises,
+        linked=linked,
+        nominal_direction=toward if len(balises) == 1 else None,
+    )
+    if toward is not None and found.orientation != toward:
+        places.notes.append(
+            Note("doubtful", group.place, "order of its balises against its direction; the order is taken")
+        )
+    return found
+
+
+def _first_place(singles: Sequence[Single]) -> Spot | None:
+    """The place of balise number 1, if the document numbers them."""
+    return next((one.spot for one in singles if one.number == 1), None)
+
+
+def _direction(group: Element, spot: Spot, edge: TrackEdge, notes: list[Note]) -> Direction | None:
+    """The nominal direction, from the direction of the kilometres or the direction of application."""
+    told: dict[str, Direction] = {}
+    mileage = group.get("mileageDirection")
+    if mileage not in (None, "nominal", "reverse"):
+        raise InputError(f"{group.place}: mileageDirection must be nominal or reverse, not {mileage!r}.")
+    if mileage is not None and edge.kilometres:
+        rising = edge.kilometres[0].direction
+        told["mileageDirection"] = rising if mileage == "nominal" else opposite(rising)
+    elif mileage is not None:
+        notes.append(Note("not carried over", group.place, "mileageDirection on an edge without kilometres"))
+    if len(spot.directions) == 1:
+        told["applicationDirection"] = spot.directions[0]
+    if len(set(told.values())) > 1:
+        notes.append(Note("doubtful", group.place, "mileageDirection against applicationDirection; taken as unknown"))
+        return None
+    return next(iter(told.values()), None)
+
+
+def _balises(
+    group: Element, singles: Sequence[Single], spot: Spot, toward: Direction | None, notes: list[Note]
+) -> tuple[Balise, ...]:
+    """The balises in the order of their numbers; the group's own place alone where the order or a place is unknown."""
+    _numbers(group, singles, notes)
+    ordered = _ordered(singles, toward)
+    if singles and ordered is None:
+        notes.append(Note("not carried over", group.place, "single balises: their order is not told"))
+    positions = _positions(ordered or [], spot, toward)
+    if ordered and positions is None:
+        notes.append(Note("not carried over", group.place, "single balises: not all lie on the group's net element"))
+    if ordered and positions and positions[0] != spot.position_mm:
+        told = f"balise number 1 lies at {positions[0]} mm, the group at {spot.position_mm} mm; the balise is taken"
+        notes.append(Note("doubtful", group.place, told))
+    if ordered and positions and any(one.number is None for one in ordered):
+        notes.append(Note("assumed", group.place, "numbers of its balises, from its direction"))
+    return tuple(made(Balise, group.place, position_mm=place) for place in positions or [spot.position_mm])
+
+
+def _numbers(group: Element, singles: Sequence[Single], notes: list[Note]) -> None:
+    """Numbers begin at 1 and go on one by one. InputError for a number given twice."""
+    numbers = sorted(one.number for one in singles if one.number is not None)
+    if len(set(numbers)) < len(numbers):
+        raise InputError(f"{group.place}: two of its balises have the same number; numbers are {numbers}.")
+    if numbers and numbers != list(range(1, len(numbers) + 1)):
+        notes.append(Note("doubtful", group.place, f"numbers of its balises are {numbers}; their order is taken"))
+
+
+def _ordered(singles: Sequence[Single], toward: Direction | None) -> list[Single] | None:
+    numbers = [one.number for one in singles]
+    if all(number is not None for number in numbers):
+        return sorted(singles, key=lambda one: one.number or 0)
+    if any(one.spot is None for one in singles) or toward is None:
+        return None
+    return sorted(singles, key=lambda one: one.spot.position_mm if one.spot else 0, reverse=toward == "decreasing")
+
+
+def _positions(ordered: Sequence[Single], spot: Spot, toward: Direction | None) -> list[int] | None:
+    positions: list[int] = []
+    for one in ordered:
+        if one.spot is not None and one.spot.edge == spot.edge:
+            positions.append(one.spot.position_mm)
+        elif one.spot is None and one.distance_mm is not None and positions and toward is not None:
+            positions.append(positions[-1] + (one.distance_mm if toward == "increasing" else -one.distance_mm))
+        elif one.spot is None and not positions and one.number == 1:
+            positions.append(spot.position_mm)
+        else:
+            return None
+    return positions
+
+
+def _linked(group: Element, euro: Element, notes: list[Note]) -> bool:
+    told = euro.get("isLinked")
+    if told is None:
+        notes.append(Note("assumed", group.place, "linked: the document does not say"))
+        return True
+    if told not in ("true", "false", "1", "0"):
+        raise InputError(f"{euro.place}: isLinked must be true or false, not {told!r}.")
+    return told in ("true", "1")
+
+
+def _count(group: Element, carried: int, notes: list[Note]) -> None:
+    told = group.get("numberOfBalisesInGroup")
+    if told is not None and _whole(told, group.place) != carried:
+        notes.append(
+            Note("not carried over", group.place, f"numberOfBalisesInGroup {told}: places of {carried} are known")
+        )
+
+
+def _whole(told: Any, place: str) -> int:
+    value: Decimal = decimal(told, place)
+    if value != value.to_integral_value():
+        raise InputError(f"{place}: expected a whole number, got {told!r}.")
+    return int(value)

@@ -1,0 +1,276 @@
+"""The micro topology of a railML document: net elements with exact lengths and kilometres, and which of their ends meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import pairwise
+
+from safeloc.errors import InputError
+from safeloc.railway.map.elements import KilometrePoint
+from safeloc.railway.map.imports.building import made
+from safeloc.railway.map.imports.lengths import decimal, millimetres
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.railml_xml import Element
+from safeloc.railway.map.imports.topology import End, Relation
+
+METRES_PER_UNIT = {"m": Decimal(1), "km": Decimal(1000)}
+PASSABLE = {"both": True, "none": False, "ab": True, "ba": True}
+
+
+@dataclass(frozen=True)
+class NetElement:
+    """A net element of the micro level.
+
+    length_m   as the document gives it, exact
+    measures   linear positioning system -> (intrinsic coordinate, kilometre in metres), in order
+    """
+
+    element: Element
+    length_m: Decimal
+    measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]]
+
+    @property
+    def id(self) -> str:
+        """Its identity."""
+        return self.element.need("id")
+
+    @property
+    def length_mm(self) -> int:
+        """Its length to the nearest mm."""
+        return millimetres(self.length_m)[0]
+
+
+@dataclass(frozen=True)
+class Network:
+    """Net elements of the micro level by identity, the relations between them, and identities of the other levels."""
+
+    elements: Mapping[str, NetElement]
+    relations: tuple[Relation, ...]
+    elsewhere: frozenset[str]
+
+
+def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> Network:
+    """The micro topology. InputError for missing lengths and ends, and for references to nothing."""
+    units = linear_units(root)
+    everything = _by_identity(infrastructure.all("topology", "netElements", "netElement"))
+    micro = _micro(infrastructure, everything, notes)
+    for identity, element in everything.items():
+        if identity not in micro:
+            element.skip()
+            notes.append(Note("not carried over", element.place, "net element of a coarser level"))
+    tracks = _track_lengths(infrastructure)
+    elements = {
+        identity: _net_element(everything[identity], units, tracks, notes)
+        for identity in everything
+        if identity in micro
+    }
+    if not elements:
+        raise InputError(f"{infrastructure.place}: topology/netElements holds no net element of the micro level.")
+    relations = tuple(_relations(infrastructure, elements, frozenset(everything), notes))
+    _references(infrastructure, frozenset(everything))
+    return Network(elements, relations, frozenset(everything) - frozenset(elements))
+
+
+def _by_identity(found: list[Element]) -> dict[str, Element]:
+    known: dict[str, Element] = {}
+    for element in found:
+        identity = element.need("id")
+        if identity in known:
+            raise InputError(f"{element.place}: the identity was given in line {known[identity].line} already.")
+        known[identity] = element
+    return known
+
+
+def _micro(infrastructure: Element, everything: Mapping[str, Element], notes: list[Note]) -> set[str]:
+    """Net elements of the micro level: those a network names as such, else those that are no collection of others."""
+    named = set()
+    for level in infrastructure.all("topology", "networks", "network", "level"):
+        resources = [resource.need("ref") for resource in level.all("networkResource")]
+        if (level.get("descriptionLevel") or "").lower() == "micro":
+            named |= set(resources)
+    if named & set(everything):
+        return named & set(everything)
+    told = "no network names the micro level; taken are all net elements that are no collection of others"
+    notes.append(Note("assumed", infrastructure.place, told))
+    collections = ("elementCollectionOrdered", "elementCollectionUnordered")
+    return {one for one, element in everything.items() if not any(element.all(tag) for tag in collections)}
+
+
+# ------------------------------------------------------------------ lengths and kilometres
+
+
+def linear_units(root: Element) -> dict[str, Decimal]:
+    """Linear positioning system -> metres per unit of its measures."""
+    found = {}
+    for system in root.all("common", "positioning", "linearPositioningSystems", "linearPositioningSystem"):
+        unit = (system.get("units") or "m").lower()
+        if unit not in METRES_PER_UNIT:
+            raise InputError(f"{system.place}: units {unit!r} are not known; use m or km.")
+        found[system.need("id")] = METRES_PER_UNIT[unit]
+    return found
+
+
+def _track_lengths(infrastructure: Element) -> dict[str, Element]:
+    """Net element -> the physical length of the track that runs over all of it and over nothing else."""
+    found: dict[str, Element] = {}
+    for track in infrastructure.all("functionalInfrastructure", "tracks", "track"):
+        pieces = track.all("linearLocation", "associatedNetElement")
+        lengths = [one for one in track.all("length") if one.get("type") in (None, "physical")]
+        parts = ("posBegin", "posEnd", "intrinsicCoordBegin", "intrinsicCoordEnd")
+        if (
+            len(pieces) == len(lengths) == 1
+            and not any(pieces[0].get(name) for name in parts)
+            and not pieces[0].children
+        ):
+            found[pieces[0].need("netElementRef")] = lengths[0]
+    return found
+
+
+def _net_element(
+    element: Element, units: Mapping[str, Decimal], tracks: Mapping[str, Element], notes: list[Note]
+) -> NetElement:
+    measures = _measures(element, units)
+    length_m = _length(element, measures, tracks.get(element.need("id")), notes)
+    if length_m <= 0:
+        raise InputError(f"{element.place}: its length {length_m} m must be positive.")
+    whole, exact = millimetres(length_m)
+    if not exact:
+        notes.append(Note("rounded", element.place, f"length {length_m} m to {whole} mm"))
+    return NetElement(element, length_m, measures)
+
+
+def _length(
+    element: Element,
+    measures: Mapping[str, tuple[tuple[Decimal, Decimal], ...]],
+    of_track: Element | None,
+    notes: list[Note],
+) -> Decimal:
+    """The attribute, else the kilometres between both ends, else the length of the track that is this net element."""
+    told = element.get("length")
+    if told is not None:
+        return decimal(told, f"{element.place}: length")
+    for points in measures.values():
+        if points[0][0] == 0 and points[-1][0] == 1:
+            return abs(points[-1][1] - points[0][1])
+    if of_track is not None:
+        notes.append(Note("assumed", element.place, f"its length is that of its track, line {of_track.line}"))
+        return decimal(of_track.need("value"), f"{of_track.place}: value")
+    raise InputError(
+        f"{element.place}: has no length, and neither kilometres at both ends nor a track tell it; give attribute 'length'."
+    )
+
+
+def _measures(element: Element, units: Mapping[str, Decimal]) -> dict[str, tuple[tuple[Decimal, Decimal], ...]]:
+    found: dict[str, list[tuple[Decimal, Decimal]]] = {}
+    for system in element.all("associatedPositioningSystem"):
+        for point in system.all("intrinsicCoordinate"):
+            share = intrinsic(point, "intrinsicCoord")
+            for linear in point.all("linearCoordinate"):
+                name = linear.need("positioningSystemRef")
+                found.setdefault(name, []).append((share, measure(linear, units)))
+    return {name: tuple(sorted(points)) for name, points in found.items()}
+
+
+def intrinsic(element: Element, name: str) -> Decimal:
+    """An intrinsic coordinate, 0..1."""
+    share = decimal(element.need(name), f"{element.place}: {name}")
+    if not 0 <= share <= 1:
+        raise InputError(f"{element.place}: {name} {share} is outside 0..1.")
+    return share
+
+
+def measure(linear: Element, units: Mapping[str, Decimal]) -> Decimal:
+    """The kilometre of a linear coordinate, in metres."""
+    system = linear.need("positioningSystemRef")
+    if system not in units:
+        raise InputError(f"{linear.place}: there is no linearPositioningSystem {system!r}.")
+    return decimal(linear.need("measure"), f"{linear.place}: measure") * units[system]
+
+
+def kilometres(net: NetElement, notes: list[Note]) -> tuple[KilometrePoint, ...]:
+    """Kilometre points of the first positioning system; remarks on the others and on what does not fit the length."""
+    for other in list(net.measures)[1:]:
+        notes.append(Note("not carried over", net.element.place, f"second kilometre line {other!r}"))
+    for system, points in list(net.measures.items())[:1]:
+        if len(points) < 2 or points[0][0] != 0:
+            notes.append(
+                Note("not carried over", net.element.place, "kilometres that are not given from its beginning on")
+            )
+            return ()
+        return tuple(_kilometre_points(net, system, points, notes))
+    return ()
+
+
+def _kilometre_points(
+    net: NetElement, system: str, points: tuple[tuple[Decimal, Decimal], ...], notes: list[Note]
+) -> Iterator[KilometrePoint]:
+    for (share, here), (next_share, there) in pairwise(points):
+        track, counted = (next_share - share) * net.length_m, abs(there - here)
+        if track != counted:
+            told = f"{counted} m of kilometres on {track} m of track; counted from its lower end on"
+            notes.append(Note("doubtful", net.element.place, told))
+        yield made(
+            KilometrePoint,
+            net.element.place,
+            position_mm=millimetres(share * net.length_m)[0],
+            kilometre_mm=millimetres(here)[0],
+            direction="increasing" if there >= here else "decreasing",
+            line=system,
+        )
+
+
+# ------------------------------------------------------------------ relations
+
+
+def _relations(
+    infrastructure: Element, elements: Mapping[str, NetElement], everything: frozenset[str], notes: list[Note]
+) -> Iterator[Relation]:
+    for element in _by_identity(infrastructure.all("topology", "netRelations", "netRelation")).values():
+        names = [_side(element, side, everything) for side in ("elementA", "elementB")]
+        if not all(name in elements for name in names):
+            element.skip()
+            notes.append(Note("not carried over", element.place, "net relation of a coarser level"))
+            continue
+        one, other = (_end(element, *pair) for pair in zip(names, ("positionOnA", "positionOnB"), strict=True))
+        passable = _passable(element, notes)
+        yield Relation(element.need("id"), one, other, passable, element.place)
+
+
+def _references(infrastructure: Element, everything: frozenset[str]) -> None:
+    """Net elements and networks name net relations and net elements that are there."""
+    relations = {one.need("id") for one in infrastructure.all("topology", "netRelations", "netRelation")}
+    for one in infrastructure.all("topology", "netElements", "netElement", "relation"):
+        if one.need("ref") not in relations:
+            raise InputError(f"{one.place}: there is no netRelation {one.need('ref')!r}.")
+    known = relations | everything
+    for one in infrastructure.all("topology", "networks", "network", "level", "networkResource"):
+        if one.need("ref") not in known:
+            raise InputError(f"{one.place}: there is no net element or relation {one.need('ref')!r}.")
+
+
+def _side(relation: Element, tag: str, everything: frozenset[str]) -> str:
+    side = relation.one(tag)
+    if side is None:
+        raise InputError(f"{relation.place}: {tag} is missing.")
+    name = side.need("ref")
+    if name not in everything:
+        raise InputError(f"{relation.place}: {tag}: there is no netElement {name!r}.")
+    return name
+
+
+def _end(relation: Element, name: str, attribute: str) -> End:
+    told = relation.need(attribute)
+    if told not in ("0", "1"):
+        raise InputError(f"{relation.place}: {attribute} must be 0 or 1, not {told!r}.")
+    return name, int(told)
+
+
+def _passable(relation: Element, notes: list[Note]) -> bool:
+    told = relation.need("navigability").lower()
+    if told not in PASSABLE:
+        raise InputError(f"{relation.place}: navigability must be Both, None, AB or BA, not {told!r}.")
+    if told in ("ab", "ba"):
+        notes.append(Note("not carried over", relation.place, "one way only; the map allows both ways"))
+    return PASSABLE[told]

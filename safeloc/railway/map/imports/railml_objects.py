@@ -1,0 +1,173 @@
+"""What stands along the track in a railML document: signals, axle counters, tunnels, speeds, ends of track, switches."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
+
+from safeloc.errors import InputError
+from safeloc.railway.map.elements import AxleCounter, Direction, Node, Signal, SpeedLimit, Tunnel
+from safeloc.railway.map.imports.building import made
+from safeloc.railway.map.imports.lengths import decimal
+from safeloc.railway.map.imports.notes import Note
+from safeloc.railway.map.imports.railml_network import Network
+from safeloc.railway.map.imports.railml_places import Places
+from safeloc.railway.map.imports.railml_xml import Element
+from safeloc.railway.map.imports.topology import End, Naming, Relation
+
+MM_S_PER_KM_H = Decimal(1_000_000) / Decimal(3_600)
+SIGNAL_KINDS = {
+    "isTrainMovementSignal": "main",
+    "isAnnouncementSignal": "announcement",
+    "isDangerSignal": "danger",
+    "isEtcsSignal": "etcs",
+    "isInformationSignal": "information",
+    "isLevelCrossingSignal": "level crossing",
+    "isMilepost": "milepost",
+    "isSpeedSignal": "speed",
+    "isStopPost": "stop",
+}
+
+
+def signals(functional: Element, places: Places) -> Iterator[Signal]:
+    """Signals, for the direction of travel they apply to; one for both directions becomes two."""
+    for element in functional.all("signalsIS", "signalIS"):
+        kind = "+".join(name for tag, name in SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
+        spot = places.spot(element)
+        if spot is None:
+            continue
+        if not spot.directions:
+            places.notes.append(Note("not carried over", element.place, "signal without applicationDirection"))
+        if len(spot.directions) > 1:
+            told = "applies to both directions; carried over as two signals"
+            places.notes.append(Note("assumed", element.place, told))
+        for direction in spot.directions:
+            name = element.need("id") + (f" {direction}" if len(spot.directions) > 1 else "")
+            yield made(
+                Signal,
+                element.place,
+                id=name,
+                edge=spot.edge,
+                position_mm=spot.position_mm,
+                direction=direction,
+                kind=kind,
+            )
+
+
+def axle_counters(functional: Element, places: Places) -> Iterator[AxleCounter]:
+    """Train detection elements of type axleCounter; the others are noted with their type."""
+    for element in functional.all("trainDetectionElements", "trainDetectionElement"):
+        kind = element.get("type")
+        if kind != "axleCounter":
+            element.skip()
+            places.notes.append(Note("not carried over", element.place, f"train detection element of type {kind}"))
+            continue
+        spot = places.spot(element)
+        if spot is not None:
+            fields = {"id": element.need("id"), "edge": spot.edge, "position_mm": spot.position_mm}
+            yield made(AxleCounter, element.place, **fields)
+
+
+def tunnels(functional: Element, places: Places) -> Iterator[Tunnel]:
+    """Over crossings of construction type tunnel: the track runs below."""
+    for element in functional.all("overCrossings", "overCrossing"):
+        if element.get("constructionType") != "tunnel":
+            element.skip()
+            places.notes.append(Note("not carried over", element.place, "over crossing that is no tunnel"))
+            continue
+        stretches, _ = places.stretches(element)
+        if stretches:
+            yield made(Tunnel, element.place, id=element.need("id"), stretches=stretches)
+
+
+def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
+    """Speed sections, rounded down to whole mm/s. Those for some trains only are noted."""
+    for element in functional.all("speeds", "speedSection"):
+        if element.all("validForSpeedProfile"):
+            element.skip()
+            places.notes.append(Note("not carried over", element.place, "speed of a profile for some trains"))
+            continue
+        speed = decimal(element.need("maxSpeed"), f"{element.place}: maxSpeed")
+        stretches, directions = places.stretches(element)
+        only: Direction | None = directions[0] if len(directions) == 1 else None
+        for stretch in stretches:
+            limit = int(speed * MM_S_PER_KM_H)
+            yield made(SpeedLimit, element.place, **stretch.model_dump(), max_speed_mm_s=limit, direction=only)
+
+
+def track_names(functional: Element, places: Places) -> dict[str, str]:
+    """Net element -> the name of the track that runs over it; the identity where a track has no name."""
+    found: dict[str, str] = {}
+    for element in functional.all("tracks", "track"):
+        name = next((one.get("name") for one in element.all("name")), None) or element.need("id")
+        for stretch in places.stretches(element)[0]:
+            if found.setdefault(stretch.edge, name) != name:
+                told = f"second track on net element {stretch.edge!r}"
+                places.notes.append(Note("not carried over", element.place, told))
+    return found
+
+
+# ------------------------------------------------------------------ ends and switches
+
+
+def ended(functional: Element, places: Places, nodes: Sequence[Node], node_of: Mapping[End, str]) -> tuple[Node, ...]:
+    """The nodes, with buffer stops and open borders where exactly one edge ends."""
+    kinds: dict[str, str] = {}
+    alone = {name for name, count in Counter(node_of.values()).items() if count == 1}
+    for tags, kind in ((("bufferStops", "bufferStop"), "buffer_stop"), (("borders", "border"), "border")):
+        for element in functional.all(*tags):
+            open_end = element.get("isOpenEnd")
+            node = _node_at(element, places, node_of)
+            if node in alone and (kind == "buffer_stop" or open_end in ("true", "1")):
+                kinds[node] = kind
+            elif node is not None:
+                places.notes.append(Note("not carried over", element.place, "does not stand where the track ends"))
+    return tuple(node.model_copy(update={"kind": kinds[node.id]}) if node.id in kinds else node for node in nodes)
+
+
+def _node_at(element: Element, places: Places, node_of: Mapping[End, str]) -> str | None:
+    spot = places.spot(element)
+    if spot is None:
+        return None
+    length = places.network.elements[spot.edge].length_mm
+    end = 0 if spot.position_mm == 0 else 1
+    return node_of[spot.edge, end] if spot.position_mm in (0, length) else ""
+
+
+def switch_naming(functional: Element, network: Network) -> Naming:
+    """Names of nodes from switches and crossings, and the sides of the branches as the document tells them."""
+    relations = {relation.id: relation for relation in network.relations}
+    names: dict[frozenset[End], str] = {}
+    left_of: dict[frozenset[End], bool] = {}
+    for tags in (("switchesIS", "switchIS"), ("crossings", "crossing")):
+        for element in functional.all(*tags):
+            for tag in ("leftBranch", "rightBranch", "straightBranch", "turningBranch"):
+                for branch in element.all(tag):
+                    pair = _pair(branch, relations, element)
+                    names.setdefault(pair, element.need("id"))
+                    if tag in ("leftBranch", "rightBranch"):
+                        left_of[pair] = tag == "leftBranch"
+            for location in element.all("spotLocation"):
+                location.skip()  # the node follows from the branches
+
+    def node(ends: Sequence[End], own: Sequence[Relation]) -> str:
+        told = [names[pair] for one in own if (pair := frozenset((one.one, one.other))) in names]
+        if told:
+            return told[0]
+        return own[0].id if own else f"{ends[0][0]} {'end' if ends[0][1] else 'begin'}"
+
+    def sides(stem: End, one: End, other: End) -> tuple[End, End] | None:
+        first, second = left_of.get(frozenset((stem, one))), left_of.get(frozenset((stem, other)))
+        if first is None or second is None or first == second:
+            return None
+        return (one, other) if first else (other, one)
+
+    return Naming(node, sides, lambda _: None)
+
+
+def _pair(branch: Element, relations: Mapping[str, Relation], owner: Element) -> frozenset[End]:
+    name = branch.need("netRelationRef")
+    if name not in relations:
+        raise InputError(f"{owner.place}: {branch.tag} line {branch.line}: there is no netRelation {name!r}.")
+    return frozenset((relations[name].one, relations[name].other))

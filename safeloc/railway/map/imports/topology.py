@@ -1,0 +1,186 @@
+"""Nodes, switches and crossings from statements on which ends of edges meet (railML and the GeoJSON networks alike)."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from safeloc.errors import InputError
+from safeloc.railway.map.elements import Crossing, Node, Switch
+from safeloc.railway.map.imports.building import made
+from safeloc.railway.map.imports.notes import Note
+
+MOST_ENDS = 100
+"""Of edges at one node; each pair of them may be a way."""
+
+End = tuple[str, int]
+"""One end of an edge: its identity, and 0 where it begins or 1 where it ends."""
+
+Pair = frozenset[End]
+Sides = Callable[[End, End, End], tuple[End, End] | None]
+"""(stem, one branch, the other) -> (left, right), seen from the stem; None if that cannot be told."""
+
+NodeName = Callable[[Sequence[End], Sequence["Relation"]], str]
+"""The name of the node where these ends meet by these relations."""
+
+Coordinates = Callable[[End], tuple[float, float] | None]
+"""Longitude and latitude of an end; None where they are not known."""
+
+
+@dataclass(frozen=True)
+class Relation:
+    """Two ends meet, and vehicles can (`passable`) or cannot go from one edge to the other."""
+
+    id: str
+    one: End
+    other: End
+    passable: bool
+    place: str
+
+
+@dataclass(frozen=True)
+class Joined:
+    """How the edges hang together."""
+
+    nodes: tuple[Node, ...]
+    node_of: Mapping[End, str]
+    switches: tuple[Switch, ...]
+    crossings: tuple[Crossing, ...]
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
+class Naming:
+    """What the format knows about a place where edges meet."""
+
+    node: NodeName
+    sides: Sides
+    coordinates: Coordinates
+
+
+def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) -> Joined:
+    """The nodes at which the edges meet.
+
+    Three ends with two ways are a switch, if the sides of its branches are known; everything else with more than two
+    ends is a crossing, which only says the ways. An end without any way to another is kept apart.
+    """
+    notes: list[Note] = []
+    ways = _ways(relations, notes)
+    groups = _groups(edges, relations, ways)
+    inside, notes_apart = _inside(relations, groups)
+    node_of: dict[End, str] = {}
+    found: list[Switch | Crossing] = []
+    nodes: list[Node] = []
+    for ends, own in zip(groups, inside, strict=True):
+        if len(ends) > MOST_ENDS:
+            raise InputError(f"edge {min(ends)[0]!r}: {len(ends)} ends meet at one place, at most {MOST_ENDS} can.")
+        place = own[0].place if own else f"edge {min(ends)[0]!r}"
+        node = _node(sorted(ends), own, naming, place)
+        nodes.append(node)
+        node_of |= dict.fromkeys(ends, node.id)
+        found += _joint(node.id, ends, ways, naming.sides, place, notes)
+    notes += notes_apart
+    _refuse_same_names(nodes)
+    return Joined(
+        tuple(nodes),
+        node_of,
+        tuple(one for one in found if isinstance(one, Switch)),
+        tuple(one for one in found if isinstance(one, Crossing)),
+        tuple(notes),
+    )
+
+
+def _ways(relations: Iterable[Relation], notes: list[Note]) -> set[Pair]:
+    """Pairs of ends between which vehicles can go; where two statements contradict each other: cannot."""
+    said: dict[Pair, list[Relation]] = defaultdict(list)
+    for relation in relations:
+        said[frozenset((relation.one, relation.other))].append(relation)
+    ways = set()
+    for pair, statements in said.items():
+        if len(pair) == 1:
+            raise InputError(f"{statements[0].place}: joins one end of edge {statements[0].one[0]!r} to itself.")
+        if all(statement.passable for statement in statements):
+            ways.add(pair)
+        elif any(statement.passable for statement in statements):
+            told = "is said to be passable and not to be; taken as not passable"
+            notes.append(Note("doubtful", statements[-1].place, told))
+    return ways
+
+
+def _groups(edges: Sequence[str], relations: Iterable[Relation], ways: set[Pair]) -> list[frozenset[End]]:
+    """The ends that meet, in the order of the edges; those without a way to another by themselves."""
+    led = {end for pair in ways for end in pair}
+    beside: dict[End, set[End]] = {(edge, end): set() for edge in edges for end in (0, 1)}
+    for relation in relations:
+        if {relation.one, relation.other} <= led:
+            beside[relation.one].add(relation.other)
+            beside[relation.other].add(relation.one)
+    groups: list[frozenset[End]] = []
+    seen: set[End] = set()
+    for start in beside:
+        if start not in seen:
+            group = _reached(start, beside)
+            seen |= group
+            groups.append(group)
+    return groups
+
+
+def _reached(start: End, beside: Mapping[End, set[End]]) -> frozenset[End]:
+    reached, waiting = {start}, [start]
+    while waiting:
+        new = beside[waiting.pop()] - reached
+        reached |= new
+        waiting += new
+    return frozenset(reached)
+
+
+def _node(ends: Sequence[End], own: Sequence[Relation], naming: Naming, place: str) -> Node:
+    edges = [edge for edge, _ in ends]
+    if len(set(edges)) < len(edges):
+        twice = next(edge for edge in edges if edges.count(edge) > 1)
+        raise InputError(f"{place}: both ends of edge {twice!r} meet at one node; divide it into two edges.")
+    where = next((found for found in map(naming.coordinates, ends) if found is not None), (None, None))
+    return made(Node, place, id=naming.node(ends, own), longitude_deg=where[0], latitude_deg=where[1])
+
+
+def _joint(
+    node: str, ends: frozenset[End], ways: set[Pair], sides: Sides, place: str, notes: list[Note]
+) -> Iterator[Switch | Crossing]:
+    if len(ends) < 3:
+        return
+    pairs = [pair for pair in map(frozenset, combinations(sorted(ends), 2)) if pair in ways]
+    stems = [end for end in ends if all(end in pair for pair in pairs)]
+    if len(ends) == 3 and len(stems) == 1:
+        one, other = sorted(ends - set(stems))
+        told = sides(stems[0], one, other)
+        if told is not None:
+            names = dict(zip(("stem", "left", "right"), (stems[0][0], told[0][0], told[1][0]), strict=True))
+            yield made(Switch, place, id=node, node=node, **names)
+            return
+        notes.append(Note("not carried over", place, "which branch is left is not known; the switch is a crossing"))
+    movements = sorted(tuple(sorted(edge for edge, _ in pair)) for pair in pairs)
+    yield made(Crossing, place, id=node, node=node, movements=tuple(movements))
+
+
+def _inside(relations: Iterable[Relation], groups: Sequence[frozenset[End]]) -> tuple[list[list[Relation]], list[Note]]:
+    """The relations within each group, and notes on those to an end that is kept apart: none of them is passable."""
+    index_of = {end: index for index, group in enumerate(groups) for end in group}
+    inside: list[list[Relation]] = [[] for _ in groups]
+    apart = "ends that meet without a way between them; kept apart"
+    notes = []
+    for relation in relations:
+        index = index_of[relation.one]
+        if index == index_of[relation.other]:
+            inside[index].append(relation)
+        else:
+            notes.append(Note("not carried over", relation.place, apart))
+    return inside, notes
+
+
+def _refuse_same_names(nodes: Sequence[Node]) -> None:
+    names = [node.id for node in nodes]
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise InputError(f"node {twice[0]!r}: two places where edges meet have this name.")

@@ -1,0 +1,105 @@
+"""The XML parts of a workbook, looked through before any library builds something of them.
+
+A kilobyte of ZIP may hold a megabyte of XML, and a cell in the last column makes a row of 16 384 cells of those who
+pad rows. So elements, rows and cells that exist are counted here, one element at a time, and numbers are looked at as
+they stand: libraries read digits of every script.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from xml.parsers import expat
+from zipfile import ZipFile
+
+from safeloc.errors import InputError
+from safeloc.railway.map.imports.xml_prolog import DOCUMENT_TYPE
+from safeloc.runtime.outside import number, quoted, refuse_beyond
+
+LARGEST_PART = 100_000_000
+"""Bytes of one part, and of all of them, unpacked."""
+MOST_PARTS = 1_000
+MOST_ELEMENTS = 3_000_000
+"""Elements of all parts; a cell is two. Reading takes some ten microseconds for each."""
+MOST_ROWS = 100_000
+MOST_CELLS = 1_000_000
+DEEPEST = 64
+"""Elements within each other; a sheet has seven."""
+_CHUNK = 1 << 16
+
+
+def refuse_unsafe(path: Path) -> None:
+    """InputError, with part and line, for a document type, for numbers that are none, and beyond the limits above."""
+    with ZipFile(path) as archive:
+        parts = archive.infolist()
+        refuse_beyond("the workbook", len(parts), MOST_PARTS, "parts")
+        refuse_beyond("the workbook", sum(part.file_size for part in parts), LARGEST_PART, "bytes in its parts")
+        elements = 0
+        for part in parts:
+            if part.filename.endswith((".xml", ".rels")):
+                elements += _Look(f"part {part.filename}", elements).through(archive, part.filename)
+
+
+class _Look:
+    """One part, element after element."""
+
+    def __init__(self, place: str, before: int) -> None:
+        self._place, self._before = place, before
+        self._elements = self._rows = self._cells = self._depth = 0
+        self._number: list[str] | None = None
+        self._is_number = False
+        self._parser = expat.ParserCreate(namespace_separator=" ")
+        self._parser.buffer_text = True
+        self._parser.StartDoctypeDeclHandler = self._refuse
+        self._parser.StartElementHandler = self._begins
+        self._parser.EndElementHandler = self._ends
+        self._parser.CharacterDataHandler = self._text
+
+    def through(self, archive: ZipFile, name: str) -> int:
+        """Look at the whole part; the number of its elements."""
+        try:
+            with archive.open(name) as file:
+                while data := file.read(_CHUNK):
+                    self._parser.Parse(data, False)
+            self._parser.Parse(b"", True)
+        except expat.ExpatError as error:
+            told = expat.ErrorString(error.code)
+            raise InputError(f"not a readable XLSX file: {self._place}:{error.lineno}: {told}.") from error
+        except LookupError as error:
+            raise InputError(f"not a readable XLSX file: {self._place}:1: {error}.") from error
+        return self._elements
+
+    def _here(self) -> str:
+        return f"{self._place}:{self._parser.CurrentLineNumber}"
+
+    def _refuse(self, *_: object) -> None:
+        raise InputError(f"{self._here()}: {DOCUMENT_TYPE}")
+
+    def _begins(self, name: str, attributes: Mapping[str, str]) -> None:
+        self._elements += 1
+        self._depth += 1
+        refuse_beyond(self._here(), self._before + self._elements, MOST_ELEMENTS, "elements")
+        if self._depth > DEEPEST:
+            raise InputError(f"{self._here()}: elements are nested deeper than {DEEPEST}; no workbook is.")
+        match name.rpartition(" ")[2]:
+            case "row":
+                self._rows += 1
+                refuse_beyond(self._here(), self._rows, MOST_ROWS, "rows")
+            case "c":
+                self._cells += 1
+                refuse_beyond(self._here(), self._cells, MOST_CELLS, "cells")
+                self._is_number = attributes.get("t", "n") == "n"
+            case "v" if self._is_number:
+                self._number = []
+
+    def _text(self, text: str) -> None:
+        if self._number is not None:
+            self._number.append(text)
+
+    def _ends(self, name: str) -> None:
+        self._depth -= 1
+        if self._number is not None and name.rpartition(" ")[2] == "v":
+            told = "".join(self._number)
+            self._number = None
+            if told.strip(" \t\r\n") and number(told.strip(" \t\r\n")) is None:
+                raise InputError(f"{self._here()}: {quoted(told)} is no number in ASCII digits.")

@@ -1,0 +1,125 @@
+"""Lines as TOML, the native format (docs/line.md), and as JSON of the same shape."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import ValidationError
+
+from safeloc.errors import InputError
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.toml_place import line_of
+from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
+
+LARGEST_TEXT = 50_000_000
+"""Bytes of a line as TOML or JSON: a hundred thousand edges."""
+MOST_DOTS = 2_000
+SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
+
+
+def from_toml(text: str, name: str) -> Line:
+    """A line from TOML. `name` is what messages call the text.
+
+    Raises InputError with line and key for anything that does not fit, a wrong checksum included.
+    """
+    _refuse_long_keys(text, name)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{name}: not TOML: {error}.") from error
+    except RecursionError as error:
+        raise InputError(f"{name}: nested too deeply to be a line.") from error
+    except ValueError as error:  # a number of thousands of digits
+        raise InputError(f"{name}: not TOML: {shortened(error)}.") from error
+    return _line(data, name, lambda path: f"{name}:{line_of(text, path)}")
+
+
+def from_json(text: str, name: str) -> Line:
+    """A line from JSON. InputError as in `from_toml`, with keys but no lines."""
+    try:
+        data = json.loads(text, object_pairs_hook=lambda pairs: _without_double_keys(pairs, name))
+    except json.JSONDecodeError as error:
+        raise InputError(f"{name}:{error.lineno}: not JSON: {error.msg}.") from error
+    except RecursionError as error:
+        raise InputError(f"{name}: nested too deeply to be a line.") from error
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{name}: not JSON: {shortened(error)}.") from error
+    return _line(data, name, lambda _: name)
+
+
+def to_toml(line: Line) -> str:
+    """The line as TOML; what has its default value is left out."""
+    return tomli_w.dumps(line.model_dump(mode="json", exclude_defaults=True))
+
+
+def load_line(path: Path) -> Line:
+    """A line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
+    with reading(path):
+        text = read_text(path, LARGEST_TEXT)
+        return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
+
+
+def _refuse_long_keys(text: str, name: str) -> None:
+    """Keys of many parts take time that grows with the square of them, one key a line or many in one."""
+    for number, line in enumerate(text.splitlines(), 1):
+        refuse_beyond(f"{name}:{number}", line.count("."), MOST_DOTS, "points in one line")
+
+
+def shipped_lines() -> dict[str, Path]:
+    """The worked examples by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def find_line(name: str) -> Line:
+    """A shipped line by name, or a line from the file of that name. InputError where there is neither."""
+    known = shipped_lines()
+    if name in known:
+        return load_line(known[name])
+    if not Path(name).is_file():
+        raise InputError(f"{name}: no such file, and no shipped line; shipped are {', '.join(known)}.")
+    return load_line(Path(name))
+
+
+def _line(data: Any, name: str, where: Any) -> Line:
+    if not isinstance(data, dict):
+        raise InputError(f"{name}: a line is a table of keys, not {type(data).__name__}.")
+    try:
+        return Line.model_validate_json(json.dumps(data, allow_nan=True, default=str))
+    except RecursionError as error:
+        raise InputError(f"{name}: nested too deeply to be a line.") from error
+    except ValidationError as error:
+        raise InputError(_told(error, where)) from error
+
+
+def _told(error: ValidationError, where: Any) -> str:
+    found = error.errors(include_url=False)
+    wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
+    first = wrong[0]
+    key = ".".join(str(part) for part in first["loc"])
+    message = first["msg"].removeprefix("Value error, ")
+    told = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
+    more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
+    got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
+    return f"{told.rstrip('.')}{got}.{more}"
+
+
+def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, Any]:
+    """TOML refuses a key that is given twice; JSON would take the last one."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        counts = Counter(key for key, _ in pairs)
+        twice = next(key for key, count in counts.items() if count > 1)
+        raise InputError(f"{name}: key {quoted(twice)} is given twice.")
+    return found
+
+
+def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
+    """Whether one key lies within the other: a list without its wrong entry is called too short as well."""
+    return len(inner) > len(outer) and inner[: len(outer)] == outer

@@ -1,0 +1,119 @@
+"""Where vehicles can go: a graph of directed edges, joined by the legal movements at nodes, switches and crossings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import networkx as nx
+
+from safeloc.railway.map.elements import Direction, Switch, TrackEdge, opposite
+from safeloc.railway.map.model import Line
+
+
+@dataclass(frozen=True, order=True)
+class Run:
+    """One edge, run along in one direction."""
+
+    edge: str
+    direction: Direction
+
+    @property
+    def back(self) -> Run:
+        """The same edge, the other way."""
+        return Run(self.edge, opposite(self.direction))
+
+
+@dataclass(frozen=True)
+class Passage:
+    """What a vehicle does at a switch: it comes from the stem (`facing`) and goes to a branch, or the reverse."""
+
+    switch: Switch
+    facing: bool
+    branch: str
+
+    @property
+    def side(self) -> str:
+        """left or right."""
+        return "left" if self.branch == self.switch.left else "right"
+
+
+class Topology:
+    """The graph of a line. Movements that switches and crossings forbid, and runs against `travel`, are not in it."""
+
+    def __init__(self, line: Line) -> None:
+        self.line = line
+        self.edges: dict[str, TrackEdge] = {edge.id: edge for edge in line.edges}
+        self.switches: dict[str, Switch] = {switch.node: switch for switch in line.switches}
+        self._movements = {one.node: {frozenset(pair) for pair in one.movements} for one in line.crossings}
+        self._kinds = {node.id: node.kind for node in line.nodes}
+
+    @cached_property
+    def graph(self) -> nx.DiGraph[Run]:
+        """Runs as nodes, legal movements as arcs."""
+        graph: nx.DiGraph[Run] = nx.DiGraph()
+        runs = [run for edge in self.edges.values() for run in _runs(edge)]
+        graph.add_nodes_from(runs)
+        leaving: dict[str, list[Run]] = {}
+        for run in runs:
+            leaving.setdefault(self.start(run), []).append(run)
+        for run in runs:
+            node = self.end(run)
+            graph.add_edges_from((run, to) for to in leaving.get(node, ()) if self._may_go(node, run.edge, to.edge))
+        return graph
+
+    def _may_go(self, node: str, before: str, after: str) -> bool:
+        if before == after:
+            return False
+        if node in self.switches:
+            return self.switches[node].stem in (before, after)
+        if node in self._movements:
+            return frozenset((before, after)) in self._movements[node]
+        return True
+
+    def start(self, run: Run) -> str:
+        """The node where a run begins."""
+        edge = self.edges[run.edge]
+        return edge.from_node if run.direction == "increasing" else edge.to_node
+
+    def end(self, run: Run) -> str:
+        """The node where a run ends."""
+        return self.start(run.back)
+
+    def after(self, run: Run) -> list[Run]:
+        """Where a vehicle may go next, in the order of the map."""
+        return list(self.graph.successors(run))
+
+    def before(self, run: Run) -> list[Run]:
+        """Where a vehicle may have come from."""
+        return list(self.graph.predecessors(run))
+
+    def passage(self, before: Run, after: Run) -> Passage | None:
+        """The switch between two successive runs; None where there is none."""
+        switch = self.switches.get(self.end(before))
+        if switch is None:
+            return None
+        facing = before.edge == switch.stem
+        return Passage(switch, facing, after.edge if facing else before.edge)
+
+    def entries(self) -> Iterator[Run]:
+        """Runs that nothing leads into: where vehicles come onto the map."""
+        return (run for run in self.graph if self.graph.in_degree(run) == 0)
+
+    def exits(self) -> Iterator[Run]:
+        """Runs that lead nowhere: where vehicles leave the map or the track ends."""
+        return (run for run in self.graph if self.graph.out_degree(run) == 0)
+
+    def comes_over_seam(self, run: Run) -> bool:
+        """Whether the run begins where another part of the map ends."""
+        return self._kinds[self.start(run)] == "seam"
+
+    def length_mm(self, run: Run) -> int:
+        """Length of the run's edge."""
+        return self.edges[run.edge].length_mm
+
+
+def _runs(edge: TrackEdge) -> list[Run]:
+    ways: tuple[Direction, ...] = ("increasing", "decreasing")
+    return [Run(edge.id, way) for way in ways if edge.travel in ("both", way)]

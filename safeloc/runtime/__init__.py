@@ -1,0 +1,1 @@
+"""What runs a machine: the border, records and steps, controllers in a host, a process of its own."""

@@ -1,0 +1,87 @@
+"""Where the inputs of a step stand in its row, and which of them a name in a record means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from safeloc.errors import InputError
+from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
+from safeloc.runtime.border import Channel
+
+Told = Mapping[int, Value]
+"""Place in the row -> value: what a step is told. Presence flags follow from it."""
+
+
+class Entry(NamedTuple):
+    """An input: its place in the row, and that of its presence flag (None: it cannot be absent).
+
+    A value whose type is `kind`, from `low` to `high`, is one that the input holds as it is, and a label in `members` one
+    that stands for a number; others need a look.
+    """
+
+    var: Var
+    at: int
+    present_at: int | None
+    kind: type
+    low: int
+    high: int
+    members: Mapping[str, int]
+
+    @property
+    def is_named(self) -> bool:
+        """A truth value or a member, not a plain number."""
+        return self.kind is bool or bool(self.members)
+
+    def held(self, value: int | str) -> Value:
+        """An admitted value as the input holds it: a member's number instead of its label."""
+        return self.members[value] if isinstance(value, str) else value
+
+
+def entries_of(system: TransitionSystem) -> dict[str, Entry]:
+    """By the inputs' full names; presence flags are none."""
+    places = {var: at for at, var in enumerate(system.inputs)}
+    flags: dict[Var, int] = {option.value: places[option.present] for option in system.optionals}
+    hidden = set(flags.values())
+    return {var.name: _entry(var, at, flags.get(var)) for var, at in places.items() if at not in hidden}
+
+
+def _entry(var: Var, at: int, present_at: int | None) -> Entry:
+    if isinstance(var, BoolVar):
+        return Entry(var, at, present_at, bool, False, True, {})
+    labels = var.unit.members if isinstance(var.unit, Enumeration) else ()
+    return Entry(var, at, present_at, int, var.low, var.high, {label: n for n, label in enumerate(labels)})
+
+
+def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str, tuple[Entry, ...]]:
+    """Name in a record -> inputs: its own, or in a composition those of every machine that has one of that name.
+
+    said   further names for inputs
+    """
+    routes: dict[str, tuple[Entry, ...]] = {}
+    for full, entry in entries.items():
+        for name in dict.fromkeys((full, full.rpartition(".")[2])):
+            routes[name] = (*routes.get(name, ()), entry)
+    for name, other in said.items():
+        routes[name] = (*routes.get(name, ()), *routes[other])
+    return routes
+
+
+def limits(name: str, entries: Sequence[Entry]) -> Channel | None:
+    """The range that all of these inputs have in common; None where they are no plain numbers."""
+    numbers = [one.var for one in entries if isinstance(one.var, NumVar) and not one.is_named]
+    if len(numbers) < len(entries):
+        return None
+    low, high = max(var.low for var in numbers), min(var.high for var in numbers)
+    if low > high or not all(var.unit.same(numbers[0].unit) for var in numbers):
+        raise InputError(f"inputs {[var.name for var in numbers]} share the name {name!r} but no range and unit.")
+    return Channel(name, numbers[0].unit.name, low, high, 0)
+
+
+def beginnings(name: str) -> list[str]:
+    """`front_marker_since_mm` is said by the channel of that name, or by front_marker_since, front_marker, front."""
+    parts = name.split("_")
+    return ["_".join(parts[:count]) for count in range(1, len(parts) + 1)]

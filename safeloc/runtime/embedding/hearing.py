@@ -1,0 +1,111 @@
+"""What the records of a recording or a host mean to a target: which inputs, in what ranges, and who may be silent."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
+
+from safeloc.codegen.compiled import Row
+from safeloc.errors import InputError
+from safeloc.language.expr import NumVar
+from safeloc.language.system import TransitionSystem, canonical, without_ghosts
+from safeloc.runtime.border import Channel, Fault, Reason
+from safeloc.runtime.embedding.entries import Entry, Told, beginnings, entries_of, limits, routes_of
+from safeloc.runtime.streams.cycles import Places
+from safeloc.target import Target
+
+
+class Hearing:
+    """The inputs of a target without its ghosts, and the names that records have for them."""
+
+    def __init__(self, target: Target) -> None:
+        self.target = target
+        self.system: TransitionSystem = without_ghosts(target.system)
+        self.entries: Mapping[str, Entry] = entries_of(self.system)
+        self.routes: Mapping[str, tuple[Entry, ...]] = routes_of(self.entries, target.said)
+        self.places: Places = {
+            name: tuple([entry.at for entry in found]) for name, found in self.routes.items()
+        }.__getitem__
+        self.named: Mapping[str, tuple[Entry, ...]] = {
+            name: tuple(entry for entry in routed if entry.is_named) for name, routed in self.routes.items()
+        }
+        self.channels: Sequence[Channel] = [
+            limit for name, routed in self.routes.items() if (limit := limits(name, routed)) is not None
+        ]
+        self.channel_names = frozenset(part for name in self.routes for part in beginnings(name))
+        self._flags = {entry.at: entry.present_at for entry in self.entries.values()}
+        self._names = frozenset(self.entries)
+        self._absent = tuple(canonical(var) if isinstance(var, NumVar) else False for var in self.system.inputs)
+
+    @property
+    def name(self) -> str:
+        """The target's name."""
+        return self.target.name
+
+    @cached_property
+    def needed(self) -> tuple[str, ...]:
+        """Inputs that must be there in every cycle: the machine has no way of being told that they are missing."""
+        return tuple(name for name, entry in self.entries.items() if entry.present_at is None)
+
+    def told(self, inputs: Mapping[str, int | str]) -> Told:
+        """By place; a name in a record may stand for inputs of several machines."""
+        return {entry.at: entry.held(value) for name, value in inputs.items() for entry in self.routes[name]}
+
+    @cached_property
+    def silent(self) -> Mapping[str, tuple[frozenset[int], frozenset[int]]]:
+        """Machine that may be told nothing -> places of its inputs, and of those that cannot be absent one by one."""
+        needed = {self.entries[name].at for name in self.needed}
+        several = len(self.system.machines) > 1
+        own = {
+            name: frozenset(
+                entry.at for full, entry in self.entries.items() if not several or full.startswith(f"{name}.")
+            )
+            for name in self.target.silent
+        }
+        return {name: (inputs, inputs & needed) for name, inputs in own.items() if inputs & needed}
+
+    def heard(self, told: Told) -> tuple[Told, tuple[Fault, ...]]:
+        """Without the machines of which something needed is missing, where they may be told nothing.
+
+        A fault tells of each that was told something, and not enough; of one that was told nothing there is nothing to tell.
+        """
+        faults: list[Fault] = []
+        for name, (inputs, needed) in self.silent.items():
+            if not needed <= told.keys() and not inputs.isdisjoint(told):
+                lacking = min(self.system.inputs[at].name for at in needed if at not in told)
+                faults.append(Fault(name, Reason.MISSING, f"{lacking}; nothing else of {name} is used"))
+                told = {at: value for at, value in told.items() if at not in inputs}
+        return told, tuple(faults)
+
+    def unknown(self, names: Collection[str]) -> list[str]:
+        """Those that are no inputs."""
+        return [] if self._names.issuperset(names) else [name for name in names if name not in self.entries]
+
+    def require_known(self, names: Collection[str]) -> None:
+        """InputError for a name that is no input."""
+        unknown = self.unknown(names)
+        if unknown:
+            close = difflib.get_close_matches(str(unknown[0]), self.entries, 1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            raise InputError(f"{self.name} has no input {unknown[0]!r}; it has {', '.join(self.entries)}.{hint}")
+
+    def missing(self, told: Told) -> list[str]:
+        """Needed inputs that are not given, of machines that cannot be told nothing."""
+        return [name for name, at in self._always_needed if at not in told]
+
+    @cached_property
+    def _always_needed(self) -> list[tuple[str, int]]:
+        spared = {at for _, needed in self.silent.values() for at in needed}
+        places = [(name, self.entries[name].at) for name in self.needed]
+        return [(name, at) for name, at in places if at not in spared]
+
+    def row(self, told: Told) -> Row:
+        """The inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
+        row, flags = list(self._absent), self._flags
+        for at, value in told.items():
+            row[at] = value
+            present_at = flags[at]
+            if present_at is not None:
+                row[present_at] = True
+        return tuple(row)

@@ -1,0 +1,53 @@
+"""Who is told of a step: functions that get each report, and host objects that follow a machine's modes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from safeloc.codegen.runtime import Follower
+from safeloc.errors import InputError
+from safeloc.runtime.embedding.program import Program
+from safeloc.runtime.embedding.report import Report
+
+
+class Listeners:
+    """All of one controller, told in the order they were added."""
+
+    def __init__(self, program: Program) -> None:
+        self._machines = {part.name: part.machine for part in program.parts}
+        self._told: list[Callable[[Report], object]] = []
+        self._followers: list[tuple[str, Follower]] = []
+
+    def add(self, listener: Callable[[Report], object]) -> None:
+        """A function that gets each report."""
+        self._told.append(listener)
+
+    def follow(self, model: object, machine: str | None, modes: Mapping[str, str]) -> Follower:
+        """A host's object that is to follow this machine, standing in its present mode."""
+        names = list(self._machines)
+        if machine is None and len(names) > 1:
+            raise InputError(f"say which machine to follow: one of {', '.join(names)}.")
+        name = names[0] if machine is None else machine
+        if name not in self._machines:
+            raise InputError(f"no machine {name!r} to follow; there are {', '.join(names)}.")
+        follower = Follower(self._machines[name], model)
+        follower.place(modes[name])
+        self._followers.append((name, follower))
+        self._told.append(lambda report: follower.enter(report.modes[name], report=report))
+        return follower
+
+    def place(self, modes: Mapping[str, str]) -> None:
+        """Followers stand where a restored machine stands; nobody is told."""
+        for name, follower in self._followers:
+            follower.place(modes[name])
+
+    def tell(self, report: Report) -> None:
+        """Everyone, also when one of them fails; their failures come out together."""
+        failed: list[Exception] = []
+        for told in self._told:
+            try:
+                told(report)
+            except Exception as error:  # a host's own, handed on below
+                failed.append(error)
+        if failed:
+            raise ExceptionGroup(f"listeners failed after cycle {report.cycle}; the step itself is done", failed)

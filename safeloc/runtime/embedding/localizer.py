@@ -1,0 +1,37 @@
+"""The localizer as a host's object: the controller of the target that has all ways of locating (RFL-13, RFL-14)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.errors import InputError
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.runtime.embedding.controller import Controller
+from safeloc.runtime.embedding.program import Program
+from safeloc.shipped import ENTRIES
+
+
+def localizer_program(config: LocalizerConfig | None = None) -> Program:
+    """The localizer of a vehicle, made ready to run: takes seconds, so make one for all vehicles of a kind."""
+    return Program(ENTRIES["localizer"].make(config or LocalizerConfig()))
+
+
+class Localizer(Controller):
+    """One vehicle's localizer, cycle by cycle; see Controller.
+
+    vehicle   its configuration, or a program that was made of one
+
+    Devices that it has no records of in a cycle are silent in it; whole sources may be left out by configuration.
+    """
+
+    def __init__(
+        self,
+        vehicle: LocalizerConfig | Program | None = None,
+        *,
+        start_ms: int = 0,
+        expected: Mapping[str, int] | None = None,
+    ) -> None:
+        if not (vehicle is None or isinstance(vehicle, LocalizerConfig | Program)):
+            raise InputError(f"expected a LocalizerConfig or a Program, got {type(vehicle).__name__}.")
+        program = vehicle if isinstance(vehicle, Program) else localizer_program(vehicle)
+        super().__init__(program, start_ms=start_ms, expected=expected)

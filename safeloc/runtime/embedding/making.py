@@ -1,0 +1,66 @@
+"""What a controller is made of and told, as a host gives it: each wrong value is refused with what to give instead."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from safeloc.errors import InputError
+from safeloc.runtime.embedding.period import configured_period_ms
+from safeloc.runtime.embedding.program import Program
+from safeloc.target import Target
+
+Value = TypeVar("Value")
+
+
+class NotCopiedError(InputError, TypeError):
+    """Two controllers cannot share what one of them remembers."""
+
+
+def as_program(given: Program | Target) -> Program:
+    """The program, or one of this target; InputError for anything else."""
+    if isinstance(given, Program):
+        return given
+    if isinstance(given, Target):
+        return Program(given)
+    raise InputError(f"expected a Program or a Target, got {type(given).__name__}; load_target(name) gives one.")
+
+
+def as_expected(given: Mapping[str, int] | None) -> dict[str, int]:
+    """Channel -> records in every cycle; InputError for a count that is no whole number from 0."""
+    expected = a_mapping("expected", given)
+    for channel, count in expected.items():
+        if type(channel) is not str or type(count) is not int or count < 0:
+            raise InputError(f"expected has {channel!r}: {count!r}; give a channel and how many records it makes.")
+    return expected
+
+
+def a_mapping(what: str, given: Mapping[str, Value] | None) -> dict[str, Value]:
+    """A copy; empty for None where nothing need be given. InputError for anything else."""
+    if given is None and what != "inputs":
+        return {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"{what} is {given!r}; give a mapping of names to values.")
+    return dict(given)
+
+
+def in_words(what: str, given: str) -> str:
+    """InputError for what is no text."""
+    if type(given) is not str:
+        raise InputError(f"{what} is {given!r}; say it in words.")
+    return given
+
+
+def period_of(program: Program, given: int | None) -> int:
+    """The cycle's length: the configuration's, or the one given for a machine that has none; InputError."""
+    configured = configured_period_ms(program.name, program.target.config)
+    period_ms = given if configured is None else configured
+    if period_ms is None:
+        raise InputError(f"{program.name} does not say how long its cycle is; give period_ms.")
+    if type(period_ms) is not int or type(given) not in (int, type(None)):
+        raise InputError(f"period_ms is {given!r}; give whole ms.")
+    if given not in (None, period_ms):
+        raise InputError(
+            f"{program.name} is configured for cycles of {period_ms} ms, not {given} ms; change one of them."
+        )
+    return period_ms

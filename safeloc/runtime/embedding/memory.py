@@ -1,0 +1,112 @@
+"""What a controller remembers between cycles, as a snapshot and back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from safeloc.codegen.compiled import Row
+from safeloc.errors import InputError, SnapshotError
+from safeloc.language.interpret import admitted
+from safeloc.language.nodes import Value
+from safeloc.runtime.embedding.program import Program
+from safeloc.runtime.embedding.snapshot import opened, require_same, sealed
+
+Whole = Annotated[int, Field(ge=0)]
+Delivered = Mapping[str, tuple[int, int | None]]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a controller was made with, beside its program: a snapshot fits only the same."""
+
+    period_ms: int
+    expected: Mapping[str, int]
+    first: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What changes from cycle to cycle."""
+
+    start_ms: int
+    done: int
+    deliveries: Delivered
+    state: Row
+    halted: str
+
+
+def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
+    """As bytes."""
+    return sealed(
+        {
+            "machine": program.name,
+            "config": program.config,
+            "program": program.fingerprint,
+            "setting": _told(setting),
+            "start_ms": kept.start_ms,
+            "done": kept.done,
+            "deliveries": {channel: list(last) for channel, last in kept.deliveries.items()},
+            "state": dict(zip(program.code.state_names, kept.state, strict=True)),
+            "halted": kept.halted,
+        }
+    )
+
+
+class Body(BaseModel):
+    """What a snapshot must hold, field by field: a checksum that fits says nothing of that."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    kind: str
+    version: int
+    machine: str
+    config: dict[str, Any]
+    program: str
+    setting: dict[str, Any]
+    start_ms: Whole
+    done: Whole
+    deliveries: dict[str, tuple[Whole, int | None]]
+    state: dict[str, bool | int]
+    halted: str
+
+
+def restored(program: Program, setting: Setting, data: bytes) -> Kept:
+    """What the snapshot holds; SnapshotError where it does not fit this program and setting."""
+    body = _body(opened(data))
+    require_same("machine", program.name, body.machine)
+    require_same("configuration", program.config, body.config)
+    require_same("build of the machine", program.fingerprint, body.program)
+    require_same("setting", _told(setting), body.setting)
+    return Kept(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted)
+
+
+def _body(content: Mapping[str, Any]) -> Body:
+    try:
+        return Body.model_validate_json(json.dumps(content))
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_input=False, include_context=False)[0]
+        where = ".".join(map(str, found["loc"]))
+        raise SnapshotError(
+            f"the snapshot holds something else than it should ({where}: {found['msg']}); begin anew without it."
+        ) from error
+
+
+def _told(setting: Setting) -> dict[str, Any]:
+    return {"period_ms": setting.period_ms, "expected": dict(setting.expected), "first": dict(setting.first)}
+
+
+def _state(program: Program, values: Mapping[str, object]) -> Row:
+    """Each variable in its range. A checksum that fits values that do not was not made by this program."""
+    if list(values) != sorted(program.code.state_names):
+        raise SnapshotError("the snapshot's state has other variables than the machine; begin anew without it.")
+    try:
+        return tuple(admitted(var, values[var.name]) for var in program.system.state)
+    except InputError as error:
+        raise SnapshotError(
+            f"the snapshot's state is none of this machine's ({error}); begin anew without it."
+        ) from error

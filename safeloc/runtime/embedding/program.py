@@ -1,0 +1,122 @@
+"""A target made ready to run: generated code, the inputs that records stand for, and what identifies it.
+
+A program holds no state: any number of controllers, in any threads, share one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from safeloc.codegen.compiled import Compiled, Row, compile_system
+from safeloc.language.digest import declaration_digest
+from safeloc.language.expr import Num
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
+from safeloc.language.units import Enumeration
+from safeloc.runtime.border import Fault
+from safeloc.runtime.embedding.hearing import Hearing
+from safeloc.runtime.embedding.report import Interval, Move, Report
+from safeloc.target import Target
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One machine of the program: where its mode stands in the state, its labels, and its moves.
+
+    moves   number of a transition (from 1), mode before, mode after -> what is told of it
+    """
+
+    machine: Machine
+    name: str
+    mode_at: int
+    modes: tuple[str, ...]
+    moves: Mapping[tuple[int, int, int], Move]
+
+
+class Program(Hearing):
+    """What runs on board of a target: no ghosts, no assumption."""
+
+    def __init__(self, target: Target) -> None:
+        super().__init__(target)
+        self.code: Compiled = compile_system(self.system)
+        self.parts = tuple(_part(self.system, machine) for machine in self.system.machines)
+        self.labels: Mapping[str, tuple[str, ...]] = {
+            name: term.unit.members
+            for name, term in self.system.outputs.items()
+            if isinstance(term, Num) and isinstance(term.unit, Enumeration)
+        }
+
+    def first(self, chosen: Mapping[str, Value] | None = None) -> Row:
+        """The first state; InputError as `interpret.start`."""
+        return self.code.first(chosen) if chosen else self._first
+
+    @cached_property
+    def _first(self) -> Row:
+        return self.code.first()
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of what the declaration means on board: variables, first values, moves and outputs."""
+        return declaration_digest(self.system)
+
+    @cached_property
+    def config(self) -> Mapping[str, Any]:
+        """The configuration as plain data; empty for a machine without one."""
+        return {} if self.target.config is None else self.target.config.model_dump(mode="json")
+
+    def moves(self, fired: Sequence[int], before: Row, after: Row) -> tuple[Move, ...]:
+        """The transitions that fired."""
+        return tuple(
+            [
+                part.moves[number, before[part.mode_at], after[part.mode_at]]
+                for part, number in zip(self.parts, fired, strict=True)
+                if number
+            ]
+        )
+
+    def modes(self, state: Row) -> dict[str, str]:
+        """Machine -> label of its mode."""
+        return {part.name: part.modes[int(state[part.mode_at])] for part in self.parts}
+
+    def interval(self, values: Mapping[str, Value]) -> Interval | None:
+        """What these outputs report."""
+        if self.target.reported is None:
+            return None
+        ends = self.target.reported.interval_mm(values)
+        return None if ends is None else Interval(*ends)
+
+    def quiet(self, first: Row) -> bool:
+        """Whether this first state claims no place: then beginning anew is always safe."""
+        return self.target.reported is not None and self.interval(self.code.named_outputs(first)) is None
+
+    def report(
+        self, state: Row, moves: tuple[Move, ...], number: int, end_ms: int, faults: tuple[Fault, ...], anew: str,
+        truth_mm: int | None,
+    ) -> Report:  # fmt: skip
+        """What holds in this state at the end of that cycle."""
+        values = self.code.named_outputs(state)
+        reported = self.target.reported
+        standing = None if reported is None or truth_mm is None else reported.standing(values, truth_mm)
+        return Report(
+            self.name, number, end_ms, self.modes(state), moves, values, self.labels, self.interval(values), faults,
+            anew, standing,
+        )  # fmt: skip
+
+
+def _part(system: TransitionSystem, machine: Machine) -> Part:
+    names = [var.name for var in system.state]
+    own = f"{machine.name}.mode"
+    assert isinstance(machine.mode.unit, Enumeration)
+    labels = machine.mode.unit.members
+    moves = {
+        (number, source.value, one.target.value): Move(
+            machine.name, one.name, source.label, one.target.label, one.trace
+        )
+        for number, one in enumerate(machine.transitions, 1)
+        for source in one.sources
+    }
+    return Part(machine, machine.name, names.index(own if own in names else "mode"), labels, moves)

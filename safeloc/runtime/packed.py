@@ -1,0 +1,36 @@
+"""Files packed with xz: read in bounds, and a damaged or truncated one is told by name. xz keeps a check sum of its own."""
+
+from __future__ import annotations
+
+import lzma
+from pathlib import Path
+
+from safeloc.errors import InputError
+from safeloc.runtime.outside import LARGEST_FILE, read_bytes, refuse_beyond
+
+SUFFIX = ".xz"
+QUICK, SMALL = 2, 6
+"""How hard to pack: SMALL takes six times as long as QUICK for a fifth less."""
+MOST_MEMORY = 256 << 20
+"""Bytes that unpacking may take besides what comes out."""
+
+
+def packed(data: bytes, effort: int = SMALL) -> bytes:
+    """Return the content of a packed file; equal data give equal bytes."""
+    return lzma.compress(data, preset=effort)
+
+
+def read_packed(path: Path, most: int = LARGEST_FILE) -> bytes:
+    """Return what a packed file holds. InputError for one that is damaged, goes on after its end, or is too large."""
+    content = read_bytes(path, most)
+    unpacking = lzma.LZMADecompressor(lzma.FORMAT_XZ, MOST_MEMORY)
+    try:
+        data = unpacking.decompress(content, most + 1)
+    except (lzma.LZMAError, EOFError) as error:
+        raise InputError(f"{path}: damaged, it cannot be unpacked ({error}). Write the report again.") from error
+    refuse_beyond(path, len(data), most, "bytes when unpacked")
+    if not unpacking.eof:
+        raise InputError(f"{path}: damaged, it ends too early. Write the report again.")
+    if unpacking.unused_data:
+        raise InputError(f"{path}: damaged, something follows after its end. Write the report again.")
+    return data

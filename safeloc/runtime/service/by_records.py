@@ -1,0 +1,90 @@
+"""A vehicle whose lines are records: they wait for the end of their cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from safeloc.errors import SnapshotError
+from safeloc.runtime.border import Reason
+from safeloc.runtime.embedding.controller import MOST_RECORDS
+from safeloc.runtime.service.kept import Kept, KeptRecords, kept_as
+from safeloc.runtime.service.messages import Ended, Said, Step
+from safeloc.runtime.service.pace import Pace
+from safeloc.runtime.service.vehicle import MakeController, Vehicle
+from safeloc.runtime.streams.records import RECORD, Record, Unusable
+
+
+class RecordsVehicle(Vehicle):
+    """A cycle is over when a record of a later one comes, or a line says that it is."""
+
+    def __init__(self, name: str, make: MakeController, pace: Pace, *, whole: bool) -> None:
+        super().__init__(name, make, pace, whole=whole)
+        self._pending: list[tuple[int, Record | Unusable]] = []
+
+    def _take(self, line: int, message: Said | Ended | Step) -> None:
+        if isinstance(message, Ended):
+            self._ended(line, message.time_ms)
+        elif isinstance(message, Said):
+            self._said(line, message.record)
+
+    def _said(self, line: int, record: Record | Unusable) -> None:
+        if self.controller is None:
+            self.controller = self._make(self._pace.beginning(record.time_ms))
+        if not self._in_step(line, record.time_ms):
+            return
+        while not self.stopped and record.time_ms > self.controller.next_end_ms:
+            self._close()
+        self._heard()
+        if len(self._pending) < MOST_RECORDS:
+            self._pending.append((line, record))
+        else:
+            self._lost = f"more than {MOST_RECORDS} records in one cycle"
+            self._refuse(line, self._lost)
+
+    def _ended(self, line: int, time_ms: int) -> None:
+        if self.controller is None:
+            self.controller = self._make(time_ms // self._pace.period_ms * self._pace.period_ms)
+            self._lost = self._lost_until_heard = ""  # what belongs to earlier cycles has been said
+        if not self._in_step(line, time_ms):
+            return
+        while not self.stopped and time_ms >= self.controller.next_end_ms:
+            self._close()
+            self._lost_until_heard = ""
+
+    def _close(self) -> None:
+        pending, lost = self._pending, self._lost
+        self._pending, self._lost = [], ""
+        lines = {place: line for place, (line, _) in enumerate(pending)}
+        self._tell(self._guarded(lambda one: one.step([record for _, record in pending], lost=lost)), lines)
+
+    def _anything_open(self) -> bool:
+        return bool(self._pending)
+
+    def _own(self) -> Mapping[str, Any]:
+        return {"pending": [[line, _row(record)] for line, record in self._pending]}
+
+    def _checked(self, content: Mapping[str, Any]) -> Kept:
+        kept = kept_as(KeptRecords, content)
+        self._pending = [(line, _record(row)) for line, row in kept.pending]
+        return kept
+
+    def _forget_open(self) -> None:
+        self._pending = []
+
+
+def _row(record: Record | Unusable) -> dict[str, Any]:
+    if isinstance(record, Unusable):
+        return {"time_ms": record.time_ms, "channel": record.channel, "why": [record.reason.name, record.detail]}
+    return record.model_dump(exclude_none=True)
+
+
+def _record(row: Mapping[str, Any]) -> Record | Unusable:
+    """SnapshotError for what is no record."""
+    try:
+        if "why" in row:
+            reason, detail = row["why"]
+            return Unusable(int(row["time_ms"]), str(row["channel"]), Reason[reason], str(detail))
+        return RECORD.validate_python(row)
+    except (LookupError, TypeError, ValueError) as error:
+        raise SnapshotError(f"the snapshot holds a record that is none ({type(error).__name__}).") from error

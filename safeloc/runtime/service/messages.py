@@ -1,0 +1,251 @@
+"""What a line says: a record, the end of a cycle, or the inputs of a step, each of one vehicle.
+
+    {"vehicle": "12", "number": 5, "kind": "distance", "time_ms": 100, ...}   a record as in docs/records.md
+    {"vehicle": "12", "number": 6, "kind": "cycle", "time_ms": 100}           all up to this time has been said
+    {"vehicle": "12", "cycle": 17, "front_wheel_mm": 1200, ...}               the inputs of a step
+
+`vehicle` and `number` (the sender's count of the vehicle's lines, from 1) may be left out where one vehicle speaks
+over something that loses nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from safeloc.errors import InputError
+from safeloc.runtime.embedding import Program
+from safeloc.runtime.outside import quoted, refusal
+from safeloc.runtime.service.lines import Line
+from safeloc.runtime.streams.record_files import record_or_fault
+from safeloc.runtime.streams.records import Record, Unusable
+from safeloc.runtime.streams.steps import SCHEMA
+
+ALONE = "1"
+"""The vehicle of lines that name none."""
+
+TRUTH = "truth_mm"
+"""Of a step: where the vehicle really is, no input but a remark."""
+
+LONGEST_REASON = 300
+"""Characters of a reason: an answer is not to be much longer than what it answers."""
+
+MOST_NAMES = 1_000
+"""Names in one line; the largest machine has some hundred inputs."""
+
+MOST_RECORD_NAMES = 32
+"""Names in a record; it has at most nine."""
+
+VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
+
+
+class Envelope(NamedTuple):
+    """Which vehicle speaks, and its count of lines (None: it does not count)."""
+
+    vehicle: str
+    number: int | None = None
+
+
+class Said(NamedTuple):
+    """A record."""
+
+    envelope: Envelope
+    record: Record | Unusable
+
+
+class Ended(NamedTuple):
+    """All that belongs to cycles up to this time has been said."""
+
+    envelope: Envelope
+    time_ms: int
+
+
+class Step(NamedTuple):
+    """The inputs of a step; `cycle` is its number from 1, None: the next one."""
+
+    envelope: Envelope
+    cycle: int | None
+    inputs: Mapping[str, object]
+    truth_mm: int | None = None
+
+
+@dataclass(frozen=True)
+class Header:
+    """The first line of a step stream, of the vehicle that needs no name.
+
+    kept   inputs that stand in a step only where they are not what they were in the step before
+    """
+
+    kept: tuple[str, ...] = ()
+
+
+class Refused(NamedTuple):
+    """A line that says nothing; `vehicle` is None where not even that can be read."""
+
+    reason: str
+    vehicle: str | None = None
+    number: int | None = None
+
+
+Message = Said | Ended | Step | Header | Refused
+
+
+class Reader:
+    """Reads the lines of one process.
+
+    own       vehicle -> program, where it is not the common one
+    inputs    lines are inputs of steps, not records
+    numbered  every line needs a number, for what brings them may lose some
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        own: Mapping[str, Program],
+        *,
+        inputs: bool,
+        numbered: bool,
+        first: Mapping[str, object],
+    ) -> None:
+        self._program, self._inputs, self._numbered, self._first = program, inputs, numbered, first
+        self._own = own
+        self._ghosts = {var.name for var in program.target.system.ghosts}
+
+    def read(self, line: Line) -> Message:
+        """Never raises: what cannot be read is Refused, with the reason; if safeloc itself failed, it says so and where."""
+        if line.flaw:
+            return Refused(line.flaw)
+        vehicle: str | None = None
+        try:
+            fields = _object(line.text)
+            vehicle = _vehicle(fields)
+            number = _count(fields, "number")
+            if self._numbered and number is None:
+                raise InputError("no number: what brings these lines may lose some; count them from 1 for each vehicle")
+            envelope = Envelope(vehicle, number)
+            return self._step(envelope, fields) if self._inputs else _record(envelope, fields)
+        except Exception as error:  # the rule of every border (safeloc.runtime.outside)
+            return Refused(shortened(refusal(error)), vehicle)
+
+    def _step(self, envelope: Envelope, fields: dict[str, Any]) -> Message:
+        if "schema" in fields:
+            return self._header(fields)
+        named = "vehicle" in fields
+        cycle = _count(fields, "cycle")
+        if cycle is None and named:
+            raise InputError("no cycle: with vehicles named, a lost line shows only if each step has its number")
+        truth_mm = fields.pop(TRUTH, None)
+        if truth_mm is not None and type(truth_mm) is not int:
+            raise InputError(f"truth_mm is {quoted(truth_mm)}; give whole mm, or leave it out")
+        envelope_names = ("vehicle", "number", "cycle")
+        inputs = {k: v for k, v in fields.items() if k not in self._ghosts and k not in envelope_names}
+        _require_known(self._own.get(envelope.vehicle, self._program), inputs)
+        return Step(envelope, cycle, inputs, truth_mm)
+
+    def _header(self, fields: Mapping[str, Any]) -> Header:
+        if fields["schema"] != SCHEMA:
+            raise InputError(f"schema is {quoted(fields['schema'])}; this version reads {SCHEMA!r}")
+        machine = fields.get("machine", "")
+        if machine not in ("", self._program.name):
+            raise InputError(f"a stream of machine {quoted(machine)}; here runs {self._program.name!r}")
+        first = fields.get("first", {})
+        if not isinstance(first, dict):
+            raise InputError("`first` must be an object of initial values")
+        board = {name: value for name, value in first.items() if name not in self._ghosts}
+        if board != self._first:
+            raise InputError(
+                f"the stream begins with {quoted(board)}, the machine here with {dict(self._first)}; give --first"
+            )
+        return Header(self._kept(fields.get("kept", [])))
+
+    def _kept(self, names: object) -> tuple[str, ...]:
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise InputError("`kept` must be a list of inputs that are in every step")
+        kept = [name for name in names if name not in self._ghosts]
+        _require_known(self._program, [name for name in kept if name != TRUTH])
+        return tuple(kept)
+
+
+def _require_known(program: Program, names: Collection[str]) -> None:
+    """InputError, in a few words: names that nearly fit are not looked for, which would take longer than a step."""
+    unknown = program.unknown(names)
+    if unknown:
+        raise InputError(f"{program.name} has no input {quoted(unknown[0])}")
+
+
+def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:
+    fields.pop("vehicle", None)
+    fields.pop("number", None)
+    if len(fields) > MOST_RECORD_NAMES:
+        raise InputError(f"{len(fields)} names in one record; none has more than {MOST_RECORD_NAMES}")
+    if "kind" not in fields:
+        raise InputError("no kind: not a record; lines that are the inputs of steps are read with --inputs")
+    if fields["kind"] != "cycle":
+        return Said(envelope, record_or_fault(fields))
+    time_ms = fields.get("time_ms")
+    if type(time_ms) is not int or time_ms < 0 or len(fields) > 2:
+        raise InputError(f"a cycle's end has a time_ms of whole ms from 0 and nothing else; got {quoted(fields)}")
+    return Ended(envelope, time_ms)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise InputError("a name is given twice")
+    if len(found) > MOST_NAMES:
+        raise InputError(f"{len(found)} names in one line; at most {MOST_NAMES} are read")
+    return found
+
+
+_DECODER = json.JSONDecoder(object_pairs_hook=_once)
+"""Made once: making one takes longer than reading a line."""
+
+
+def _object(text: bytes) -> dict[str, Any]:
+    """The line's object; InputError for anything else, and for a name given twice."""
+    try:
+        found = _decoded(text.decode())
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"not JSON ({error})") from error
+    if not isinstance(found, dict):
+        raise InputError(f"expected an object, got {type(found).__name__}")
+    return found
+
+
+def _decoded(text: str) -> object:
+    """A line is mostly one object and nothing else, which takes half the time to see."""
+    if text.startswith("{"):
+        found, end = _DECODER.raw_decode(text)
+        if end == len(text):
+            return found
+    return _DECODER.decode(text)
+
+
+def shortened(text: str) -> str:
+    """With a mark where something was left out."""
+    return text if len(text) <= LONGEST_REASON else f"{text[:LONGEST_REASON]}... (shortened)"
+
+
+def _vehicle(fields: Mapping[str, Any]) -> str:
+    vehicle = fields.get("vehicle", ALONE)
+    if type(vehicle) is not str or not _is_name(vehicle):
+        raise InputError(f"vehicle is {quoted(vehicle)}; give text of up to 64 letters, digits and _ . : -")
+    return vehicle
+
+
+@lru_cache(maxsize=1_024)
+def _is_name(vehicle: str) -> bool:
+    return VEHICLE.fullmatch(vehicle) is not None
+
+
+def _count(fields: Mapping[str, Any], name: str) -> int | None:
+    value = fields.get(name)
+    if value is not None and (type(value) is not int or not 1 <= value < 2**63):
+        raise InputError(f"{name} is {quoted(value)}; count from 1, in whole numbers")
+    return value

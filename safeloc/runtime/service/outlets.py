@@ -1,0 +1,191 @@
+"""Where reports go: standard output, or a file. Peers get theirs back over their socket (safeloc.runtime.service.ports)."""
+
+from __future__ import annotations
+
+import os
+import select
+import selectors
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from safeloc.errors import InputError
+from safeloc.runtime.service.feeds import Event
+
+FULL = 1_048_576
+"""Bytes that wait to be read; with more, reading stops until the reader has caught up."""
+
+LAST_LINE = 1_048_576
+"""Bytes at the end of a file in which its last line end is looked for."""
+
+
+class Outlet(ABC):
+    """Reports wait in it until `flush`."""
+
+    @abstractmethod
+    def put(self, origin: str, data: bytes) -> None:
+        """One line, for who reads what comes from this origin."""
+
+    @abstractmethod
+    def flush(self) -> None:
+        """Hand over what can be handed over without waiting; BrokenPipeError where nobody reads any more."""
+
+    @property
+    @abstractmethod
+    def full(self) -> bool:
+        """Whether so much waits that no more should be made."""
+
+    @property
+    @abstractmethod
+    def waiting(self) -> bool:
+        """Whether anything waits."""
+
+    def sync(self) -> None:  # noqa: B027 # what others keep is not ours to make durable
+        """Make durable what was handed over."""
+
+    def position(self) -> Mapping[str, Any]:
+        """How far it is, for a snapshot."""
+        return {}
+
+    def trim(self, position: Mapping[str, Any], replays: bool) -> None:  # noqa: B027 # what is gone is gone
+        """Go on where it was. `replays`: what was handed over since will be made again."""
+
+    def close(self) -> None:  # noqa: B027 # a descriptor of the caller's stays open
+        """No more writing."""
+
+
+class Stdout(Outlet):
+    """A descriptor; of a pipe no more is written at once than it takes without waiting."""
+
+    def __init__(self, selector: selectors.BaseSelector, fd: int = 1) -> None:
+        self._selector, self._fd = selector, fd
+        self._buffer = bytearray()
+        self._poll = select.poll()
+        self._poll.register(fd, select.POLLOUT)
+        self._registered = False
+
+    def put(self, origin: str, data: bytes) -> None:
+        """One line."""
+        del origin
+        self._buffer += data
+
+    def flush(self) -> None:
+        """As much as is taken now; the selector says when there is room again."""
+        while self._buffer and self._poll.poll(0):
+            written = self._written()
+            del self._buffer[:written]
+            if not written:
+                break
+        if bool(self._buffer) is not self._registered:
+            self._registered = not self._registered
+            if self._registered:
+                self._selector.register(self._fd, selectors.EVENT_WRITE, self._ready)
+            else:
+                self._selector.unregister(self._fd)
+
+    def _written(self) -> int:
+        try:
+            return os.write(self._fd, self._buffer[: select.PIPE_BUF])
+        except BlockingIOError:
+            return 0
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise InputError(f"standard output cannot be written: {error.strerror}.") from error
+
+    def _ready(self, _mask: int) -> Iterator[Event]:
+        """There is room again. Nothing is handed over here: what must be saved before is, when the loop flushes."""
+        yield from ()
+
+    @property
+    def full(self) -> bool:
+        """Whether the reader is behind."""
+        return len(self._buffer) > FULL
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything waits."""
+        return bool(self._buffer)
+
+
+class ToFile(Outlet):
+    """Lines are added at the end. Half a line that a killed process left there is taken away."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._buffer = bytearray()
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(f"{path}: a device or a pipe; reports go to a file, or to standard output.")
+        with self._in_words():
+            self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            os.ftruncate(self._fd, self._last_end())
+            self._size = os.lseek(self._fd, 0, os.SEEK_END)
+
+    @contextmanager
+    def _in_words(self) -> Iterator[None]:
+        """What the system refuses is an InputError that says so."""
+        try:
+            yield
+        except OSError as error:
+            raise InputError(f"{self._path}: cannot be written: {error.strerror}.") from error
+
+    def put(self, origin: str, data: bytes) -> None:
+        """One line."""
+        del origin
+        self._buffer += data
+
+    def flush(self) -> None:
+        """All of it; InputError where the disk does not take it."""
+        while self._buffer:
+            with self._in_words():
+                written = os.write(self._fd, self._buffer)
+            self._size += written
+            del self._buffer[:written]
+
+    @property
+    def full(self) -> bool:
+        """A file takes everything."""
+        return False
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything waits."""
+        return bool(self._buffer)
+
+    def sync(self) -> None:
+        """On disk."""
+        with self._in_words():
+            os.fsync(self._fd)
+
+    def position(self) -> Mapping[str, Any]:
+        """Bytes handed over."""
+        return {"file": str(self._path), "size": self._size}
+
+    def trim(self, position: Mapping[str, Any], replays: bool) -> None:
+        """Where reports will be made again, those after the snapshot are taken away; InputError if some are missing."""
+        size = position.get("size")
+        if not replays or position.get("file") != str(self._path) or type(size) is not int:
+            return
+        if self._size < size:
+            raise InputError(
+                f"{self._path}: shorter than when the snapshot was taken ({self._size} bytes, then {size}); put it back, "
+                "name another file, or begin anew with --fresh."
+            )
+        with self._in_words():
+            os.ftruncate(self._fd, size)
+            self._size = os.lseek(self._fd, 0, os.SEEK_END)
+
+    def close(self) -> None:
+        """No more writing."""
+        os.close(self._fd)
+
+    def _last_end(self) -> int:
+        """Where the last whole line ends."""
+        size = os.lseek(self._fd, 0, os.SEEK_END)
+        begin = max(0, size - LAST_LINE)
+        found = os.pread(self._fd, size - begin, begin).rfind(b"\n")
+        if found < 0 and begin > 0:
+            raise InputError(f"{self._path}: no line end in its last {LAST_LINE} bytes; this is no file of reports.")
+        return begin + found + 1

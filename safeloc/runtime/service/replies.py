@@ -1,0 +1,55 @@
+"""How much a peer is told of what it said wrongly: no more than a small factor of what it sent.
+
+Reports are not meant here: there is one for each cycle, however many lines it took.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from safeloc.runtime.service.messages import LONGEST_REASON
+
+FACTOR = 4
+"""Bytes of refusals that a peer is sent for each byte it sends."""
+
+FIRST_BYTES = 4_096
+"""To begin with: who makes a few faults is told all of them."""
+
+MOST_BYTES = 65_536
+"""No more than that is saved up."""
+
+MOST_PEERS = 10_000
+"""Peers remembered; with more, the oldest begin as strangers again."""
+
+LONG_LINE = LONGEST_REASON
+"""Bytes that a line counts for which was too long to be kept."""
+
+
+class Allowance:
+    """What each peer may still be told."""
+
+    def __init__(self) -> None:
+        self._bytes: dict[str, int] = {}
+        self._left_out: dict[str, int] = {}
+
+    def said(self, origin: str, size: int) -> None:
+        """It sent so many bytes."""
+        had = self._bytes.get(origin, FIRST_BYTES)
+        self._bytes[origin] = min(MOST_BYTES, had + FACTOR * (size or LONG_LINE))
+        if len(self._bytes) > MOST_PEERS:
+            self.left(next(iter(self._bytes)))
+
+    def left(self, origin: str) -> None:
+        """It is gone."""
+        self._bytes.pop(origin, None)
+        self._left_out.pop(origin, None)
+
+    def refusal(self, origin: str, told: dict[str, Any], size: int) -> dict[str, Any] | None:
+        """What it is told, with how many were left out before; None where it has been told enough."""
+        left = self._bytes.get(origin, FIRST_BYTES)
+        if size > left:
+            self._left_out[origin] = self._left_out.get(origin, 0) + 1
+            return None
+        self._bytes[origin] = left - size
+        left_out = self._left_out.pop(origin, 0)
+        return {**told, "left_out": left_out} if left_out else told

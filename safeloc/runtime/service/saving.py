@@ -1,0 +1,148 @@
+"""Snapshots of the process on disk: written beside, flushed, renamed. A file is the old one or the new one, whole.
+
+One thread does all the writing, in the order asked for; of several that wait only the newest is written.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from safeloc.errors import InputError, SnapshotError
+from safeloc.runtime.embedding.snapshot import opened, sealed
+
+KIND, VERSION = "safeloc-process", 1
+LONGEST = 268_435_456
+"""Bytes of a snapshot; a thousand vehicles with full cycles take less."""
+
+Content = Callable[[], Mapping[str, Any]]
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Durable once this returns: content and name are on disk. OSError where that cannot be done."""
+    if len(data) > LONGEST:
+        raise OSError(errno.EFBIG, f"{len(data)} bytes, and no more than {LONGEST} are read back")
+    beside = path.with_name(f"{path.name}.new")
+    with beside.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    beside.replace(path)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def read_saved(path: Path) -> dict[str, Any] | None:
+    """What was saved; None if there is none. SnapshotError where it is damaged, newer, huge or something else."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(LONGEST + 1)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}.") from error
+    if len(data) > LONGEST:
+        raise SnapshotError(f"{path}: over {LONGEST} bytes; no such process wrote that.")
+    try:
+        return opened(data, KIND, VERSION)
+    except SnapshotError as error:
+        raise SnapshotError(f"{path}: {error}") from error
+
+
+@contextmanager
+def claimed(path: Path | None) -> Iterator[None]:
+    """The snapshot file is this process's own; InputError where another process has it, or it is none."""
+    if path is None:
+        yield
+        return
+    if path.is_dir():
+        raise InputError(f"{path}: a folder; name a file for the snapshots.")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: a device or a pipe; name a file for the snapshots.")
+    lock = path.with_name(f"{path.name}.lock")
+    try:
+        file = lock.open("wb")
+    except OSError as error:
+        raise InputError(f"{path}: snapshots cannot be kept there: {error.strerror}.") from error
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise InputError(f"{path}: another process keeps its snapshots there; give each its own file.") from error
+        yield
+
+
+class Saver:
+    """Writes snapshots to one file.
+
+    failed   the last write's error; None if it went well
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.failed: Exception | None = None
+        self._wanted: Content | None = None
+        self._asked = self._done = 0
+        self._ending = False
+        self._changed = threading.Condition()
+        self._thread = threading.Thread(target=self._write, name="safeloc-saver", daemon=True)
+        self._thread.start()
+
+    def ask(self, content: Content) -> int:
+        """Have it written soon; a ticket for `wait`. `content` is called in the saver's thread."""
+        with self._changed:
+            self._wanted = content
+            self._asked += 1
+            self._changed.notify_all()
+            return self._asked
+
+    def save(self, content: Content) -> None:
+        """Have it written now; InputError where the disk does not take it."""
+        ticket = self.ask(content)
+        with self._changed:
+            self._changed.wait_for(lambda: self._done >= ticket)
+        if isinstance(self.failed, OSError):
+            raise InputError(f"{self.path}: the snapshot cannot be written: {self.failed.strerror}.") from self.failed
+        if self.failed is not None:
+            raise self.failed
+
+    @property
+    def busy(self) -> bool:
+        """Whether a write is asked for and not done."""
+        with self._changed:
+            return self._done < self._asked
+
+    def end(self) -> None:
+        """No more writing; what was asked for is written first."""
+        with self._changed:
+            self._ending = True
+            self._changed.notify_all()
+        self._thread.join()
+
+    def _write(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._wanted is not None or self._ending)
+                content, self._wanted, ticket = self._wanted, None, self._asked
+            if content is None:
+                return
+            failed = self._written(content)
+            with self._changed:
+                self.failed, self._done = failed, ticket
+                self._changed.notify_all()
+
+    def _written(self, content: Content) -> Exception | None:
+        try:
+            write_whole(self.path, sealed(content(), KIND, VERSION))
+        except Exception as error:  # handed on to who asked: this thread must not end
+            return error
+        return None

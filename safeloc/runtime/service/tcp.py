@@ -1,0 +1,314 @@
+"""Peers over TCP on the loopback interface: each sends lines, and gets the reports of its vehicles back.
+
+Behind a proxy that checks certificates, each connection begins with what the proxy says of it, and is of one vehicle.
+
+They take turns. Of what a peer sends a few lines are heard at once, and the rest when all others had their turn: who
+says little waits for nobody who says much. Who has said no more than can be read at once is heard in every turn, as those
+that keep up: what piled up while the process had no time makes nobody wait for long. Those that have said more share a
+short time.
+"""
+
+from __future__ import annotations
+
+import selectors
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator
+
+from safeloc.errors import InputError
+from safeloc.runtime.service.address import Address, bound
+from safeloc.runtime.service.feeds import Arrived, Event, Feed, Left
+from safeloc.runtime.service.introduction import Introduction
+from safeloc.runtime.service.journal import Journal
+from safeloc.runtime.service.lines import Line, LineCutter
+from safeloc.runtime.service.outlets import FULL, Outlet
+
+AT_ONCE = 32_768
+"""Bytes read from one peer; no more is read until they were heard."""
+
+LINES_AT_ONCE = 16
+"""Lines of one peer before others have their turn; a vehicle says a handful in a cycle."""
+
+FLOODS_S = 0.003
+"""How long a turn may take for those that have said more than can be read at once."""
+
+MOST_PEERS = 200
+TOO_MUCH = 8 * FULL
+"""Bytes that wait for a peer; it is sent away with more, for it does not read."""
+
+
+class Peer:
+    """One connection. Reading from it stops while too much waits for it, or all reading is held."""
+
+    def __init__(
+        self, origin: str, sock: socket.socket, port: TcpPort, introduction: Introduction | None = None
+    ) -> None:
+        self.origin, self._sock, self._port, self._introduction = origin, sock, port, introduction
+        self._cutter = LineCutter()
+        self._buffer = bytearray()
+        self._mask = 0
+        self._lines: Iterator[Line] = iter(())
+        self._next: Line | None = None
+        self.ended = self.floods = False
+
+    @property
+    def behind(self) -> bool:
+        """Whether it has said more than was heard."""
+        return self._next is not None
+
+    @property
+    def deaf(self) -> bool:
+        """Whether so much waits for it that it is not heard."""
+        return len(self._buffer) > FULL
+
+    def attend(self) -> None:
+        """Tell the selector what is waited for now."""
+        reads = not (self.ended or self._port.held or self.deaf or self.behind)
+        mask = (selectors.EVENT_READ if reads else 0) | (selectors.EVENT_WRITE if self._buffer else 0)
+        if mask == self._mask:
+            return
+        selector = self._port.selector
+        if self._mask == 0:
+            selector.register(self._sock, mask, self._ready)
+        elif mask == 0:
+            selector.unregister(self._sock)
+        else:
+            selector.modify(self._sock, mask, self._ready)
+        self._mask = mask
+
+    def put(self, data: bytes) -> None:
+        """A line for it."""
+        self._buffer += data
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait for it."""
+        return len(self._buffer)
+
+    def flush(self) -> None:
+        """As much as it takes now. A peer that is gone, or does not read, is closed."""
+        try:
+            while self._buffer:
+                del self._buffer[: self._sock.send(self._buffer)]
+        except BlockingIOError:
+            if len(self._buffer) > TOO_MUCH:
+                self._port.drop(self, "does not read")
+                return
+        except OSError as error:
+            self._port.drop(self, str(error.strerror))
+            return
+        if self.ended and not self._buffer:
+            self._port.drop(self, "")
+        else:
+            self.attend()
+
+    def _ready(self, mask: int) -> Iterator[Event]:
+        if mask & selectors.EVENT_WRITE:
+            self._port.has_room(self)
+        if mask & selectors.EVENT_READ and self._mask & selectors.EVENT_READ:
+            yield from self._read()
+
+    def _read(self) -> Iterator[Event]:
+        try:
+            data = self._sock.recv(AT_ONCE)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._port.drop(self, str(error.strerror))
+            yield Left(self.origin, "the connection broke")
+            return
+        if data:
+            self.floods = len(data) == AT_ONCE  # more waits to be read
+            yield from self._take(data)
+            return
+        self.ended = True
+        tail = self._cutter.tail()
+        if tail is not None:
+            yield Arrived(self.origin, tail._replace(cut=True), self._vehicle)
+        yield Left(self.origin, "the peer closed the connection")
+        self._port.has_room(self)
+        self.attend()
+
+    def _take(self, data: bytes) -> Iterator[Event]:
+        if self._introduction is not None and self._vehicle is None:
+            try:
+                data = self._introduction.after(data)
+            except InputError as error:
+                self._port.drop(self, str(error))
+                return
+            if self._vehicle is not None:
+                self._port.introduced(self, self._vehicle)
+        self._lines = self._cutter.feed(data)
+        self._next = next(self._lines, None)
+        yield from self.said()
+
+    @property
+    def _vehicle(self) -> str | None:
+        """The only one it may speak of, as far as the proxy has said; None without a proxy: any."""
+        return None if self._introduction is None else self._introduction.vehicle
+
+    def said(self) -> Iterator[Event]:
+        """A few of the lines that were read; with more, it has another turn."""
+        for _ in range(LINES_AT_ONCE):
+            line = self._next
+            if line is None:
+                break
+            self._next = next(self._lines, None)
+            yield Arrived(self.origin, line, self._vehicle)
+        if self.behind:
+            self._port.another_turn(self)
+        if self.origin in self._port.peers:
+            self.attend()
+
+    def close(self) -> None:
+        """Away with it, and with what it said last."""
+        self._buffer.clear()
+        self._lines, self._next = iter(()), None
+        self.ended = True
+        self.attend()
+        self._sock.close()
+
+
+class TcpPort(Feed, Outlet):
+    """Listens, reads from all peers, and writes back. `proxied`: each is introduced by a proxy first."""
+
+    def __init__(self, where: Address, journal: Journal, *, proxied: bool = False) -> None:
+        self._where, self._journal, self._proxied = where, journal, proxied
+        self.peers: dict[str, Peer] = {}
+        self._left: list[Left] = []
+        self._written: set[Peer] = set()
+        self._behind: deque[Peer] = deque()
+        self._flooding: deque[Peer] = deque()
+        self._waited = 0
+        self._count = 0
+        self.held = False
+
+    def open(self, selector: selectors.BaseSelector) -> None:
+        """Listen; InputError where the port is taken."""
+        self.selector = selector
+        self._listener = bound(self._where, socket.SOCK_STREAM)
+        self._listener.listen()
+        selector.register(self._listener, selectors.EVENT_READ, self._ready)
+        host, port = self._listener.getsockname()[:2]
+        self._journal.info("listening", protocol="proxy" if self._proxied else "tcp", host=host, port=port)
+
+    def hold(self, held: bool) -> None:
+        """A connection that is not read fills, and its sender waits."""
+        if held is not self.held:
+            self.held = held
+            for peer in self.peers.values():
+                peer.attend()
+
+    def look(self) -> Iterator[Event]:
+        """Peers that were found gone while writing to them; then more of what others have said, one after the other."""
+        left, self._left = self._left, []
+        yield from left
+        yield from self._more_of_all()
+        yield from self._more_of_floods()
+        self._waited = len(self._behind)
+
+    def _more_of_all(self) -> Iterator[Event]:
+        """A turn for each that was behind when the last turn ended; the others have had theirs in this one."""
+        for _ in range(min(self._waited, len(self._behind))):
+            if self.held or not self._behind:
+                return
+            peer = self._behind.popleft()
+            if peer.deaf:
+                self._behind.append(peer)
+            else:
+                yield from peer.said()
+
+    def _more_of_floods(self) -> Iterator[Event]:
+        until, turns = time.monotonic() + FLOODS_S, len(self._flooding)
+        while self._flooding and turns and not self.held and time.monotonic() < until:
+            peer = self._flooding.popleft()
+            if peer.deaf:
+                self._flooding.append(peer)
+                turns -= 1  # a turn of those who cannot be heard: when all are, there is nothing to do
+            else:
+                turns = len(self._flooding) + 1
+                yield from peer.said()
+
+    def introduced(self, peer: Peer, vehicle: str) -> None:
+        """The proxy has said who it is."""
+        self._journal.info("peer introduced", peer=peer.origin, vehicle=vehicle)
+
+    def another_turn(self, peer: Peer) -> None:
+        """It has said more than was heard."""
+        (self._flooding if peer.floods else self._behind).append(peer)
+
+    @property
+    def again_s(self) -> float | None:
+        """At once while there is something to tell or to hear."""
+        heard = not self.held and any(not peer.deaf for peers in (self._behind, self._flooding) for peer in peers)
+        return 0.0 if self._left or heard else None
+
+    def put(self, origin: str, data: bytes) -> None:
+        """For a peer that is gone there is nobody to tell: counted in the log."""
+        peer = self.peers.get(origin)
+        if peer is None:
+            self._journal.warning("unsent", origin=origin, bytes=len(data))
+        else:
+            peer.put(data)
+            self._written.add(peer)
+
+    def flush(self) -> None:
+        """To every peer that was written to, what it takes now; the selector says when it takes the rest."""
+        written, self._written = self._written, set()
+        for peer in written:
+            peer.flush()
+
+    def has_room(self, peer: Peer) -> None:
+        """It takes more now. Nothing is handed over here: what must be saved before is, when the loop flushes."""
+        self._written.add(peer)
+
+    @property
+    def full(self) -> bool:
+        """Each peer is held by itself."""
+        return False
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything waits for a peer."""
+        return any(peer.waiting for peer in self.peers.values())
+
+    def drop(self, peer: Peer, why: str) -> None:
+        """No more of this peer. `why` is empty where it had ended by itself."""
+        if self.peers.pop(peer.origin, None) is not None:
+            self._journal.info("peer left", peer=peer.origin, why=why or "closed")
+            if not peer.ended:
+                self._left.append(Left(peer.origin, why))
+            peer.close()
+            for peers in (self._behind, self._flooding):
+                if peer in peers:
+                    peers.remove(peer)
+
+    def close(self) -> None:
+        """No more reading and writing."""
+        for peer in list(self.peers.values()):
+            peer.close()
+        self.peers.clear()
+        self._behind.clear()
+        self._flooding.clear()
+        self.selector.unregister(self._listener)
+        self._listener.close()
+
+    def _ready(self, _mask: int) -> Iterator[Event]:
+        try:
+            sock, where = self._listener.accept()
+        except OSError as error:
+            self._journal.warning("peer not taken", why=error.strerror)
+            return
+        if len(self.peers) >= MOST_PEERS:
+            self._journal.warning("peer not taken", why=f"{MOST_PEERS} are there")
+            sock.close()
+            return
+        sock.setblocking(False)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._count += 1
+        peer = Peer(f"tcp:{self._count}", sock, self, Introduction() if self._proxied else None)
+        self.peers[peer.origin] = peer
+        peer.attend()
+        self._journal.info("peer came", peer=peer.origin, address=f"{where[0]}:{where[1]}")
+        yield from ()

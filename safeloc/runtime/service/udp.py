@@ -1,0 +1,140 @@
+"""Datagrams on the loopback interface: lines in, and each report back as a datagram of its own.
+
+Datagrams may be lost, doubled or swapped, so every line needs its number; what the numbers show is charged.
+"""
+
+from __future__ import annotations
+
+import selectors
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator
+from typing import Any
+
+from safeloc.runtime.service.address import Address, bound
+from safeloc.runtime.service.feeds import Arrived, Event, Feed
+from safeloc.runtime.service.journal import Journal
+from safeloc.runtime.service.lines import LONGEST_LINE, Line
+from safeloc.runtime.service.outlets import FULL, Outlet
+
+LINES_AT_ONCE = 256
+"""Lines heard before others have their turn, give or take a datagram."""
+
+MOST_LINES = 256
+"""Lines of one datagram that are read; a vehicle says a handful in a cycle. The rest is refused as one."""
+
+TURN_S = 0.005
+"""How long a turn may take, give or take a datagram."""
+
+ROOM = 4_194_304
+"""Bytes that the system is asked to keep for a burst."""
+
+MOST_WAITING = 10_000
+"""Reports that wait to be sent, and addresses kept; with more, the oldest are given up, reports with a line in the log."""
+
+MOST_BYTES = 8 * FULL
+"""The same of all that wait together."""
+
+
+class UdpPort(Feed, Outlet):
+    """One socket for all peers; an origin is an address."""
+
+    def __init__(self, where: Address, journal: Journal) -> None:
+        self._where, self._journal = where, journal
+        self._lines = 0
+        self._addresses: dict[str, Any] = {}
+        self._waiting: deque[tuple[str, bytes]] = deque()
+        self._bytes = self._given_up = 0
+        self._held = False
+
+    def open(self, selector: selectors.BaseSelector) -> None:
+        """Listen; InputError where the port is taken."""
+        self._selector = selector
+        self._socket = bound(self._where, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        selector.register(self._socket, selectors.EVENT_READ, self._ready)
+        host, port = self._socket.getsockname()[:2]
+        self._journal.info("listening", protocol="udp", host=host, port=port)
+
+    def hold(self, held: bool) -> None:
+        """What is not read is lost in the end; the numbers show it."""
+        if held is not self._held:
+            self._held = held
+            if held:
+                self._selector.unregister(self._socket)
+            else:
+                self._selector.register(self._socket, selectors.EVENT_READ, self._ready)
+
+    def put(self, origin: str, data: bytes) -> None:
+        """A report for the address that the vehicle's last line came from."""
+        self._waiting.append((origin, data))
+        self._bytes += len(data)
+        while len(self._waiting) > MOST_WAITING or self._bytes > MOST_BYTES:
+            self._bytes -= len(self._waiting.popleft()[1])
+            self._given_up += 1
+
+    def flush(self) -> None:
+        """Each as a datagram, as far as they are taken."""
+        while self._waiting and self._sent(*self._waiting[0]):
+            self._bytes -= len(self._waiting.popleft()[1])
+        if self._given_up:
+            self._journal.warning("unsent", reports=self._given_up, why="the system takes no more")
+            self._given_up = 0
+
+    @property
+    def full(self) -> bool:
+        """Datagrams wait for nobody."""
+        return False
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything waits."""
+        return bool(self._waiting)
+
+    @property
+    def again_s(self) -> float | None:
+        """Soon while something waits."""
+        return 0.001 if self._waiting else None
+
+    def close(self) -> None:
+        """No more reading and writing."""
+        self.hold(True)
+        self._socket.close()
+
+    def _sent(self, origin: str, data: bytes) -> bool:
+        """Whether the next one may be tried: this one is on its way, or is given up."""
+        where = self._addresses.get(origin)
+        if where is None:
+            self._journal.warning("unsent", origin=origin, bytes=len(data), why="no address is known")
+            return True
+        try:
+            self._socket.sendto(data, where)
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            self._journal.warning("unsent", origin=origin, bytes=len(data), why=error.strerror)
+        return True
+
+    def _ready(self, _mask: int) -> Iterator[Event]:
+        until, before = time.monotonic() + TURN_S, self._lines
+        while self._lines < before + LINES_AT_ONCE and time.monotonic() < until:
+            try:
+                data, where = self._socket.recvfrom(LONGEST_LINE)
+            except BlockingIOError:
+                return
+            except OSError as error:
+                self._journal.warning("not received", why=error.strerror)
+                return
+            origin = f"udp:{where[0]}:{where[1]}"
+            self._addresses[origin] = where
+            if len(self._addresses) > MOST_WAITING:
+                del self._addresses[next(iter(self._addresses))]
+            yield from self._said(origin, data)
+
+    def _said(self, origin: str, data: bytes) -> Iterator[Event]:
+        for number, text in enumerate(data.split(b"\n", MOST_LINES)):
+            if text:
+                self._lines += 1
+                flaw = f"more than {MOST_LINES} lines in one datagram" if number == MOST_LINES else ""
+                yield Arrived(origin, Line(self._lines, b"" if flaw else text, flaw))

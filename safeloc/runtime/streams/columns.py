@@ -1,0 +1,206 @@
+"""Runs of one machine in columns, in one packed file: what a report keeps of witnesses and counterexamples.
+
+The file is JSON packed with xz (`xz -dc FILE | python -m json.tool`):
+
+    {"schema": "safeloc-runs/1",
+     "names": {"inputs": [...], "fired": [...], "state": [...], "outputs": [...]},
+     "runs": [{"results": [ID, ...], "machine": NAME, "steps": NUMBER, "first": [VALUE, ...],
+               "inputs": [COLUMN, ...], "fired": [...], "state": [...], "outputs": [...], "truth_mm": COLUMN}, ...]}
+
+A COLUMN is [value, count, value, count, ...] over the steps, in order of the names; null where a step does not have it
+(an absent input). `first` are the values before the first step, in order of the names of `state`. `results` are the
+ids of all results that are shown by the run, `machine` is the one that ran.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import chain, islice, repeat
+from pathlib import Path
+from typing import Any
+
+from safeloc.errors import SafelocError, StreamError
+from safeloc.language.nodes import Value
+from safeloc.language.trace import Trace, present_inputs
+from safeloc.runtime.outside import quoted, refuse_beyond, shortened
+from safeloc.runtime.packed import SMALL, packed, read_packed
+from safeloc.runtime.streams.files import MOST_CELLS, MOST_ROWS, existing, streaming
+from safeloc.runtime.streams.steps import Cell, StepStream
+
+SCHEMA = "safeloc-runs/1"
+KINDS = ("inputs", "fired", "state", "outputs")
+Column = list[Any]
+Plain = dict[str, Any]
+_ABSENT = object()
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A run, the ids of the results that it shows, and the recorded truth after each step where it is known."""
+
+    results: Sequence[str]
+    trace: Trace
+    truth_mm: Sequence[int | None] = ()
+
+
+def runs_file(runs: Sequence[Shown]) -> bytes:
+    """Return the content of the file."""
+    rows = [[_row(one.trace, number) for number in range(len(one.trace.steps))] for one in runs]
+    names = _names(runs, rows)
+    data = {
+        "schema": SCHEMA,
+        "names": names,
+        "runs": [_packed_run(one, own, names) for one, own in zip(runs, rows, strict=True)],
+    }
+    return packed(json.dumps(data, separators=(",", ":")).encode(), SMALL)
+
+
+def _row(trace: Trace, number: int) -> Sequence[Mapping[str, Cell]]:
+    """A step by kind, in order of KINDS."""
+    step = trace.steps[number]
+    return present_inputs(trace.system, step.inputs), step.fired, step.state, step.outputs
+
+
+def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, Cell]]]]) -> dict[str, Sequence[str]]:
+    """Every name that a run has, by kind, in the order in which they come; inputs in that of the declaration."""
+    found = {kind: dict[str, None]() for kind in KINDS}
+    for one, steps in zip(runs, rows, strict=True):
+        found["state"].update(dict.fromkeys(one.trace.initial))
+        for step in steps:
+            for kind, values in zip(KINDS, step, strict=True):
+                if not found[kind].keys() >= values.keys():
+                    found[kind].update(dict.fromkeys(values))
+    declared = dict.fromkeys(var.name for one in runs for var in one.trace.system.inputs)
+    names = {kind: list(of_a_kind) for kind, of_a_kind in found.items()}
+    return {**names, "inputs": [name for name in declared if name in found["inputs"]]}
+
+
+def _packed_run(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> Plain:
+    columns = {kind: _columns([row[at] for row in rows], names[kind]) for at, kind in enumerate(KINDS)}
+    truth = [*one.truth_mm][: len(rows)]
+    truth += [None] * (len(rows) - len(truth))
+    return {
+        "results": list(one.results),
+        "machine": one.trace.system.name,
+        "steps": len(rows),
+        "first": [one.trace.initial.get(name) for name in names["state"]],
+        **columns,
+        "truth_mm": _columns([{"truth_mm": value} for value in truth], ["truth_mm"])[0],
+    }
+
+
+def _columns(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[Column]:
+    """Each name's values and how often each comes in a row; 1 and true are not the same."""
+    columns: list[Column] = [[] for _ in names]
+    since = [0] * len(names)
+    before: Sequence[Any] = [_ABSENT] * len(names)
+    for number, row in enumerate(rows):
+        now = list(map(row.get, names))
+        for at, (old, new) in enumerate(zip(before, now, strict=True)):
+            if old is not new and (old != new or type(old) is not type(new)):
+                if number:
+                    columns[at].append(number - since[at])
+                columns[at].append(new)
+                since[at] = number
+        before = now
+    for column, begun in zip(columns, since, strict=True):
+        if column:
+            column.append(len(rows) - begun)
+    return columns
+
+
+# ------------------------------------------------------------------ read
+
+
+@contextmanager
+def _flawless(path: Path) -> Iterator[None]:
+    """Whatever the content of a file does not allow is a StreamError with its name."""
+    with streaming(path):
+        try:
+            yield
+        except SafelocError:
+            raise
+        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+            raise StreamError(f"{path}: does not keep to schema {SCHEMA}: {shortened(error)}.") from error
+
+
+def read_runs(path: Path) -> Runs:
+    """Return the runs of a file. StreamError with its name where it is damaged, or no such file."""
+    with _flawless(path):
+        data = json.loads(read_packed(existing(path)))
+        if data["schema"] != SCHEMA:
+            raise StreamError(f"{path}: schema is {quoted(data['schema'])}; this version reads {SCHEMA!r}.")
+        return Runs(path, data)
+
+
+class Runs:
+    """The runs of a file, by the ids of the results that they show; a run is unfolded when it is asked for."""
+
+    def __init__(self, path: Path, data: Mapping[str, Any]) -> None:
+        self._path, self._names = path, data["names"]
+        self._runs: Mapping[str, Plain] = {result: run for run in data["runs"] for result in run["results"]}
+        if not all(isinstance(self._names[kind], list) for kind in KINDS):
+            raise TypeError("lists of the names of columns were expected")
+
+    def __contains__(self, result: str) -> bool:
+        return result in self._runs
+
+    def __iter__(self) -> Iterator[str]:
+        """The ids of all results that a run is kept of."""
+        return iter(self._runs)
+
+    def plain(self, result: str) -> Plain:
+        """Return the run as reports hold it: first values, and what each step has by kind; StreamError as `stream`."""
+        with _flawless(self._path):
+            run = self._found(result)
+            kinds = [self._rows(run, kind) for kind in KINDS]
+            steps = [dict(zip(KINDS, step, strict=True)) for step in zip(*kinds, strict=True)]
+            return {"first": self._first(run), "steps": steps, "truth_mm": self._truth_mm(run)}
+
+    def stream(self, result: str) -> StepStream:
+        """Return the run's inputs as `replay` takes them. StreamError where no run is kept of the result."""
+        with _flawless(self._path):
+            run = self._found(result)
+            truth = self._truth_mm(run) or repeat(None, run["steps"])
+            steps = tuple(
+                step if value is None else {**step, "truth_mm": value}
+                for step, value in zip(self._rows(run, "inputs"), truth, strict=True)
+            )
+            columns = {name: 1 for step in steps for name in step}
+            return StepStream(steps, tuple(range(1, len(steps) + 1)), self._first(run), str(run["machine"]), columns)
+
+    def _found(self, result: str) -> Plain:
+        if result not in self._runs:
+            known = ", ".join(map(repr, islice(self, 5))) + (", ..." if len(self._runs) > 5 else "")
+            raise StreamError(f"{self._path}: no run of {quoted(result)}; it holds {len(self._runs)}: {known}.")
+        run = self._runs[result]
+        refuse_beyond(self._path, run["steps"], MOST_ROWS, "steps")
+        refuse_beyond(self._path, run["steps"] * sum(map(len, self._names.values())), MOST_CELLS, "cells")
+        return run
+
+    def _first(self, run: Plain) -> dict[str, Value]:
+        pairs = zip(self._names["state"], run["first"], strict=True)
+        return {name: value for name, value in pairs if value is not None}
+
+    def _truth_mm(self, run: Plain) -> list[int | None]:
+        """Nothing where it is known of no step."""
+        values = _unfolded(run["truth_mm"], run["steps"])
+        return [] if all(value is None for value in values) else values
+
+    def _rows(self, run: Plain, kind: str) -> Iterator[dict[str, Any]]:
+        names, columns = self._names[kind], run[kind]
+        if len(columns) != len(names):
+            raise ValueError(f"{len(columns)} columns of {len(names)} {kind}")
+        unfolded = [_unfolded(column, run["steps"]) for column in columns]
+        rows: Iterable[Sequence[Any]] = zip(*unfolded, strict=True) if names else repeat((), run["steps"])
+        return ({name: cell for name, cell in zip(names, row, strict=True) if cell is not None} for row in rows)
+
+
+def _unfolded(column: Column, steps: int) -> list[Any]:
+    counts = column[1::2]
+    if len(column) % 2 or any(type(count) is not int or count < 1 for count in counts) or sum(counts) != steps:
+        raise ValueError(f"a column of {sum(counts)} steps where there are {steps}")
+    return list(chain.from_iterable(map(repeat, column[::2], counts)))

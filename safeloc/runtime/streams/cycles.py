@@ -1,0 +1,247 @@
+"""From records to the steps of a machine: one step every `period_ms`, and a reason for every record not used.
+
+A record belongs to the cycle its time falls into: cycle n ends at `start_ms + n period_ms`, that instant included (and
+cycle 1 has its beginning too). Distances of one channel within a cycle are added up. The border judges
+(safeloc.runtime.border): a record of a cycle that is over is STALE, one older than what its channel said before OUT_OF_ORDER,
+and so on. A channel of which a record was refused, or of which fewer came than expected, gives NO input in that step:
+part of its distance, or the right one of two readings, is unknown, and an absent input is what machines treat with
+care. With it goes what it is a part of (a marker whose accuracy was refused would count as accurate as any), and of two
+channels that say the same input neither is used. Nothing is sorted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from safeloc.errors import InputError
+from safeloc.runtime.border import Channel, Deliveries, Fault, Reason, admitted
+from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
+
+LONGEST_GAP_MS = 3_600_000
+Places = Callable[[str], Iterable[object]]
+"""Name in a record -> the inputs that it stands for."""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One step: inputs, remarks (the truth, never an input), and every fault, by channel, with its reason."""
+
+    number: int
+    end_ms: int
+    inputs: Mapping[str, int | str]
+    remarks: Mapping[str, int] = field(default_factory=dict)
+    faults: tuple[Fault, ...] = ()
+
+    @property
+    def rejected(self) -> tuple[Fault, ...]:
+        """Records that were not used, each with its number in the stream (from 0)."""
+        return tuple(fault for fault in self.faults if fault.number is not None)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Channels of which fewer records came than expected."""
+        return tuple(fault.channel for fault in self.faults if fault.reason is Reason.MISSING)
+
+    def as_step(self) -> Mapping[str, int | str]:
+        """Inputs and remarks, as step streams hold them."""
+        return {**self.inputs, **self.remarks}
+
+
+class CycleBuilder:
+    """Fills one cycle after the other. What it remembers between cycles: their number, and what each channel said last.
+
+    begin_ms    the last instant that is too early for the open cycle
+    end_ms      the last instant of the open cycle
+
+    channels    ranges of machine inputs by their names (`channels_of`); what lies outside is no input
+    expected    channel -> records it makes in every cycle; one with fewer gives no input and is MISSING
+    places      where an input has several names: which inputs a name stands for
+    done        cycles closed before, with their `deliveries`: to go on where another builder stopped
+
+    InputError for a period below 1 ms.
+    """
+
+    def __init__(
+        self,
+        period_ms: int,
+        *,
+        start_ms: int = 0,
+        channels: Sequence[Channel] = (),
+        expected: Mapping[str, int] | None = None,
+        places: Places | None = None,
+        done: int = 0,
+        deliveries: Deliveries | None = None,
+    ) -> None:
+        if period_ms < 1:
+            raise InputError(f"period_ms is {period_ms}; a cycle takes at least 1 ms.")
+        self.period_ms, self.start_ms, self.done = period_ms, start_ms, done
+        self._open()
+        self.deliveries = deliveries or Deliveries()
+        self._limits = {channel.name: channel for channel in channels}
+        self._expected = expected or {}
+        self._places = places or (lambda name: (name,))
+        self._used: dict[str, list[Record]] = {}
+        self._faults: list[Fault] = []
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing came in the open cycle."""
+        return not self._used and not self._faults
+
+    def take(self, number: int, record: Record | Unusable) -> None:
+        """One record for the open cycle; `number` is its place in the stream."""
+        channel = record.channel
+        fault = self._fault(channel, record)
+        if fault is not None:
+            self._faults.append(replace(fault, number=number))
+        elif not isinstance(record, Unusable):
+            self._used.setdefault(channel, []).append(record)
+
+    def refuse(self, fault: Fault) -> None:
+        """A fault that was found before: its channel gives no input in the open cycle."""
+        self._faults.append(fault)
+
+    def close(self) -> Cycle:
+        """The open cycle is over; the next one is open."""
+        faults = [*self._faults, *self._missing()]
+        doubtful = {fault.channel for fault in faults}
+        totals: dict[str, Mapping[str, int | str]] = {}
+        for name, said in self._used.items():
+            if name not in doubtful:
+                total = _total(said)
+                outside = _outside(self._limits, name, total)
+                if outside is None:
+                    totals[name] = total
+                else:
+                    faults.append(outside)
+        doubts = self._contradicting(totals)
+        if faults or doubts:
+            doubts += _torn([*faults, *doubts], totals)
+        for fault in doubts:
+            if totals.pop(fault.channel, None) is not None:
+                faults.append(fault)
+        inputs: dict[str, int | str] = {}
+        for total in totals.values():
+            inputs |= total
+        truth = self._used["truth"] if "truth" in totals else ()
+        cycle = Cycle(self.done + 1, self.end_ms, inputs, _remarks(truth), tuple(faults))
+        self.done, self._used, self._faults = self.done + 1, {}, []
+        self._open()
+        return cycle
+
+    def _open(self) -> None:
+        """The times of the cycle that comes next."""
+        self.end_ms = self.start_ms + (self.done + 1) * self.period_ms
+        self.begin_ms = self.end_ms - self.period_ms if self.done else self.start_ms - 1
+
+    def _contradicting(self, totals: Mapping[str, Mapping[str, int | str]]) -> list[Fault]:
+        """Of channels that say the same input, whether alike or not, all."""
+        places = self._places
+        said = [place for total in totals.values() for name in total for place in places(name)]
+        if len(set(said)) == len(said):  # as it always should be
+            return []
+        sayers: dict[object, str] = {}
+        faults: list[Fault] = []
+        for channel, total in totals.items():
+            for name in total:
+                for place in places(name):
+                    other = sayers.setdefault(place, channel)
+                    if other != channel:
+                        faults.append(Fault(channel, Reason.SURPLUS, f"what {other} says too"))
+                        faults.append(Fault(other, Reason.SURPLUS, f"what {channel} says too"))
+        return faults
+
+    def _missing(self) -> Iterator[Fault]:
+        for name, least in self._expected.items():
+            came = len(self._used.get(name, ()))
+            if came < least:
+                yield Fault(name, Reason.MISSING, f"{came} of {least}")
+
+    def _fault(self, channel: str, record: Record | Unusable) -> Fault | None:
+        """When it came, whether there is room for it, and what it says; the sum of increments is judged at the end."""
+        late = self.deliveries.late(channel, record.time_ms, None, self.end_ms, self.end_ms - self.begin_ms - 1)
+        if late is not None:
+            return late
+        if isinstance(record, Unusable):
+            return Fault(channel, record.reason, record.detail)
+        if record.is_increment or isinstance(record, TruthRecord):
+            return None
+        if channel in self._used:
+            return Fault(channel, Reason.SURPLUS, f"at {record.time_ms} ms")
+        return _outside(self._limits, channel, record.inputs())
+
+
+def cycles(
+    records: Iterable[Record | Unusable],
+    period_ms: int,
+    *,
+    start_ms: int = 0,
+    channels: Sequence[Channel] = (),
+    expected: Mapping[str, int] | None = None,
+    places: Places | None = None,
+    longest_gap_ms: int = LONGEST_GAP_MS,
+) -> Iterator[Cycle]:
+    """Steps up to the last record, none left out: a silent period gives steps without inputs.
+
+    channels, expected, places  as for the CycleBuilder
+    longest_gap_ms              a leap of time beyond it is taken for a wrong clock: InputError
+    """
+    builder = CycleBuilder(period_ms, start_ms=start_ms, channels=channels, expected=expected, places=places)
+    for number, record in enumerate(records):
+        if record.time_ms > builder.end_ms + longest_gap_ms:
+            raise InputError(
+                f"record {number} ({record.channel}) is {record.time_ms - builder.end_ms} ms ahead, more than "
+                f"longest_gap_ms {longest_gap_ms}; mend its time, split the recording there, or allow a longer gap."
+            )
+        while record.time_ms > builder.end_ms:
+            yield builder.close()
+        builder.take(number, record)
+    if not builder.empty:
+        yield builder.close()
+
+
+def _torn(faults: Sequence[Fault], totals: Mapping[str, object]) -> list[Fault]:
+    """What would be told in part only: `front_marker` where `front_marker_accuracy_mm` was refused, and the other way."""
+    refused = {fault.channel for fault in faults if fault.reason is not Reason.UNKNOWN}
+    stems = [(one, one.rpartition(".")[2]) for one in refused]
+    return [
+        Fault(channel, Reason.MISSING, f"{one} was refused")
+        for channel in (totals if stems else ())
+        for one, stem in stems
+        if one != channel and _is_part(channel.rpartition(".")[2], stem)
+    ]
+
+
+def _is_part(one: str, other: str) -> bool:
+    """Whether one of the names begins with the other: both are of one reading."""
+    return one == other or one.startswith(f"{other}_") or other.startswith(f"{one}_")
+
+
+def _outside(limits: Mapping[str, Channel], channel: str, inputs: Mapping[str, int | str]) -> Fault | None:
+    """The first of these inputs that is not in its range."""
+    for name, value in inputs.items():
+        limit = limits.get(name)
+        if limit is None or (type(value) is int and limit.low <= value <= limit.high):
+            continue
+        judged = admitted(limit, value)
+        if isinstance(judged, Fault):
+            return Fault(channel, judged.reason, f"{name}: {judged.detail}")
+    return None
+
+
+def _remarks(said: Sequence[Record]) -> Mapping[str, int]:
+    truth = [record for record in said if isinstance(record, TruthRecord)]
+    return truth[-1].remarks() if truth else {}
+
+
+def _total(said: Sequence[Record]) -> Mapping[str, int | str]:
+    """Increments added up; otherwise there is just one record."""
+    if len(said) == 1:
+        return said[0].inputs()
+    total: dict[str, int | str] = {}
+    for record in said:
+        for name, value in record.inputs().items():
+            before = total.get(name, 0)
+            total[name] = before + value if isinstance(before, int) and isinstance(value, int) else value
+    return total

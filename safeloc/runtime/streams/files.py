@@ -1,0 +1,146 @@
+"""What files of records and files of steps have in common: text, lines of JSON, tables, and bounds for all of them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sized
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+from safeloc.errors import InputError, StreamError, UnforeseenError
+from safeloc.runtime.outside import quoted, read_lines, reading, refuse_beyond
+
+FORMATS = "use .jsonl, .csv or .parquet"
+LONGEST_LINE = 1_000_000
+"""Bytes of a line of JSON, and of a row of CSV: a step with ten thousand inputs."""
+LONGEST_CELL = 1_000
+"""Characters in a cell of a table; what is longer is no number, truth value or name."""
+MOST_ROWS = 10_000_000
+"""Lines or rows of one file: eleven days of steps of 100 ms."""
+MOST_CELLS = 100_000_000
+"""Cells or fields of one file."""
+
+Content = TypeVar("Content", bound=Sized)
+
+
+@contextmanager
+def streaming(path: Path) -> Iterator[None]:
+    """The rule of the border (`safeloc.runtime.outside`) for streams: every refusal is a StreamError, what nobody foresaw an
+    UnforeseenError."""
+    try:
+        with reading(path):
+            yield
+    except (StreamError, UnforeseenError):
+        raise
+    except InputError as error:
+        raise StreamError(str(error)) from error
+
+
+def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[int, Content]]:
+    """The same rows; StreamError beyond `MOST_ROWS` and `MOST_CELLS`, so that what is kept of a file stays in bounds."""
+    cells = 0
+    for count, (line, row) in enumerate(rows, 1):
+        cells += len(row)
+        if count > MOST_ROWS or cells > MOST_CELLS:
+            refuse_beyond(f"{path}:{line}", count, MOST_ROWS, "rows")
+            refuse_beyond(f"{path}:{line}", cells, MOST_CELLS, "cells")
+        yield line, row
+
+
+def lines_of(path: Path) -> Iterator[tuple[int, str]]:
+    """Every line that is not blank with its number, one in memory at a time."""
+    return ((number, text) for number, text in read_lines(path, LONGEST_LINE) if text.strip())
+
+
+def existing(path: Path) -> Path:
+    """The path, if it is a file."""
+    if not path.is_file():
+        there = "a folder, not a file" if path.is_dir() else "no file but a device, pipe or socket"
+        raise StreamError(f"{path}: {there if path.exists() else 'no such file'}.")
+    return path
+
+
+def unknown_kind(path: Path) -> StreamError:
+    """What to raise for a suffix that says nothing."""
+    return StreamError(f"{path}: unknown kind of file {path.suffix!r}; {FORMATS}.")
+
+
+def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
+    """One line's object. NaN and infinities come through as such: whoever knows the field refuses them."""
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        fields = dict(pairs)
+        if len(fields) < len(pairs):
+            twice = sorted(name for name, count in Counter(name for name, _ in pairs).items() if count > 1)
+            raise StreamError(f"{path}:{line}: {quoted(twice)} given twice in one line; keep one.")
+        return fields
+
+    try:
+        found = json.loads(text, object_pairs_hook=once)
+    except StreamError:
+        raise
+    except RecursionError as error:
+        raise StreamError(f"{path}:{line}: nested too deeply; a line is one object of plain values.") from error
+    except ValueError as error:
+        what = f"{error.msg} at column {error.colno}" if isinstance(error, json.JSONDecodeError) else str(error)
+        raise StreamError(f"{path}:{line}: not JSON ({what}).") from error
+    if not isinstance(found, dict):
+        raise StreamError(f"{path}:{line}: expected an object, got {type(found).__name__}.")
+    return found
+
+
+def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Every row with its line in the file, the names of the columns first; StreamError for what is no table."""
+    fed = _Fed(path)
+    reader = csv.reader(fed)
+    try:
+        for row in reader:
+            longest = max(map(len, row), default=0)
+            if longest > LONGEST_CELL:
+                raise StreamError(
+                    f"{path}:{reader.line_num}: a cell of {longest} characters; a cell is one number, truth value or name."
+                )
+            fed.row_ends()
+            yield reader.line_num, row
+    except csv.Error as error:
+        raise StreamError(
+            f"{path}:{reader.line_num}: not CSV ({error}); one row a line, commas between cells."
+        ) from error
+
+
+class _Fed:
+    """Lines for the CSV reader, which takes as many as a row's quotes ask for: StreamError for a row without end."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._lines, self._size = path, read_lines(path, LONGEST_LINE), 0
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        number, text = next(self._lines)
+        self._size += len(text)
+        if self._size > LONGEST_LINE:
+            raise StreamError(f"{self._path}:{number}: a row of more than {LONGEST_LINE} characters; close its quotes.")
+        return f"{text}\n"
+
+    def row_ends(self) -> None:
+        """The next line belongs to the next row."""
+        self._size = 0
+
+
+def truth_value(text: str) -> bool | None:
+    """What `true` or `false` says, in any case (spreadsheets write TRUE); None for other text."""
+    return {"true": True, "false": False}.get(text.lower())
+
+
+def not_finite(value: object) -> bool:
+    """Whether this is, or spells, a NaN or an infinity."""
+    try:
+        return isinstance(value, (float, str)) and not math.isfinite(float(value))
+    except ValueError:
+        return False

@@ -1,0 +1,259 @@
+"""Files of records: JSONL (one record a line), CSV (one column a field, empty: not given), Parquet (same columns).
+
+Records come back in the order of the file. Nothing is sorted, repaired or left out: late, repeated and disordered
+records are for the cycle builder to judge (`cycles`); what is no record at all is a StreamError with file and line.
+`read_records` refuses a measurement that is none (NaN, text, a fraction) in the same way; `read_raw` hands it over as
+`Unusable`, a fault of its channel.
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import ValidationError
+
+from safeloc.errors import InputError, StreamError, UnforeseenError
+from safeloc.runtime.border import Reason
+from safeloc.runtime.outside import quoted, refusal, shown, whole_number
+from safeloc.runtime.streams.files import (
+    bounded,
+    csv_rows,
+    existing,
+    json_object,
+    lines_of,
+    not_finite,
+    streaming,
+    truth_value,
+    unknown_kind,
+)
+from safeloc.runtime.streams.parquet import read_parquet, write_parquet
+from safeloc.runtime.streams.records import RECORD, Record, Unusable
+
+FIELDS: tuple[str, ...] = (
+    "kind", "time_ms", "end", "unit", "step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
+    "value", "position_nm",
+)  # fmt: skip
+"""Columns of a table of records; each row fills those its kind has."""
+
+TEXT_FIELDS = ("kind", "end", "unit", "name")
+MEASURED = ("step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
+"""Fields that say what was measured; the others say who speaks, and when."""
+
+OWN: Mapping[str, frozenset[str]] = {
+    kind.model_fields["kind"].default: frozenset(kind.model_fields) for kind in get_args(Record)
+}
+"""Kind -> the fields that its records have."""
+
+Row = Mapping[str, Any]
+
+_VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
+"""The adapter's own call has arguments that are not used here, and takes a quarter longer."""
+
+
+def read_records(path: Path) -> tuple[Record, ...]:
+    """All records of a .jsonl, .ndjson, .csv or .parquet file, in order; StreamError for what is no measurement."""
+    return tuple(_each(path, _record))
+
+
+def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
+    """The same, with `Unusable` where a device spoke but what it said is no measurement."""
+    return tuple(_each(path, record_or_fault))
+
+
+Said = TypeVar("Said")
+
+
+def _each(path: Path, read: Callable[[Row], Said]) -> Iterator[Said]:
+    """What every row says. StreamError with file and line where it says nothing, whatever the reason is."""
+    with streaming(path):
+        for line, row in bounded(path, _rows(path)):
+            yield _located(path, line, row, read)
+
+
+def _located(path: Path, line: int, row: Row, read: Callable[[Row], Said]) -> Said:
+    try:
+        return read(row)
+    except InputError as error:
+        raise StreamError(f"{path}:{line}: {error}") from error
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        raise UnforeseenError(f"{path}:{line}: {refusal(error)}") from error
+
+
+def _rows(path: Path) -> Iterator[tuple[int, Row]]:
+    match existing(path).suffix:
+        case ".jsonl" | ".ndjson":
+            return _jsonl_rows(path)
+        case ".csv":
+            return _csv_rows(path)
+        case ".parquet":
+            return _parquet_rows(path)
+        case _:
+            raise unknown_kind(path)
+
+
+def write_records(path: Path, records: Sequence[Record]) -> None:
+    """Write records in the given order; the suffix chooses the format."""
+    rows = [record.model_dump(exclude_none=True) for record in records]
+    match path.suffix:
+        case ".jsonl" | ".ndjson":
+            path.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+        case ".csv":
+            _write_csv(path, rows)
+        case ".parquet":
+            _write_parquet(path, rows)
+        case _:
+            raise unknown_kind(path)
+
+
+def record_or_fault(row: Row) -> Record | Unusable:
+    """What one row of any origin says; InputError where it is no record at all.
+
+    A field of another kind is harmless where it is null, as writers of one flat record class have it. With a value in
+    it the row is no record: of which kind it is, and so who spoke, is not certain.
+    """
+    try:
+        return _VALIDATED(_narrow(row))
+    except ValidationError as error:
+        plain = _of_its_kind(row)
+        if len(plain) < len(row):
+            return record_or_fault(plain)
+        unusable = _unusable(row, error)
+        if unusable is None:
+            raise InputError(_flaw(row, error)) from error
+        return unusable
+
+
+def _record(row: Row) -> Record:
+    """The same; InputError for what is no measurement as well."""
+    try:
+        return _VALIDATED(_narrow(row))
+    except ValidationError as error:
+        plain = _of_its_kind(row)
+        if len(plain) < len(row):
+            return _record(plain)
+        raise InputError(_flaw(row, error)) from error
+
+
+def _narrow(row: Row) -> Row:
+    """The row, unless it has more fields than any record: each one would be looked at, and answered."""
+    if len(row) > len(FIELDS):
+        raise InputError(f"{len(row)} fields, and a record has {len(FIELDS)} at the most; mend it or take it out.")
+    return row
+
+
+def _of_its_kind(row: Row) -> Row:
+    """The row without empty fields of other kinds. InputError for one that is filled."""
+    kind = row.get("kind")
+    own = OWN.get(kind) if isinstance(kind, str) else None
+    if own is None:
+        return row
+    foreign = [name for name in row if name not in own and name in FIELDS]
+    for name in foreign:
+        if row[name] is not None:
+            others = " and ".join(other for other, names in OWN.items() if name in names)
+            raise InputError(
+                f"field {kind}.{name}: a {kind} record has no such field, only {others} has "
+                f"(got {quoted(row[name])}); leave it empty, or mend the kind."
+            )
+    return {name: value for name, value in row.items() if name not in foreign}
+
+
+def _flaw(row: Row, error: ValidationError) -> str:
+    strange = [f"{shown(name)} is {value}" for name, value in row.items() if not_finite(value)]
+    if strange:
+        return f"{strange[0]}, no measurement; leave the record out where there is none."
+    first = error.errors(include_url=False)[0]
+    where = ".".join(shown(str(part)) for part in first["loc"]) or "kind"
+    return f"field {where}: {first['msg'][:400]} (got {quoted(first['input'])}); mend the record or take it out."
+
+
+def _unusable(row: Row, error: ValidationError) -> Unusable | None:
+    """The fault, if nothing but what was measured is wrong; zeros stand there only to learn who speaks."""
+    wrong = {str(place) for one in error.errors(include_url=False) for place in one["loc"][1:2]}
+    if not wrong or not wrong <= set(MEASURED) & set(row):
+        return None
+    speaker = RECORD.validate_python({**row, **dict.fromkeys(wrong, 0)})
+    detail = ", ".join(f"{name}: {quoted(row[name])}" for name in sorted(wrong))
+    return Unusable(speaker.time_ms, speaker.channel, _reason(row, wrong, error), detail)
+
+
+def _reason(row: Row, wrong: set[str], error: ValidationError) -> Reason:
+    if any(not_finite(row[name]) for name in wrong):
+        return Reason.NOT_FINITE
+    below = all(one["type"] == "greater_than_equal" for one in error.errors())
+    return Reason.OUT_OF_RANGE if below else Reason.WRONG_TYPE
+
+
+def _jsonl_rows(path: Path) -> Iterator[tuple[int, Row]]:
+    return ((line, json_object(path, line, text)) for line, text in lines_of(path))
+
+
+def _csv_rows(path: Path) -> Iterator[tuple[int, Row]]:
+    rows = csv_rows(path)
+    _, names = next(rows, (1, []))
+    if "kind" not in names or len(set(names)) < len(names):
+        raise StreamError(
+            f"{path}:1: the first line must name every column once, `kind` among them; got {quoted(names)}."
+        )
+    _refuse_unknown(path, names)
+    for line, cells in rows:
+        if len(cells) != len(names):
+            raise StreamError(f"{path}:{line}: {len(cells)} cells, expected {len(names)}.")
+        filled = {name: cell for name, cell in zip(names, cells, strict=True) if cell != ""}
+        yield line, {name: _value(name, cell) for name, cell in filled.items()}
+
+
+def _refuse_unknown(path: Path, names: Iterable[str]) -> None:
+    """A column that no record has is a misspelt name, even where nothing stands under it."""
+    for name in names:
+        if name not in FIELDS:
+            close = difflib.get_close_matches(name, FIELDS, n=1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            raise StreamError(f"{path}:1: no record has a column {quoted(name)}; there are {', '.join(FIELDS)}.{hint}")
+
+
+def _value(name: str, text: str) -> int | bool | str:
+    """Whole numbers and truth values; all else stays text, which a number field then refuses."""
+    if name in TEXT_FIELDS:
+        return text
+    truth = truth_value(text)
+    if truth is not None:
+        return truth
+    whole = whole_number(text)
+    return text if whole is None else whole
+
+
+def _write_csv(path: Path, rows: Sequence[Row]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+
+
+def _cell(value: object) -> object:
+    return str(value).lower() if isinstance(value, bool) else value
+
+
+def _parquet_rows(path: Path) -> Iterator[tuple[int, Row]]:
+    rows, names, _ = read_parquet(path)
+    _refuse_unknown(path, names)
+    for line, row in enumerate(rows, 1):
+        yield line, {name: _value(name, cell) if _is_told(name, cell) else cell for name, cell in row.items()}
+
+
+def _is_told(name: str, cell: object) -> bool:
+    """A value stands in its column as text, for it may be a number, a truth value or a name."""
+    return name == "value" and isinstance(cell, str)
+
+
+def _write_parquet(path: Path, rows: Sequence[Row]) -> None:
+    text = (*TEXT_FIELDS, "value")
+    cells = [{**row, "value": str(_cell(row["value"]))} if "value" in row else row for row in rows]
+    write_parquet(path, cells, {name: "string" if name in text else "int64" for name in FIELDS})
