@@ -1,7 +1,8 @@
 """Draw the rooms of the code and who imports whom: `python -m tests.architecture_picture` writes docs/architecture.svg.
 
 A room stands above all that it imports. An arrow that a chain of other arrows implies is left out; each box names all
-that its room imports. Where rooms import each other in a circle, the arrow with the fewest imports runs upwards, dashed.
+that its room imports. Where rooms import each other in a circle, the arrow with the fewest imports runs upwards, dashed and
+along the right edge.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import html
 import itertools
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
 import networkx as nx
 
@@ -17,9 +19,9 @@ from tests.rooms import ROOT, arrows, heights, rooms, upward
 
 PICTURE = ROOT / "docs" / "architecture.svg"
 COMMAND = "python -m tests.architecture_picture"
-BOX_WIDTH, LANE_WIDTH, GAP, MARGIN = 200, 20, 20, 20
+BOX_WIDTH, LANE_WIDTH, UP_WIDTH, GAP, MARGIN = 200, 20, 8, 20, 20
 NAME_HEIGHT, LINE_HEIGHT, BETWEEN_ROWS = 28, 15, 64
-LETTERS = 34
+LETTERS = 32
 """So many fit on one line of a box."""
 ROUNDS = 24
 """In each of which rows are ordered anew by where their neighbours stand."""
@@ -94,13 +96,20 @@ def tall(graph: nx.DiGraph, row: Iterable[Stop]) -> int:
     return NAME_HEIGHT + LINE_HEIGHT * max(len(words(graph, stop[0])) for stop in row if not stop[1])
 
 
-def tops(graph: nx.DiGraph, found: list[list[Stop]]) -> dict[int, int]:
-    """Where each row begins, from the top of the page; the lowest row stands last."""
-    at, places = MARGIN, {}
+@dataclass(frozen=True)
+class _Ends:
+    """Where each row of boxes begins and ends, from the top of the page; the lowest row stands last."""
+
+    top: Mapping[int, int]
+    bottom: Mapping[int, int]
+
+
+def _ends(graph: nx.DiGraph, found: list[list[Stop]]) -> _Ends:
+    at, top, bottom = MARGIN, dict[int, int](), dict[int, int]()
     for number in range(len(found) - 1, -1, -1):
-        places[number] = at
-        at += tall(graph, found[number]) + BETWEEN_ROWS
-    return places
+        top[number], bottom[number] = at, at + tall(graph, found[number])
+        at = bottom[number] + BETWEEN_ROWS
+    return _Ends(top, bottom)
 
 
 def drawn() -> str:
@@ -108,54 +117,49 @@ def drawn() -> str:
     graph = rooms()
     ways = stops(graph)
     found = rows(graph, ways.values())
-    centre, top = centres(found), tops(graph, found)
-    bottom = {number: top[number] + tall(graph, row) for number, row in enumerate(found)}
+    centre, ends = centres(found), _ends(graph, found)
     right = max(centre[stop] + width(stop) // 2 for row in found for stop in row) + MARGIN
-    size = f'width="{right}" height="{bottom[0] + MARGIN}" viewBox="0 0 {right} {bottom[0] + MARGIN}"'
-    head = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="rooms of the code and their imports">',
-        f"<style>{STYLE}</style>",
-        '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
-        '<path d="M0 0 8 4 0 8"/></marker></defs>',
-    ]
-    lines = [_arrow(way, centre, top, bottom) for way in ways.values()]
-    height = heights(graph)
-    beside = BOX_WIDTH // 4
-    lines += [
-        _up(
-            (centre[one, "", height[one]] + beside, top[height[one]]),
-            (centre[other, "", height[other]] + beside, bottom[height[other]]),
-        )
-        for one, other in upward(graph)
-    ]
-    boxes = [
-        line
-        for row in found
-        for stop in row
-        if not stop[1]
-        for line in _box(graph, stop, centre[stop], (top[stop[2]], bottom[stop[2]]))
-    ]
+    lines = [*_upwards(graph, centre, ends, right), *(_arrow(way, centre, ends) for way in ways.values())]
+    boxes = [line for row in found for stop in row if not stop[1] for line in _box(graph, stop, centre[stop], ends)]
+    head = _head(right + len(upward(graph)) * UP_WIDTH, ends.bottom[0] + MARGIN)
     return "\n".join([*head, *lines, *boxes, "</svg>", ""])
 
 
-def _arrow(way: list[Stop], centre: Mapping[Stop, int], top: Mapping[int, int], bottom: Mapping[int, int]) -> str:
-    path = f"M{centre[way[0]]} {bottom[way[0][2]]}"
+def _head(right: int, bottom: int) -> Iterator[str]:
+    size = f'width="{right}" height="{bottom}" viewBox="0 0 {right} {bottom}"'
+    yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="rooms of the code and their imports">'
+    yield f"<style>{STYLE}</style>"
+    yield (
+        '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
+        '<path d="M0 0 8 4 0 8"/></marker></defs>'
+    )
+
+
+def _arrow(way: list[Stop], centre: Mapping[Stop, int], ends: _Ends) -> str:
+    path = f"M{centre[way[0]]} {ends.bottom[way[0][2]]}"
     for one, other in itertools.pairwise(way):
-        begin, end = bottom[one[2]], top[other[2]]
+        begin, end = ends.bottom[one[2]], ends.top[other[2]]
         middle = (begin + end) // 2
         path += f"C{centre[one]} {middle} {centre[other]} {middle} {centre[other]} {end}"
-        path += f"V{bottom[other[2]]}" if other[1] else ""
+        path += f"V{ends.bottom[other[2]]}" if other[1] else ""
     return f'<path d="{path}" marker-end="url(#tip)"/>'
 
 
-def _up(begin: tuple[int, int], end: tuple[int, int]) -> str:
-    middle = (begin[1] + end[1]) // 2
-    path = f"M{begin[0]} {begin[1]}C{begin[0]} {middle} {end[0]} {middle} {end[0]} {end[1]}"
-    return f'<path class="up" d="{path}" marker-end="url(#tip)"/>'
+def _upwards(graph: nx.DiGraph, centre: Mapping[Stop, int], ends: _Ends, right: int) -> Iterator[str]:
+    """The arrows that close a circle: through the space between rows to a lane of their own beside all boxes."""
+    height, found = heights(graph), upward(graph)
+    for number, (one, other) in enumerate(found):
+        begin, end = (one, "", height[one]), (other, "", height[other])
+        beside = BOX_WIDTH // 8 + number % 8 * BOX_WIDTH // 24
+        aside = BETWEEN_ROWS // 6 + number * BETWEEN_ROWS * 2 // 3 // len(found)
+        upper, lower = ends.top[begin[2]], ends.bottom[end[2]]
+        path = f"M{centre[begin] + beside} {upper}V{upper - aside}H{right + number * UP_WIDTH}"
+        path += f"V{lower + aside}H{centre[end] + beside}V{lower}"
+        yield f'<path class="up" d="{path}" marker-end="url(#tip)"/>'
 
 
-def _box(graph: nx.DiGraph, stop: Stop, centre: int, ends: tuple[int, int]) -> Iterator[str]:
-    left, (upper, lower) = centre - BOX_WIDTH // 2, ends
+def _box(graph: nx.DiGraph, stop: Stop, centre: int, ends: _Ends) -> Iterator[str]:
+    left, upper, lower = centre - BOX_WIDTH // 2, ends.top[stop[2]], ends.bottom[stop[2]]
     yield f'<rect x="{left}" y="{upper}" width="{BOX_WIDTH}" height="{lower - upper}" rx="6"/>'
     yield f'<text class="name" x="{left + 10}" y="{upper + 20}">{html.escape(stop[0])}</text>'
     for number, line in enumerate(words(graph, stop[0]), 1):

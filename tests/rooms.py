@@ -71,13 +71,19 @@ def home(name: str, homes: dict[str, str]) -> str | None:
 
 
 def upward(graph: nx.DiGraph) -> list[tuple[str, str]]:
-    """The imports that close a circle of rooms: of each circle the arrow with the fewest imports."""
-    rest, found = graph.copy(), []
+    """The imports that close a circle of rooms, rare ones rather than frequent ones."""
+    rest, taken = graph.copy(), []
     while circles := [part for part in nx.strongly_connected_components(rest) if len(part) > 1]:
         within = [(rest.edges[a, b]["times"], a, b) for part in circles for a, b in rest.subgraph(part).edges]
         _, above, below = min(within)
         rest.remove_edge(above, below)
-        found.append((above, below))
+        taken.append((above, below))
+    found = []
+    for above, below in reversed(taken):  # what closes no circle once the others are gone goes back
+        if nx.has_path(rest, below, above):
+            found.append((above, below))
+        else:
+            rest.add_edge(above, below)
     return sorted(found)
 
 

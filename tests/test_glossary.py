@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from safeloc.reported import Reported
+from safeloc.runtime.reported import Reported
 from tests.rooms import ROOT
 
 PAGE = ROOT / "docs" / "glossary.md"
