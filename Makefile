@@ -25,7 +25,7 @@ test-all: $(READY)
 # One line a topic: long-NAME is the command of TOPIC=NAME; what it writes stands in long/.
 long-fuzz = -m tests.fuzz --machines 20000 --compositions 1000 --seed 1 --out long/fuzz.jsonl
 long-readers = -m tests.fuzz_readers --seconds 600 --out long/readers.jsonl
-long-oracle = -m tests.streams.oracle --lines 10000000 --seed 1 --out long/oracle.jsonl
+long-oracle = -m tests.runtime.streams.oracle --lines 10000000 --seed 1 --out long/oracle.jsonl
 long-edits = -m tests.edits --edits 200 --seed 1 --out long/edits.jsonl
 long-soak = -m tests.soak --hours-of-fleet 24 --vehicles 200 --wall-minutes 60 --out long/soak.jsonl
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from safeloc.signals.fibre.features import Bounds, FibreFrame, SectionSignal, TrainSeen
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator, SectionPlace
-from safeloc.signals.fibre.front_end import FrontEnd
+from safeloc.sensing.fibre.features import Bounds, FibreFrame, SectionSignal, TrainSeen
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator, SectionPlace
+from safeloc.sensing.fibre.front_end import FrontEnd
 from safeloc.simulation.fibre.cable import CableFigures, Section, cable
 from safeloc.simulation.fibre.ground import Car
 from safeloc.simulation.fibre.optics import Drift, OpticsFigures

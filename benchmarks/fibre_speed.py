@@ -21,9 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.signals.fibre.blocks import FibreBlock
-from safeloc.signals.fibre.figures import Emission, Emitter, FibreConfig, Interrogator
-from safeloc.signals.fibre.front_end import FibreFrame, FrontEnd
+from safeloc.sensing.fibre.blocks import FibreBlock
+from safeloc.sensing.fibre.figures import Emission, Emitter, FibreConfig, Interrogator
+from safeloc.sensing.fibre.front_end import FibreFrame, FrontEnd
 
 TARGET = 20
 TRAINS = 8

@@ -16,11 +16,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from safeloc.signals.echoes import Echo
-from safeloc.signals.figures import RadarConfig
-from safeloc.signals.images import RadarImage
-from safeloc.signals.radar import Frame, read
-from safeloc.signals.signature import MARKS, Model
+from safeloc.sensing.echoes import Echo
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.images import RadarImage
+from safeloc.sensing.radar import Frame, read
+from safeloc.sensing.signature import MARKS, Model
 from safeloc.simulation.radar import Bias, Points, Weather, image, points
 from safeloc.simulation.radar_scene import Clutter, World, rain, seen, slant_mm, world
 from safeloc.simulation.radar_track import Reflector

@@ -15,14 +15,14 @@ from benchmarks.satellite_tally import Cycle as Told
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
 from safeloc.models.satellite_parts.variables import ACCEPTED, FIX, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.signals.satellite.android import read_android
-from safeloc.signals.satellite.epochs import Epoch
-from safeloc.signals.satellite.navigation import Navigation, read_navigation
-from safeloc.signals.satellite.observations import read_observations
-from safeloc.signals.satellite.places import Place, Vector
-from safeloc.signals.satellite.residuals import Residuals, residuals
-from safeloc.signals.satellite.track_fit import slope_ppm
-from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.epochs import Epoch
+from safeloc.sensing.satellite.navigation import Navigation, read_navigation
+from safeloc.sensing.satellite.observations import read_observations
+from safeloc.sensing.satellite.places import Place, Vector
+from safeloc.sensing.satellite.residuals import Residuals, residuals
+from safeloc.sensing.satellite.track_fit import slope_ppm
+from safeloc.sensing.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.disturbing import Disturbance, disturb
 
 HALF_M = 300.0

@@ -25,13 +25,13 @@ from safeloc.models.satellite import compose_machines
 from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.signals.satellite.ephemeris import Ephemeris
-from safeloc.signals.satellite.epochs import Epoch, Measured
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.predicted import Predicted, predicted
-from safeloc.signals.satellite.residuals import MASK_RAD
-from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.sensing.satellite.ephemeris import Ephemeris
+from safeloc.sensing.satellite.epochs import Epoch, Measured
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.predicted import Predicted, predicted
+from safeloc.sensing.satellite.residuals import MASK_RAD
+from safeloc.sensing.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.constellation import GALILEO, GPS, START_S, constellation
 
 EPOCHS_TARGET, STEPS_TARGET = 200, 200_000

@@ -43,11 +43,11 @@ from safeloc.models.satellite_parts.trusted_inputs import Reference, Run, told
 from safeloc.models.satellite_parts.variables import SatelliteConfig
 from safeloc.models.satellite_selection import STANDING
 from safeloc.runtime.border import Fault, Reason
-from safeloc.signals.satellite.channels import Channels, Heard
-from safeloc.signals.satellite.epochs import Epoch
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.solution import Bounds, Look, Solution, Weighting, solve
-from safeloc.signals.satellite.track_fit import NoSolution
+from safeloc.sensing.satellite.channels import Channels, Heard
+from safeloc.sensing.satellite.epochs import Epoch
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.solution import Bounds, Look, Solution, Weighting, solve
+from safeloc.sensing.satellite.track_fit import NoSolution
 
 __all__ = ["ChainConfig", "Cycle", "EpochChain", "Outcome", "Reference", "Run", "Track"]
 

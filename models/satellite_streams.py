@@ -20,8 +20,8 @@ from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell
-from safeloc.signals.satellite.channels import identity
-from safeloc.signals.satellite.line_track import LineTrack
+from safeloc.sensing.satellite.channels import identity
+from safeloc.sensing.satellite.line_track import LineTrack
 from safeloc.simulation.motion import Motion, VehicleConfig
 from safeloc.simulation.satellite.constellation import GPS, Walker, constellation
 from safeloc.simulation.satellite.receiver import ReceiverConfig

@@ -17,9 +17,9 @@ from safeloc.models.fibre_scenes.map_host import MapHost
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
 from safeloc.models.fibre_streams import on_board
 from safeloc.runtime.streams.steps import Cell
-from safeloc.signals.fibre.features import End, TrainSeen
-from safeloc.signals.fibre.run_meter import RunMeter
-from safeloc.signals.fibre.step_inputs import step_inputs
+from safeloc.sensing.fibre.features import End, TrainSeen
+from safeloc.sensing.fibre.run_meter import RunMeter
+from safeloc.sensing.fibre.step_inputs import step_inputs
 from safeloc.simulation.fibre.scene import TrainTruth
 
 Steps = list[dict[str, Cell]]

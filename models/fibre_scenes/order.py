@@ -12,7 +12,7 @@ from safeloc.models.fibre_scenes.counters import Ends, events
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment
 from safeloc.models.train_order import TrainOrderConfig, machine
 from safeloc.runtime.streams.steps import Cell
-from safeloc.signals.fibre.features import TrainSeen
+from safeloc.sensing.fibre.features import TrainSeen
 
 Steps = list[dict[str, Cell]]
 UM_PER_MM = 1_000

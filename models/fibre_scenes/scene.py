@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.models.fibre_parts.code import Symbol
-from safeloc.signals.fibre.emitters import Heard
-from safeloc.signals.fibre.energy import Analyser
-from safeloc.signals.fibre.features import FibreFrame, TrainSeen
-from safeloc.signals.fibre.figures import (
+from safeloc.sensing.fibre.emitters import Heard
+from safeloc.sensing.fibre.energy import Analyser
+from safeloc.sensing.fibre.features import FibreFrame, TrainSeen
+from safeloc.sensing.fibre.figures import (
     Band,
     Counting,
     Emission,
@@ -25,7 +25,7 @@ from safeloc.signals.fibre.figures import (
     Interrogator,
     PointPlace,
 )
-from safeloc.signals.fibre.front_end import FrontEnd
+from safeloc.sensing.fibre.front_end import FrontEnd
 from safeloc.simulation.fibre import cable as laid
 from safeloc.simulation.fibre.emitters import Sounding
 from safeloc.simulation.fibre.ground import Car

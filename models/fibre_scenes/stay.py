@@ -18,7 +18,7 @@ from safeloc.models.fibre_scenes.order import order_of
 from safeloc.models.fibre_scenes.scene import MM_PER_M, Moment, Scene
 from safeloc.models.sections import SectionsConfig
 from safeloc.runtime.streams.steps import Cell
-from safeloc.signals.fibre.features import TrainSeen
+from safeloc.sensing.fibre.features import TrainSeen
 from safeloc.simulation.fibre.trains import Train
 
 Steps = list[dict[str, Cell]]

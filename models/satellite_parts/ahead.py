@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from safeloc.language.nodes import Value
 from safeloc.models.satellite_parts.variables import SatelliteConfig
-from safeloc.signals.satellite.solution import Estimate
-from safeloc.signals.satellite.track_prediction import TrackState
+from safeloc.sensing.satellite.solution import Estimate
+from safeloc.sensing.satellite.track_prediction import TrackState
 
 NM_PER_M, UM_PER_M = 1e9, 1e6
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from safeloc.models.satellite_parts.ahead import Ahead
 from safeloc.models.satellite_parts.variables import NM_PER_MM, SatelliteConfig
-from safeloc.signals.rounding import Interval, outward
-from safeloc.signals.satellite.solution import Solution
+from safeloc.sensing.rounding import Interval, outward
+from safeloc.sensing.satellite.solution import Solution
 
 StepValues = dict[str, int | bool | str]
 UM_PER_MM = 1_000

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from safeloc.errors import InputError
 from safeloc.models.satellite_parts.ahead import Ahead
-from safeloc.signals.satellite.epochs import Epoch
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.residuals import Residuals, residuals
-from safeloc.signals.satellite.track_prediction import OnTrack, Portion, on_portion
+from safeloc.sensing.satellite.epochs import Epoch
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.residuals import Residuals, residuals
+from safeloc.sensing.satellite.track_prediction import OnTrack, Portion, on_portion
 
 Track = Callable[[float, float], Sequence[Portion]]
 """(from_m, to_m) -> the courses that a vehicle between these distances may be on (`LineTrack.portions`)."""

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 import typer
 
+from safeloc.assurance.requirements import Item, Link, traceability
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.errors import InputError
 from safeloc.language.spec import Property
-from safeloc.requirements import Item, Link, traceability
 
 Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines."""

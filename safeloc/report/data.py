@@ -11,6 +11,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, assert_never
 
+from safeloc.assurance.requirements import Link, traceability
 from safeloc.catalogue import Target
 from safeloc.language.trace import Trace, present_inputs
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
@@ -18,7 +19,6 @@ from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
 from safeloc.report.machines import machine_data
 from safeloc.report.pictures import pictures_data
-from safeloc.requirements import Link, traceability
 
 SCHEMA = "safeloc-report/3"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")

@@ -2,7 +2,7 @@
 
 Silence: a step in which none of a machine's inputs came may be within what is assumed. Some inputs have no way of being absent: a truth value, a member, a number that always comes with them. Where a device is
 silent they still need a value, the neutral one: false, the number nearest zero, the first member. For the machines
-listed here it is proved (tests/embedding/test_silence.py) that from every step which obeys the assumption, all inputs
+listed here it is proved (tests/runtime/embedding/test_silence.py) that from every step which obeys the assumption, all inputs
 of the machine can be taken away, and what is left obeys it too. So every proof covers the silent step as well. For
 machines that are not listed that is not so (an axle that was not told is an axle lost), and none is silent by itself.
 """

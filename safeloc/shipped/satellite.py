@@ -18,8 +18,8 @@ from safeloc.properties import satellite_selection as selection_properties
 from safeloc.railway.pictures import Deviation, Picture, Standing, Standings, Stanford
 from safeloc.runtime.reported import Reported
 from safeloc.runtime.streams.steps import Cell
+from safeloc.sensing.satellite.channels import satellite_name
 from safeloc.shipped.making import recorded, single
-from safeloc.signals.satellite.channels import satellite_name
 from safeloc.target import Entry, Target
 
 REPORTED = Reported(

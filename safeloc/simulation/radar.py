@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
-from safeloc.signals.figures import LIGHT_MM_S, MILLION, RadarConfig
-from safeloc.signals.range_law import REFERENCE_MM
+from safeloc.sensing.figures import LIGHT_MM_S, MILLION, RadarConfig
+from safeloc.sensing.range_law import REFERENCE_MM
 
 NEAREST_MM = 500
 

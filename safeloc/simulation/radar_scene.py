@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
-from safeloc.signals.figures import RadarConfig
-from safeloc.signals.images import RadarImage
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.images import RadarImage
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.radar import Bias, Disturbance, Points, Weather, image, points
 from safeloc.simulation.radar_track import Arc, Pose, Reflector, corners, pose, seen_from

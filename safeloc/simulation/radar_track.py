@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
-from safeloc.signals.figures import Reflectors
-from safeloc.signals.signature import MARKS, Model
+from safeloc.sensing.figures import Reflectors
+from safeloc.sensing.signature import MARKS, Model
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import pytest
 
 from safeloc.railway.map.toml_files import load_line
 from tests.cli.calling import Call
-from tests.line.imports.documents import STATION
+from tests.railway.map.imports.documents import STATION
 
 
 @pytest.fixture

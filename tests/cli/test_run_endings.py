@@ -12,7 +12,7 @@ import pytest
 
 from safeloc.runtime.service import loop
 from tests.cli.calling import Call, caller
-from tests.service.processes import lines, ran, read, running, wait_for
+from tests.runtime.service.processes import lines, ran, read, running, wait_for
 
 
 @pytest.fixture

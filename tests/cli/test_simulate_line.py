@@ -10,7 +10,7 @@ import pytest
 
 from safeloc.railway.map.toml_files import find_line, to_toml
 from tests.cli.calling import Call
-from tests.line.made import group, reflector, straight
+from tests.railway.map.made import group, reflector, straight
 
 SHORT = ("--from", "103@380000", "--to", "103@490000")
 

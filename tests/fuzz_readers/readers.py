@@ -30,13 +30,13 @@ from safeloc.runtime.service.messages import Reader, Refused
 from safeloc.runtime.streams.record_files import read_raw, read_records
 from safeloc.runtime.streams.records import RECORD
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.signals.fibre.recordings import read_array
-from safeloc.signals.satellite.android import read_android
-from safeloc.signals.satellite.navigation import read_navigation
-from safeloc.signals.satellite.observations import read_observations
-from tests.line.imports.documents import STATION
-from tests.line.imports.test_geojson import SWITCH
-from tests.line.imports.test_ttobench import TRACK
+from safeloc.sensing.fibre.recordings import read_array
+from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.navigation import read_navigation
+from safeloc.sensing.satellite.observations import read_observations
+from tests.railway.map.imports.documents import STATION
+from tests.railway.map.imports.test_geojson import SWITCH
+from tests.railway.map.imports.test_ttobench import TRACK
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from safeloc.railway.map.routes import Route, routes_between, through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.railway.map.walk import Walk
-from tests.line.made import straight
+from tests.railway.map.made import straight
 
 TRUSTING = LineVehicle(trust_first=True)
 FEW = straight(

@@ -28,8 +28,8 @@ from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.map.walk import Walk
 from safeloc.simulation.speed_profile import Limit
 from safeloc.simulation.vehicles import load_vehicle
-from tests.line.made import group, reflector, straight
 from tests.models.line_runs import Said, between, broken, driven, first, routes_of, said, walk_of
+from tests.railway.map.made import group, reflector, straight
 
 # ------------------------------------------------------------------ what is told of a route
 

@@ -21,7 +21,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties import arbitration
 from safeloc.properties.localizer import properties
-from tests.provers.small import told as names
+from tests.proof.provers.small import told as names
 
 SOURCES: tuple[SourceName, ...] = get_args(SourceName)
 CHOICES = [chosen for size in range(1, len(SOURCES) + 1) for chosen in combinations(SOURCES, size)]

@@ -30,7 +30,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.localizer_sections import properties
 from tests.models.one_step import changed
-from tests.provers.small import told
+from tests.proof.provers.small import told
 
 CONFIG = LocalizerSectionsConfig()
 SMALL = LocalizerSectionsConfig(localizer=LocalizerConfig(sources=("fibre",)))

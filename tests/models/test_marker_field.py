@@ -18,7 +18,7 @@ from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.marker_field import properties
-from tests.provers.small import told
+from tests.proof.provers.small import told
 
 ONE_WAITS = ONE_LAW.model_copy(update={"pending_markers": 1})
 CASES: dict[str, tuple[Arrangement, OdometryConfig]] = {

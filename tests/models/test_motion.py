@@ -26,7 +26,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.motion import Motion as Drive
 from safeloc.simulation.sensors import Distances, Fault, FaultKind, Law, measure
-from tests.provers.small import told as names
+from tests.proof.provers.small import told as names
 
 KINDS: tuple[FaultKind, ...] = ("stuck", "runaway", "slip", "slide", "freeze", "drop-out")
 DRIVE = move(

@@ -8,12 +8,12 @@ from safeloc.models.reflector import machine
 from safeloc.models.reflector_parts.map_data import MODEL
 from safeloc.models.reflector_parts.step_inputs import completed
 from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.signals.along_track import Delay
-from safeloc.signals.echoes import Echo
-from safeloc.signals.figures import RadarConfig
-from safeloc.signals.radar import Frame
-from safeloc.signals.reflector_inputs import step_inputs
-from safeloc.signals.signature import Doubt, Model
+from safeloc.sensing.along_track import Delay
+from safeloc.sensing.echoes import Echo
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.radar import Frame
+from safeloc.sensing.reflector_inputs import step_inputs
+from safeloc.sensing.signature import Doubt, Model
 
 CONFIG, RADAR = ReflectorConfig(), RadarConfig()
 STILL = Delay(0, 0, 0, 0)

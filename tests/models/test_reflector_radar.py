@@ -18,12 +18,12 @@ from safeloc.models.reflector_streams import Reflector as MapReflector
 from safeloc.models.reflector_streams import Route, board, simulate
 from safeloc.models.reflector_streams import Scene as RouteScene
 from safeloc.runtime.streams.steps import Cell
-from safeloc.signals.along_track import Delay
-from safeloc.signals.figures import Installation, RadarConfig
-from safeloc.signals.images import RadarImage
-from safeloc.signals.radar import FrontEnd
-from safeloc.signals.reflector_inputs import StepValues, step_inputs
-from safeloc.signals.signature import Model
+from safeloc.sensing.along_track import Delay
+from safeloc.sensing.figures import Installation, RadarConfig
+from safeloc.sensing.images import RadarImage
+from safeloc.sensing.radar import FrontEnd
+from safeloc.sensing.reflector_inputs import StepValues, step_inputs
+from safeloc.sensing.signature import Model
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.radar import image
 from safeloc.simulation.radar_scene import Clutter, World, seen, world

@@ -21,12 +21,12 @@ from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.border import Reason
-from safeloc.signals.satellite.epochs import Epoch, Measured, Row, received
-from safeloc.signals.satellite.line_track import LineTrack
-from safeloc.signals.satellite.navigation import Navigation, read_navigation
-from safeloc.signals.satellite.observations import read_observations
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.sensing.satellite.epochs import Epoch, Measured, Row, received
+from safeloc.sensing.satellite.line_track import LineTrack
+from safeloc.sensing.satellite.navigation import Navigation, read_navigation
+from safeloc.sensing.satellite.observations import read_observations
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.run import SimulatedRun, World, simulate
 from tests.data_sources import data_file
 from tests.simulation.satellite.sky import ride, sky, straight

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.figures import RadarConfig, Sensor
+from safeloc.sensing.figures import RadarConfig, Sensor
 from safeloc.simulation.radar import Bias, Disturbance, Points, Weather, image, points, rain_cdb_per_km
 
 QUIET = RadarConfig(sensor=Sensor(ground_reflection_percent=0, scale_error_ppm=1_000))

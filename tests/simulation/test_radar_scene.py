@@ -7,10 +7,10 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.runtime.border import Reason
-from safeloc.signals.figures import RadarConfig
-from safeloc.signals.images import NoFrame, Refusal
-from safeloc.signals.radar import Frame, FrontEnd, Outcome
-from safeloc.signals.signature import Model
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.images import NoFrame, Refusal
+from safeloc.sensing.radar import Frame, FrontEnd, Outcome
+from safeloc.sensing.signature import Model
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.radar import Weather, points
 from safeloc.simulation.radar_scene import Clutter, Fault, FaultKind, World, rain, seen, shots, slant_mm, world

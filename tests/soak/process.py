@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from tests.service.processes import PATIENCE_S, ROOT, command, wait_for
+from tests.runtime.service.processes import PATIENCE_S, ROOT, command, wait_for
 from tests.soak.day import CONFIG
 
 KIB = 1024

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
-from safeloc.signals.fibre.figures import Interrogator
+from safeloc.sensing.fibre.figures import Interrogator
 
 Numbers = NDArray[np.float64]
 Complex = NDArray[np.complex64]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
-from safeloc.signals.fibre.figures import FibreConfig
+from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.simulation.fibre.cable import Cable
 
 Numbers = NDArray[np.float64]

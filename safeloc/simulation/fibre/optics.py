@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
-from safeloc.signals.fibre.figures import Interrogator
-from safeloc.signals.fibre.time_of_flight import speed_mm_s
-from safeloc.signals.figures import MILLION
+from safeloc.sensing.fibre.figures import Interrogator
+from safeloc.sensing.fibre.time_of_flight import speed_mm_s
+from safeloc.sensing.figures import MILLION
 from safeloc.simulation.fibre.cable import Cable
 
 Numbers = NDArray[np.float64]

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.signals.fibre.blocks import FibreBlock
-from safeloc.signals.fibre.figures import FibreConfig
+from safeloc.sensing.fibre.blocks import FibreBlock
+from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.simulation.fibre.cable import Cable
 from safeloc.simulation.fibre.emitters import Sounding, emitted
 from safeloc.simulation.fibre.ground import Car, GroundFigures, Sources

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from safeloc.signals.satellite.atmosphere import Klobuchar
-from safeloc.signals.satellite.ephemeris import Ephemeris
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.times import gps_seconds
+from safeloc.sensing.satellite.atmosphere import Klobuchar
+from safeloc.sensing.satellite.ephemeris import Ephemeris
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.times import gps_seconds
 
 START_S = gps_seconds(2024, 6, 24, 8, 0, 0)
 """Reference time of orbits and clocks: a Monday, in the middle of a simulated run's window."""

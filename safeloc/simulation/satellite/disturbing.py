@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.epochs import Epoch, Measured
+from safeloc.sensing.satellite.epochs import Epoch, Measured
 
 Kind = Literal["step", "ramp", "wave", "false place", "silence"]
 Slopes = Callable[[float], Mapping[str, float]]

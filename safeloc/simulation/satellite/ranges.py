@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.signals.satellite.ephemeris import Ephemeris
-from safeloc.signals.satellite.figures import (
+from safeloc.sensing.satellite.ephemeris import Ephemeris
+from safeloc.sensing.satellite.figures import (
     EARTH_GRAVITY_M3_PER_S2,
     EARTH_RATE_RAD_PER_S,
     GALILEO_GRAVITY_M3_PER_S2,

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
-from safeloc.signals.satellite.atmosphere import troposphere_m
-from safeloc.signals.satellite.figures import LIGHT_M_PER_S
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.places import Place
+from safeloc.sensing.satellite.atmosphere import troposphere_m
+from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place
 
 Floats = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.epochs import Epoch, Measured
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.sensing.satellite.epochs import Epoch, Measured
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.track_prediction import Portion
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.satellite.ranges import Seen, orbits, seen
 from safeloc.simulation.satellite.receiver import (

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.figures import L1_WAVELENGTH_M
+from safeloc.sensing.satellite.figures import L1_WAVELENGTH_M
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

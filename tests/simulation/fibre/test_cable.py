@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.fibre.figures import Interrogator
+from safeloc.sensing.fibre.figures import Interrogator
 from safeloc.simulation.fibre.cable import Cable, CableFigures, Section, cable
 
 INTER = Interrogator(fibre_mm=20_000_000)

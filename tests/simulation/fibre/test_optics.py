@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.signals.fibre.figures import Interrogator
+from safeloc.sensing.fibre.figures import Interrogator
 from safeloc.simulation.fibre.cable import CableFigures, cable
 from safeloc.simulation.fibre.optics import Backscatter, Drift, OpticsFigures, Receiver
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.fibre.blocks import FibreBlock
-from safeloc.signals.fibre.figures import FibreConfig, Interrogator
+from safeloc.sensing.fibre.blocks import FibreBlock
+from safeloc.sensing.fibre.figures import FibreConfig, Interrogator
 from safeloc.simulation.fibre.cable import cable
 from safeloc.simulation.fibre.emitters import Sounding
 from safeloc.simulation.fibre.scene import Fault, FaultKind, Shot, World, shots

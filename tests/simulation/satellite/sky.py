@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 
-from safeloc.signals.satellite.navigation import Navigation
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.track_prediction import Portion
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.track_prediction import Portion
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.satellite.constellation import BEIDOU, GALILEO, GPS, constellation
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.epochs import Epoch, Measured
+from safeloc.sensing.satellite.epochs import Epoch, Measured
 from safeloc.simulation.satellite.disturbing import Disturbance, Disturbed, disturb
 
 EPOCHS = [Epoch(1_000.0 + n, {"G01": Measured(2e7, 100.0), "G02": Measured(2.2e7, None)}) for n in range(20)]

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from safeloc.signals.satellite.atmosphere import troposphere_m
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.predicted import predicted
+from safeloc.sensing.satellite.atmosphere import troposphere_m
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.predicted import predicted
 from safeloc.simulation.satellite.ranges import orbits, seen
 from tests.simulation.satellite.sky import sky
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.signals.satellite.places import Place
-from safeloc.signals.satellite.residuals import Residuals, residuals
+from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.residuals import Residuals, residuals
 from safeloc.simulation.satellite.receiver import ReceiverConfig
 from safeloc.simulation.satellite.run import Outages, SimulatedRun, Spoofer, World, simulate
 from safeloc.simulation.satellite.scenery import tunnel

@@ -1,0 +1,118 @@
+"""From slant range to distance along the track, now: exact bounds for every track that is not too sharply curved.
+
+The reflector stands o beside the track and h above or below the antenna, a distance s ahead along the track, whose
+curvature nowhere exceeds 1 / R. With r the slant range and c the chord,
+
+    c^2 - s^2 o / R  <=  r^2 - o^2 - h^2  <=  c^2 + s^2 o / R        and        s^2 (1 - s^2 / 12 R^2)  <=  c^2  <=  s^2
+
+the first since the chord leaves the tangent by at most s^2 / 2R, the second by Schur's theorem: no chord of such a
+curve is shorter than that of the circle. The reflector's view is shorter than R.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+from safeloc.errors import InputError
+from safeloc.sensing.echoes import Echo
+from safeloc.sensing.figures import MILLION, Installation, RadarConfig
+from safeloc.sensing.rounding import Exact, Interval
+
+US_PER_MS = 1_000
+MS_PER_S = 1_000
+
+
+@dataclass(frozen=True)
+class Delay:
+    """What happened since a frame was taken: its age, and the speed towards the reflector (negative: away) since then.
+
+    Where the speed is not known, give the highest one both ways: the age is then charged instead of compensated.
+    """
+
+    least_ms: int
+    most_ms: int
+    least_mm_s: int
+    most_mm_s: int
+
+    def __post_init__(self) -> None:
+        figures = (self.least_ms, self.most_ms, self.least_mm_s, self.most_mm_s)
+        if any(type(one) is not int for one in figures):
+            raise InputError(f"{self}: ages and speeds are whole ms and mm/s.")
+        if not 0 <= self.least_ms <= self.most_ms or self.least_mm_s > self.most_mm_s:
+            raise InputError(f"{self}: needs 0 <= least_ms <= most_ms and least_mm_s <= most_mm_s.")
+
+    @classmethod
+    def since(cls, taken_ms: int, now_ms: int, least_mm_s: int, most_mm_s: int) -> Delay:
+        """From a frame's time to now, both whole ms of one clock: each may be rounded by half of one."""
+        age = now_ms - taken_ms
+        return cls(max(0, age - 1), age + 1, least_mm_s, most_mm_s)
+
+    @property
+    def speed(self) -> Interval:
+        """Speed towards the reflector, mm/s."""
+        return Interval(self.least_mm_s, self.most_mm_s)
+
+
+def distance_now(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
+    """Bounds in mm of the distance along the track to the reflector of an echo, after the delay.
+
+    Negative below: the reflector may have been passed. InputError where the range is beyond the sharpest radius.
+    """
+    then = along_track(_at_frame(_measured(echo), config, delay), config.installation)
+    age = Interval(Fraction(delay.least_ms, MS_PER_S), Fraction(delay.most_ms, MS_PER_S))
+    run = age * delay.speed
+    return Interval(then.low - run.high, then.high - run.low)
+
+
+def lateral(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
+    """Bounds in mm of how far aside of the antenna's axis an echo was when the frame was taken, positive to the left."""
+    low, high = echo.sine_ppm - echo.sine_error_ppm, echo.sine_ppm + echo.sine_error_ppm
+    sine = Interval(Fraction(low, MILLION), Fraction(high, MILLION))
+    return _at_frame(_measured(echo), config, delay) * sine
+
+
+def _measured(echo: Echo) -> Interval:
+    nearest = max(echo.range_mm - echo.range_error_mm, 0)
+    return Interval(nearest, echo.range_mm + echo.range_error_mm)
+
+
+def _at_frame(measured: Interval, config: RadarConfig, delay: Delay) -> Interval:
+    """A chirp measures the range that will be `lead` later: what is run until then is added again."""
+    lead_s = config.sensor.lead_us / (US_PER_MS * MS_PER_S)
+    nearest = measured.low - max(abs(delay.least_mm_s), abs(delay.most_mm_s)) * lead_s
+    closing = delay.speed * Interval(_least_cosine(nearest, config.installation), 1)
+    run = closing * Interval(lead_s, lead_s)
+    return Interval(max(measured.low + run.low, 0), measured.high + run.high)
+
+
+def _least_cosine(range_mm: Exact, installation: Installation) -> Fraction:
+    """Of the angle between track and line of sight: 1 - sin^2 is below it."""
+    if range_mm <= 0:
+        return Fraction(0)
+    aside = installation.offset_mm + installation.offset_error_mm + installation.height_difference_mm
+    sine = Fraction(aside) / range_mm + Fraction(range_mm) / installation.least_radius_mm
+    return max(Fraction(0), 1 - sine * sine)
+
+
+def along_track(slant: Interval, installation: Installation) -> Interval:
+    """Distance along the track to a reflector ahead at this slant range >= 0; bounds are whole mm, rounded outward."""
+    radius = installation.least_radius_mm
+    widest = installation.offset_mm + installation.offset_error_mm
+    narrowest = max(0, installation.offset_mm - installation.offset_error_mm)
+    bend = Fraction(widest, radius)
+    least = slant.low**2 - widest**2 - installation.height_difference_mm**2
+    low = math.isqrt(max(0, math.floor(least / (1 + bend))))
+    return Interval(low, _farthest(max(slant.high**2 - narrowest**2, 0), bend, radius))
+
+
+def _farthest(square: Exact, bend: Fraction, radius: int) -> int:
+    """The largest s with s^2 (1 - bend - s^2 / 12 R^2) <= square: first with s <= R, then with the s so found."""
+    first = square / (Fraction(11, 12) - bend)
+    if first > radius**2:
+        raise InputError(
+            f"a reflector {math.isqrt(math.floor(square))} mm away is not in view on a radius of {radius} mm; "
+            "measure nearer ones, or state the radius that the line has in its view zones."
+        )
+    return math.isqrt(math.ceil(square / (1 - bend - first / (12 * radius**2)))) + 1

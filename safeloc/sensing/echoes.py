@@ -1,0 +1,90 @@
+"""Echoes in whole numbers with bounds: what leaves the radar front end.
+
+A reflector's three corners each bound the range to its nearest one; the hull of the three is reported, which is right
+as long as one of the three is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.images import in_cdb
+from safeloc.sensing.interpolation import Points
+from safeloc.sensing.range_law import section_cdbsm
+from safeloc.sensing.rounding import Interval, hull, outward
+from safeloc.sensing.sensor_errors import NM_PER_MM, range_nm, sine_ppb
+from safeloc.sensing.signature import Doubt, Group, Model, Spots, groups
+
+PPB_PER_PPM = 1_000
+
+
+@dataclass(frozen=True)
+class Echo:
+    """One candidate: where, how strong, and which model.
+
+    range_mm, range_error_mm   the slant range from antenna to nearest corner, as it is `Sensor.lead_us` after the frame
+    sine_ppm, sine_error_ppm   sine of the angle from the antenna's axis, positive to the left, in millionths
+    intensity_cdb              of the weakest corner, over the receiver's noise, rounded down
+    section_cdbsm              the same, freed of range by the range law
+    doubt                      why there is no model; None exactly when there is one
+    """
+
+    model: Model
+    doubt: Doubt | None
+    range_mm: int
+    range_error_mm: int
+    sine_ppm: int
+    sine_error_ppm: int
+    intensity_cdb: int
+    section_cdbsm: int
+
+
+def echoes(found: Points, config: RadarConfig) -> list[Echo]:
+    """Reflectors and single echoes, nearest first."""
+    spots = spots_of(found, config)
+    grouped = groups(spots, config)
+    taken = {member for group in grouped for member in group.members}
+    alone = [Group(Model.UNKNOWN, (one,), (0.0,), Doubt.SHAPE) for one in range(len(spots.power)) if one not in taken]
+    made = [_echo(group, found, spots, config) for group in [*grouped, *alone]]
+    return sorted(made, key=lambda echo: (echo.range_mm, echo.sine_ppm))
+
+
+def spots_of(found: Points, config: RadarConfig) -> Spots:
+    """Best places in mm and sines."""
+    sensor = config.sensor
+    range_mm = (found.peaks.row + found.range.best) * float(sensor.cell_mm)
+    sine = (found.peaks.column - sensor.side_cells + found.angle.best) * float(sensor.sine_cell)
+    return Spots(range_mm, sine, found.power)
+
+
+def _echo(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Echo:
+    weakest = min(group.members, key=lambda one: float(spots.power[one]))
+    power = float(spots.power[weakest])
+    return Echo(
+        Model.UNKNOWN if group.doubt else group.model,
+        group.doubt,
+        *outward(_nearest_nm(group, found, config), NM_PER_MM),
+        *outward(_nearest_ppb(group, found, spots, config), PPB_PER_PPM),
+        in_cdb(power),
+        section_cdbsm(power, float(spots.range_mm[weakest]), config),
+    )
+
+
+def _nearest_nm(group: Group, found: Points, config: RadarConfig) -> Interval:
+    """Range of the nearest corner, from each of them."""
+    bounds = [range_nm(one, found, config.sensor) for one in group.members]
+    return hull(
+        [bound.moved(-round(farther * NM_PER_MM)) for bound, farther in zip(bounds, group.farther_mm, strict=True)]
+    )
+
+
+def _nearest_ppb(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Interval:
+    """Sine of the nearest corner, from each of them: all stand equally far aside, so sine x range is the same."""
+    bounds = [sine_ppb(one, found, config.sensor) for one in group.members]
+    if len(bounds) == 1:
+        return bounds[0]
+    nearest = float(spots.range_mm[group.members[0]])
+    ratios = [Fraction(float(spots.range_mm[one]) / nearest) for one in group.members]
+    return hull([bound * Interval(ratio, ratio) for bound, ratio in zip(bounds, ratios, strict=True)])

@@ -1,0 +1,169 @@
+"""Bogies counted in a train's own profile (FVA-3, FVA-6): what all channels that it passed have in common.
+
+While a train passes a channel, its clusters of axles pass one by one. Each channel's course of energy, laid over the
+distance behind the front end and freed of that channel's coupling, is the same picture; over many channels noise and
+coupling average out. With a gauge of some metres the bogies of two coupled coaches are one cluster, and single axles
+are not seen: the count of clusters is what is measured.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.sensing.fibre.figures import FibreConfig
+
+try:
+    from scipy import ndimage, signal
+except ModuleNotFoundError as error:
+    from safeloc.errors import EngineError
+
+    raise EngineError("fibre signals are read with scipy: pip install 'safeloc[signals]'.") from error
+
+Numbers = NDArray[np.float64]
+Single = NDArray[np.float32]
+BEYOND_MM = 40_000
+SMOOTH_MM = 2_000
+LEAST_HEIGHT = 0.2
+FAINTEST = 0.03
+SLOWEST_MM_S = 3_000
+TURNED_MM = 30_000
+DEGREE = 2
+TINY = float(np.finfo(np.float64).tiny)
+
+
+@dataclass(frozen=True)
+class Count:
+    """Clusters of axles counted, the axles that follow from the kind of vehicle (None: not told), and whether to rely on it.
+
+    confident   as many profiles in a row agree as are asked for
+    """
+
+    clusters: int
+    axles: int | None
+    confident: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Moment:
+    """One window: when, where the train's middle was measured, and every channel's energy."""
+
+    time_ms: float
+    middle_mm: float
+    energy: Single
+
+
+class Counter:
+    """Counts one train's clusters of axles."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._config = config
+        self._moments: deque[_Moment] = deque()
+        self._profile: Numbers | None = None
+        self._gathered = 0
+        self._next: int | None = None
+        self._counts: deque[int] = deque(maxlen=config.counting.agree)
+
+    def follow(self, time_ms: float, middle_mm: float, length_mm: float, speed_mm_s: float, energy: Single) -> None:
+        """One window: where the middle is, how long between the outermost axles, how fast (signed), all as measured."""
+        if abs(speed_mm_s) < SLOWEST_MM_S or (self._moments and self._turned(middle_mm, speed_mm_s)):
+            self._start_again()
+        if abs(speed_mm_s) < SLOWEST_MM_S:
+            return
+        self._moments.append(_Moment(time_ms, middle_mm, energy))
+        ahead = 1 if speed_mm_s > 0 else -1
+        reach = ahead * (length_mm / 2 + BEYOND_MM)
+        passed = self._channel(middle_mm - reach, ahead)
+        if self._next is None:
+            self._next = self._channel(middle_mm + reach, ahead) + ahead
+        while (passed - self._next) * ahead >= 0:
+            self._gather(self._next, length_mm, ahead)
+            self._next += ahead
+        self._forget(ahead, length_mm)
+
+    @property
+    def count(self) -> Count | None:
+        """The last count; None before there is one."""
+        if not self._counts:
+            return None
+        clusters = self._counts[-1]
+        agreed = len(self._counts) == self._counts.maxlen and len(set(self._counts)) == 1
+        each = self._config.counting.axles_per_vehicle
+        return Count(clusters, each * (clusters - 1) if each and clusters > 1 else None, agreed)
+
+    def _turned(self, middle_mm: float, speed_mm_s: float) -> bool:
+        return (middle_mm - self._moments[0].middle_mm) * speed_mm_s < -TURNED_MM * abs(speed_mm_s)
+
+    def _start_again(self) -> None:
+        self._moments.clear()
+        self._profile, self._gathered, self._next = None, 0, None
+
+    def _channel(self, place_mm: float, ahead: int) -> int:
+        """The last channel, in direction of travel, whose middle lies behind a place."""
+        inter = self._config.interrogator
+        number = (place_mm - inter.span_mm / 2) / inter.channel_mm
+        return math.floor(number) if ahead > 0 else math.ceil(number)
+
+    def _forget(self, ahead: int, length_mm: float) -> None:
+        """Moments before the train came near the next channel, with some to spare for the fit."""
+        assert self._next is not None
+        inter = self._config.interrogator
+        place = self._next * inter.channel_mm + inter.span_mm / 2
+        reach = length_mm / 2 + 2 * BEYOND_MM
+        while len(self._moments) > 1 and (place - self._moments[1].middle_mm) * ahead > reach:
+            self._moments.popleft()
+
+    def _middles(self) -> Numbers:
+        """Where the middle was at every moment kept, freed of single windows' errors."""
+        time = np.array([one.time_ms - self._moments[-1].time_ms for one in self._moments]) / 1_000
+        middle = np.array([one.middle_mm for one in self._moments])
+        if len(time) <= DEGREE:
+            return middle
+        return np.asarray(np.polyval(np.polyfit(time, middle, DEGREE), time), dtype=np.float64)
+
+    def _gather(self, channel: int, length_mm: float, ahead: int) -> None:
+        """One channel's course, laid over the distance behind the middle: a smooth run, fitted over all that is kept."""
+        inter, counting = self._config.interrogator, self._config.counting
+        if not 0 <= channel < inter.channels:
+            return
+        behind = (self._middles() - channel * inter.channel_mm - inter.span_mm / 2) * ahead
+        course = np.array([one.energy[channel] for one in self._moments], dtype=np.float64)
+        if np.any(np.diff(behind) <= 0):
+            return
+        half = length_mm / 2 + BEYOND_MM
+        bins = np.arange(-half, half, counting.bin_mm)
+        course = np.interp(bins, behind, course)
+        if self._profile is None:
+            self._profile = np.zeros(len(bins))
+        shared = min(len(bins), len(self._profile))
+        self._profile = self._profile[:shared] + course[:shared] / max(
+            float(course.mean()), float(np.finfo(np.float64).tiny)
+        )
+        self._gathered += 1
+        if self._gathered * inter.channel_mm >= counting.run_mm:
+            self._counts.append(clusters(self._profile, self._config))
+            self._profile, self._gathered = None, 0
+
+
+def _added(profile: Numbers, course: Numbers) -> Numbers:
+    """Both about their middle; as long as the shorter."""
+    shorter = min(len(profile), len(course))
+    first, second = (len(profile) - shorter) // 2, (len(course) - shorter) // 2
+    return profile[first : first + shorter] + course[second : second + shorter]
+
+
+def clusters(profile: Numbers, config: FibreConfig) -> int:
+    """Clusters of axles in a profile over distance: tops with a dip beside them, in proportion to their own height.
+
+    A locomotive is louder than its coaches: what counts is a top's own dip, and that it is no mere ripple beside most tops.
+    """
+    smooth = ndimage.gaussian_filter1d(profile, SMOOTH_MM / config.counting.bin_mm)
+    above = smooth - np.percentile(smooth, 5)
+    _, found = signal.find_peaks(above, height=FAINTEST * above.max(), prominence=0)
+    heights, dips = found.get("peak_heights", np.empty(0)), found["prominences"]
+    clear = heights[dips >= config.counting.dip_percent / 100 * heights]
+    return int((clear >= LEAST_HEIGHT * np.median(clear)).sum()) if len(clear) else 0

@@ -1,0 +1,139 @@
+"""Blocks of frames at the border: taken as they are, or refused with a reason; nothing is repaired.
+
+A refused block tells nothing: to the machines the fibre was silent for that long, and what was followed is lost.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.runtime.border import Deliveries, Raw, Reason
+from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+
+Single = NDArray[np.float32]
+TIME_SLACK_MS = 2
+
+
+class Refusal(Enum):
+    """Why a block is refused that came in time: what only blocks can have. The rest has the border's reasons."""
+
+    WRONG_SHAPE = "not frames x channels of this interrogator"
+    WRONG_INTENSITY = "intensity is not finite, not >= 0, or not one number a light channel"
+    GAP = "frames are missing between this block and the one before"
+    FROZEN = "the same block as before under a new number"
+    SILENT = "no noise at all: the interrogator does not measure"
+    DARK = "too little light comes back from too many channels"
+    DISTURBED = "the whole fibre is shaken at once"
+    LEARNING = "the fibre's quiet is not known yet"
+
+
+@dataclass(frozen=True, eq=False)
+class FibreBlock:
+    """Frames as delivered.
+
+    phase_rate   [frames, channels], change of phase over each channel's gauge in rad a frame, 32-bit or 64-bit floats
+    intensity    [light channels], mean power of the light that came back; None where the interrogator does not tell
+    time_ms      of the last frame
+    sequence     number of the block
+    """
+
+    phase_rate: object
+    intensity: object
+    time_ms: int
+    sequence: int
+
+
+@dataclass(frozen=True)
+class NoFibre:
+    """Nothing is known of this block's time, and why."""
+
+    reason: Reason | Refusal
+    detail: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """An admitted block's arrays."""
+
+    phase_rate: Single
+    intensity: Single | None
+
+
+def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
+    """The block's arrays, or why they cannot be used. Whether they are finite shows in their energy."""
+    rate = block.phase_rate
+    if not isinstance(rate, np.ndarray) or rate.dtype not in (np.float32, np.float64):
+        return NoFibre(Reason.WRONG_TYPE, str(getattr(rate, "dtype", type(rate).__name__)))
+    shape = (config.band.block_frames, config.interrogator.channels)
+    if rate.shape != shape:
+        return NoFibre(Refusal.WRONG_SHAPE, f"{rate.shape}, not {shape}")
+    intensity = _intensity(block.intensity, config.interrogator.light_channels)
+    if isinstance(intensity, NoFibre):
+        return intensity
+    with np.errstate(over="ignore"):
+        return Content(rate.astype(np.float32, copy=False), intensity)
+
+
+def _intensity(given: object, channels: int) -> Single | NoFibre | None:
+    if given is None:
+        return None
+    if not isinstance(given, np.ndarray) or given.dtype not in (np.float32, np.float64):
+        return NoFibre(Reason.WRONG_TYPE, "intensity")
+    if given.shape != (channels,):
+        return NoFibre(Refusal.WRONG_INTENSITY, f"{given.shape}, not {(channels,)}")
+    if not np.isfinite(given).all() or given.min() < 0:
+        return NoFibre(Refusal.WRONG_INTENSITY, "not finite, or negative")
+    return given.astype(np.float32, copy=False)
+
+
+def unusable(config: FibreConfig, energy: Single) -> NoFibre | None:
+    """Whether the energies [windows, channels] tell of frames that are not finite, or of a silent interrogator.
+
+    Every frame has a weight in every energy, and NaN and infinity stay what they are in sums.
+    """
+    if not np.isfinite(energy).all():
+        return NoFibre(Reason.NOT_FINITE, f"{int((~np.isfinite(energy)).any(axis=0).sum())} channels")
+    silent = 100 * float((energy.max(axis=0) == 0).mean())
+    if silent > config.detection.lost_percent:
+        return NoFibre(Refusal.SILENT, f"{silent:.0f} % of the channels")
+    return None
+
+
+class Order:
+    """Judges the place of blocks in their stream: when they come, whether they join, and whether they change."""
+
+    def __init__(self, config: FibreConfig, max_age_ms: int) -> None:
+        self._max_age_ms = max_age_ms
+        self._duration_ms = MS_PER_S * config.band.block_frames / config.interrogator.frame_hz
+        self._deliveries = Deliveries()
+        self._joins: tuple[int, int] | None = None
+        self._digest: bytes | None = None
+
+    def judge(self, block: FibreBlock, now_ms: int) -> NoFibre | None:
+        """None when the block is fresh and newer than all before."""
+        fault = self._deliveries.fault("block", Raw(None, block.time_ms, block.sequence), now_ms, self._max_age_ms)
+        return None if fault is None else NoFibre(fault.reason, fault.detail)
+
+    def joins(self, block: FibreBlock) -> NoFibre | None:
+        """None when it continues the last block that was judged here, or is the first one."""
+        before, self._joins = self._joins, (block.sequence, block.time_ms)
+        if before is None:
+            return None
+        late_ms = block.time_ms - before[1] - self._duration_ms
+        if block.sequence == before[0] + 1 and abs(late_ms) <= TIME_SLACK_MS:
+            return None
+        return NoFibre(Refusal.GAP, f"number {before[0]} to {block.sequence}, {late_ms:+.0f} ms")
+
+    def broken(self) -> None:
+        """What comes next joins nothing that was used."""
+        self._joins = None
+
+    def changes(self, energy: Single) -> NoFibre | None:
+        """None when the block's energies are not those of the one before."""
+        before, self._digest = self._digest, hashlib.blake2b(energy.tobytes()).digest()
+        return NoFibre(Refusal.FROZEN) if before == self._digest else None

@@ -1,0 +1,120 @@
+"""Energy of vibration in a band, window by window, as one matrix product; and each channel's own quiet.
+
+A window of frames is projected on the tones of the band under a Hann window, each of unit length: white noise of unit
+variance has mean energy 1. Strong slow strain (an axle's weight, temperature) lies outside the tones' main lobes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.errors import EngineError
+from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig, tones_hz
+
+try:
+    from scipy.signal import windows
+except ModuleNotFoundError as error:
+    raise EngineError("fibre signals are read with scipy: pip install 'safeloc[signals]'.") from error
+
+Single = NDArray[np.float32]
+LEARNING_PARTS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Energies:
+    """Mean energy in the band, and at the emitters' tone (None without emitters). Shapes [windows, channels]."""
+
+    band: Single
+    tone: Single | None
+
+
+class Analyser:
+    """Energies of blocks."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._windows, self._frames = config.band.windows_per_block, config.band.window_frames
+        rows = [_rows(config, tone) for tone in tones_hz(config)]
+        self._band_rows = 2 * len(rows)
+        if config.emission.emitters:
+            rows.append(_rows(config, config.emission.tone_hz))
+        self._rows = np.concatenate(rows).astype(np.float32)
+
+    def energies(self, phase_rate: Single) -> Energies:
+        """Of frames [frames, channels], a whole block."""
+        parts = phase_rate.reshape(self._windows, self._frames, phase_rate.shape[1])
+        with np.errstate(over="ignore", invalid="ignore"):
+            projected = np.matmul(self._rows, parts)
+            np.multiply(projected, projected, out=projected)
+            band: Single = projected[:, : self._band_rows].mean(axis=1)
+            if len(self._rows) == self._band_rows:
+                return Energies(band, None)
+            return Energies(band, projected[:, self._band_rows :].mean(axis=1))
+
+
+def _rows(config: FibreConfig, tone_hz: float) -> NDArray[np.float64]:
+    """Cosine and sine of a tone under the window, each of unit length."""
+    frames = np.arange(config.band.window_frames)
+    turn = 2 * np.pi * tone_hz * frames / config.interrogator.frame_hz
+    window = windows.hann(config.band.window_frames + 2)[1:-1]
+    rows = np.stack([window * np.cos(turn), window * np.sin(turn)])
+    return np.asarray(rows / np.sqrt((rows**2).sum(axis=1, keepdims=True)))
+
+
+class Smoother:
+    """Means over the last windows, block after block."""
+
+    def __init__(self, windows_averaged: int) -> None:
+        self._count = windows_averaged
+        self._before: Single | None = None
+
+    def reset(self) -> None:
+        """The next window begins anew."""
+        self._before = None
+
+    def smooth(self, energy: Single) -> Single:
+        """Of every window [windows, channels] with those before it."""
+        if self._count == 1:
+            return energy
+        lead = np.repeat(energy[:1], self._count - 1, axis=0) if self._before is None else self._before
+        joined = np.concatenate([lead, energy])
+        self._before = joined[len(joined) - self._count + 1 :]
+        made = joined[: len(energy)].copy()
+        for number in range(1, self._count):
+            made += joined[number : number + len(energy)]
+        made /= np.float32(self._count)
+        return made
+
+
+class Quiet:
+    """Each channel's energy without trains: the quietest part of its first seconds, then a slow mean of its quiet ones."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._needed = max(LEARNING_PARTS, round(config.detection.floor_s * MS_PER_S / config.window_ms))
+        self._share = np.float32(1 / self._needed)
+        self._first: list[Single] = []
+        self._level: Single | None = None
+
+    @property
+    def level(self) -> Single | None:
+        """Mean energy of each channel, [channels]; None until it is learnt."""
+        return self._level
+
+    def learn(self, energy: Single) -> None:
+        """From energies [windows, channels] of the first seconds; no more once it is learnt."""
+        self._first.extend(energy)
+        if len(self._first) >= self._needed:
+            parts = np.array_split(np.stack(self._first), LEARNING_PARTS)
+            self._level = np.min([part.mean(axis=0) for part in parts], axis=0).astype(np.float32)
+            self._first = []
+
+    def follow(self, energy: Single, shaken: NDArray[np.bool_]) -> None:
+        """Only where nothing shakes the fibre: [windows, channels] both."""
+        assert self._level is not None
+        quiet = ~shaken
+        count = quiet.sum(axis=0)
+        mean = np.where(quiet, energy, 0).sum(axis=0) / np.maximum(count, 1)
+        share = np.minimum(count * self._share, 1)
+        self._level = (self._level + share * (mean - self._level)).astype(np.float32)

@@ -1,0 +1,70 @@
+"""From a fitted course to ends, speed and length with bounds: everything that may be wrong is charged here."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from safeloc.sensing.fibre.features import Bounds, End
+from safeloc.sensing.fibre.fibre_map import FibreMap
+from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.reflections import Reflections, coincident
+from safeloc.sensing.fibre.time_of_flight import bounds_mm, time_ps
+from safeloc.sensing.fibre.tracks import Fit
+from safeloc.sensing.rounding import Interval
+
+HALF = Fraction(1, 2)
+
+
+def at_last_frame(fit: Fit, config: FibreConfig) -> Fit:
+    """The course later by half of the windows averaged: energies belong to their middle."""
+    run = fit.speed_mm_s * config.window_ms * config.detection.average_windows / MS_PER_S / 2
+    return Fit(
+        fit.low_mm + run,
+        fit.high_mm + run,
+        fit.speed_mm_s,
+        fit.off_low_mm,
+        fit.off_high_mm,
+        fit.usual_off_mm,
+        fit.apart_mm_s,
+    )
+
+
+def end(
+    place_mm: float, off_mm: float, outward: int, config: FibreConfig, where: FibreMap, light: Reflections | None
+) -> End:
+    """A train's end from its outermost axle's measured place; `outward` +1 or -1 is where the vehicle goes on."""
+    measured = _measured(place_mm, off_mm, outward, config)
+    index = config.interrogator.index_ppm
+    flight = Interval(time_ps(measured.low, index), time_ps(measured.high, index)).widened(
+        config.interrogator.trigger_error_ps
+    )
+    fibre = bounds_mm(flight, index, config.interrogator.index_error_ppm)
+    points = coincident(light, float(measured.low), float(measured.high)) if light is not None else ()
+    return End(Bounds.outward(where.on_track(fibre)), Bounds.outward(fibre), Bounds.outward(flight), points)
+
+
+def _measured(place_mm: float, off_mm: float, outward: int, config: FibreConfig) -> Interval:
+    """Bounds of the end as measured, never before the coupler: error, scatter beyond half of it, overhang."""
+    detection = config.detection
+    scatter = max(Fraction(0), Fraction(off_mm) - detection.end_error_mm * HALF)
+    axle = Interval(Fraction(place_mm), Fraction(place_mm)).widened(detection.end_error_mm + scatter)
+    low = axle.low - (detection.overhang_mm if outward < 0 else 0)
+    high = axle.high + (detection.overhang_mm if outward > 0 else 0)
+    return Interval(max(low, 0), max(high, 0))
+
+
+def speed(fit: Fit, config: FibreConfig) -> Bounds:
+    """Along the fibre: error of the fit, the ends' disagreement, and what traction and brake changed since its middle."""
+    detection = config.detection
+    changed = Fraction(detection.most_change_mm_s2 * detection.fit_ms, 2 * MS_PER_S)
+    error = detection.speed_error_mm_s + changed + Fraction(fit.apart_mm_s) / 2
+    return Bounds.outward(Interval(Fraction(fit.speed_mm_s), Fraction(fit.speed_mm_s)).widened(error))
+
+
+def length(fit: Fit, config: FibreConfig, where: FibreMap) -> Bounds:
+    """On the track, over buffers: what both ends have in common cancels, their scatter does not."""
+    detection = config.detection
+    low, high = where.path_mm(max(Fraction(fit.low_mm), Fraction(0))), where.path_mm(Fraction(fit.high_mm))
+    scatter = max(Fraction(0), Fraction(fit.off_low_mm + fit.off_high_mm) - detection.length_error_mm)
+    between = Interval(high - low, high - low).widened(detection.length_error_mm + scatter)
+    return Bounds.outward(Interval(max(between.low, 0), max(between.high, 0) + 2 * detection.overhang_mm))

@@ -1,0 +1,140 @@
+"""Recorded arrays: `.npy` and `.npz` always; HDF5 in each form that dascore knows (PRODML among them) with the extra `das`.
+
+A recording is phase rate or strain rate, [frames, channels], finite or not as it was recorded: the border judges it,
+block by block. Data in another scale serve as well, since levels are compared with each channel's own quiet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile, is_zipfile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.errors import EngineError, InputError, StreamError
+from safeloc.runtime.outside import refuse_beyond, shortened, shown
+from safeloc.runtime.streams.files import existing, streaming
+from safeloc.sensing.fibre.blocks import FibreBlock
+from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.hdf5_contents import require_harmless
+
+MM_PER_M = 1_000
+LARGEST_RECORDING = 4_000_000_000
+"""Bytes: an hour of a thousand channels, 1000 times a second as 8-bit numbers. Cut longer ones; blocks are judged alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What was recorded, and at what rate and spacing (None: the file does not tell)."""
+
+    frames: NDArray[np.float32]
+    frame_hz: float | None
+    channel_mm: float | None
+
+
+def read_array(path: Path, *, name: str = "data", channels_first: bool = False) -> Recording:
+    """An array from `.npy`, or `name` from `.npz` with `scale`, `fs_hz` and `dx_m` where they are; no pickles.
+
+    Whole numbers are taken times `scale`, which they need. StreamError for anything that is not two axes of numbers.
+    """
+    with streaming(path):
+        data, told = _loaded(path, name)
+        return _recording(path, data, told, channels_first)
+
+
+def _refuse_large(path: Path) -> None:
+    """By what the file, or every array in it, takes in memory as it says; a file of zeros packs to a thousandth."""
+    size = path.stat().st_size
+    if is_zipfile(path):
+        with ZipFile(path) as archive:
+            size = sum(part.file_size for part in archive.infolist())
+    refuse_beyond(path, size, LARGEST_RECORDING, "bytes in its arrays")
+
+
+def _loaded(path: Path, name: str) -> tuple[object, dict[str, float]]:
+    """The array, and what is told beside it."""
+    try:
+        _refuse_large(path)
+        loaded = np.load(path, allow_pickle=False)
+        if isinstance(loaded, np.ndarray):
+            return loaded, {}
+        with loaded:
+            if name not in loaded:
+                raise StreamError(
+                    f"{path}: holds {shown(', '.join(sorted(loaded)))}, no array {name!r}; give its name."
+                )
+            told = ("scale", "fs_hz", "dx_m")
+            return loaded[name], {key: float(loaded[key]) for key in told if key in loaded and loaded[key].size == 1}
+    except (InputError, FileNotFoundError, MemoryError):
+        raise
+    except Exception as error:  # numpy, zipfile and zlib fail on damage in their own ways
+        raise StreamError(f"{path}: not an array that numpy reads without pickles ({shortened(error)}).") from error
+
+
+def _recording(path: Path, data: object, told: dict[str, float], channels_first: bool) -> Recording:
+    if not isinstance(data, np.ndarray) or data.ndim != 2 or data.dtype.kind not in "fiu":
+        raise StreamError(f"{path}: needs two axes of real numbers, frames and channels.")
+    if data.dtype.kind != "f" and "scale" not in told:
+        raise StreamError(f"{path}: whole numbers need their scale; store it beside them as `scale` in an .npz.")
+    frames = (data.T if channels_first else data).astype(np.float32) * np.float32(told.get("scale", 1.0))
+    spacing = told.get("dx_m")
+    return Recording(frames, told.get("fs_hz"), None if spacing is None else spacing * MM_PER_M)
+
+
+def read_das(path: Path) -> Recording:
+    """An HDF5 file in a form that dascore knows. EngineError without dascore; StreamError when it cannot read the file.
+
+    No other kind of file: dascore tells kinds apart by trying, and one of those it tries is the pickle, which is code.
+    """
+    try:
+        import dascore  # pyright: ignore[reportMissingImports] # an extra
+    except ModuleNotFoundError as error:
+        raise EngineError(
+            f"{path} is read with dascore: pip install 'safeloc[das]'; .npy and .npz need nothing."
+        ) from error
+    with streaming(path):
+        refuse_beyond(path, existing(path).stat().st_size, LARGEST_RECORDING, "bytes")
+    require_harmless(path, LARGEST_RECORDING)
+    try:
+        library: Any = dascore
+        patch = library.spool(path)[0].transpose("time", "distance")
+    except Exception as error:
+        raise StreamError(f"{path}: dascore cannot read it ({shortened(error)}).") from error
+    with streaming(path):
+        return _of_patch(path, patch)
+
+
+def _of_patch(path: Path, patch: Any) -> Recording:
+    data = np.asarray(patch.data)
+    if data.ndim != 2 or data.dtype.kind not in "fiu" or min(data.shape) < 2:
+        raise StreamError(f"{path}: needs two axes of real numbers, time and distance, of two or more each.")
+    seconds = np.diff(patch.get_array("time")[:2]) / np.timedelta64(1, "s")
+    metres = np.diff(patch.get_array("distance")[:2])
+    if not seconds[0] > 0:
+        raise StreamError(f"{path}: its first two frames are {seconds[0]:g} s apart; time has to go on.")
+    return Recording(data.astype(np.float32), float(1 / seconds[0]), float(metres[0]) * MM_PER_M)
+
+
+def blocks(recording: Recording, config: FibreConfig, first_ms: int = 0) -> Iterator[FibreBlock]:
+    """The recording cut into blocks; what is left over at the end makes none.
+
+    InputError where rate, spacing or number of channels are not those of the configuration.
+    """
+    inter = config.interrogator
+    _same("frames a second", recording.frame_hz, inter.frame_hz)
+    _same("mm between channels", recording.channel_mm, inter.channel_mm)
+    _same("channels", recording.frames.shape[1], inter.channels)
+    size = config.band.block_frames
+    for number in range(len(recording.frames) // size):
+        frames = np.ascontiguousarray(recording.frames[number * size : (number + 1) * size])
+        last_ms = first_ms + round((number + 1) * size * MS_PER_S / inter.frame_hz)
+        yield FibreBlock(frames, None, last_ms, number)
+
+
+def _same(what: str, recorded: float | None, configured: float) -> None:
+    if recorded is not None and abs(recorded - configured) > 1e-6 * configured:
+        raise InputError(f"the recording has {recorded:g} {what}, the configuration {configured:g}; make them agree.")

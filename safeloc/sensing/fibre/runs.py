@@ -1,0 +1,79 @@
+"""Runs of shaken fibre in one window, and where a train's outermost axles stand in them.
+
+An axle shakes the fibre around it; the energy falls with the fourth power of distance. The last channel above the
+threshold lies the farther from the axle, the louder the train is there: with r the ratio of level to threshold, an axle
+at a distance d of near * sqrt(sqrt(r) - 1) just reaches the threshold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.sensing.fibre.figures import FibreConfig
+
+Single = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+LEAST_CHANNELS = 3
+NEIGHBOURHOOD_MM = 120_000
+LEVEL_SHARE = 0.15
+
+
+@dataclass(frozen=True)
+class Run:
+    """Shaken fibre from channel `first` to `last`, and the estimated places of the outermost axles, in mm of fibre.
+
+    cut_low, cut_high   it touches that end of the fibre: the train may go on beyond it
+    """
+
+    first: int
+    last: int
+    low_mm: float
+    high_mm: float
+    cut_low: bool
+    cut_high: bool
+
+
+def runs(ratio: Single, shaken: Mask, config: FibreConfig) -> list[Run]:
+    """Of one window: energy over quiet, and where it exceeds the threshold, [channels]. In order along the fibre."""
+    channels = np.flatnonzero(shaken)
+    if len(channels) < LEAST_CHANNELS:
+        return []
+    gap = config.detection.gap_mm // config.interrogator.channel_mm + 1
+    parts = np.split(channels, np.flatnonzero(np.diff(channels) > gap) + 1)
+    return [_run(ratio, part, config) for part in parts if _is_solid(part)]
+
+
+def _is_solid(channels: NDArray[np.intp]) -> bool:
+    """Noise at one place shakes the two channels that share it; a train shakes more."""
+    return len(channels) >= LEAST_CHANNELS and bool((np.diff(channels) == 1).any())
+
+
+def _run(ratio: Single, channels: NDArray[np.intp], config: FibreConfig) -> Run:
+    first, last = int(channels[0]), int(channels[-1])
+    inter = config.interrogator
+    near = max(1, NEIGHBOURHOOD_MM // inter.channel_mm)
+    span = last - first + 1
+    half = (span - 1) * inter.channel_mm / 2
+    low = min(half, _edge(ratio[first : first + min(near, span)], config))
+    high = min(half, _edge(ratio[last - min(near, span) + 1 : last + 1][::-1], config))
+    middle = inter.span_mm / 2
+    return Run(
+        first,
+        last,
+        first * inter.channel_mm + middle + low,
+        last * inter.channel_mm + middle - high,
+        first == 0,
+        last == inter.channels - 1,
+    )
+
+
+def _edge(ratio: Single, config: FibreConfig) -> float:
+    """How far inward of the last channel's middle the axle stands, in mm; `ratio` from that end on."""
+    detection, inter = config.detection, config.interrogator
+    threshold = 10 ** (detection.threshold_cdb / 1_000)
+    level = max(float(np.sort(ratio)[int(LEVEL_SHARE * len(ratio))]), threshold)
+    away = detection.near_mm * np.sqrt(np.sqrt(level / threshold) - 1)
+    return float(away) + inter.span_mm / 2 - inter.channel_mm / 2

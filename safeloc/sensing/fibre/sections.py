@@ -1,0 +1,161 @@
+"""Position signals So: the amplitude of a train's pattern rises or falls (FWG-1, FWG-8), whenever that happens.
+
+What is watched is the amplitude of the pattern's first metres from an end of the train, over its run. It is compared
+with what it was before; a return to it ends the section and is no second one. No time of flight is used, so no drift
+of it matters. A louder vehicle moves with the train and changes nothing; a section stays where it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum
+from statistics import median
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.sensing.fibre.figures import FibreConfig
+
+Single = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+MEDIAN_WINDOWS = 9
+SAMPLE_MM = 1_000
+CDB_PER_DECADE = 1_000
+
+
+class Effect(Enum):
+    """What a section does to the amplitude."""
+
+    RAISES = "raises"
+    LOWERS = "lowers"
+
+
+class Edge(Enum):
+    """What the amplitude did."""
+
+    RISE = "rise"
+    FALL = "fall"
+
+
+@dataclass(frozen=True)
+class Change:
+    """An edge in the amplitude at one end of a train.
+
+    entering      from normal; else back to normal
+    length_mm     when leaving: how far the end ran since entering (None: it came back the way it
+                  went in, or the amplitude stayed so long that it is the new normal)
+    size_cdb      how far the amplitude is from normal
+    """
+
+    effect: Effect
+    edge: Edge
+    entering: bool
+    length_mm: float | None
+    size_cdb: int
+
+
+class Watcher:
+    """Watches the amplitude at one end of one train; `change_cdb`: over normal, in the last window."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._rules = config.sections
+        self._normal: deque[tuple[float, float]] = deque()
+        self._recent: deque[float] = deque(maxlen=MEDIAN_WINDOWS)
+        self._inside: Effect | None = None
+        self._told = False
+        self.change_cdb: float | None = None
+        self._entered_mm = self._towards = 0.0
+
+    def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
+        """The end's place along the fibre and the amplitude of the pattern there."""
+        self._recent.append(amplitude_cdb)
+        level = median(self._recent)
+        normal = self._level_of_normal()
+        self.change_cdb = None if normal is None else level - normal
+        if normal is None:
+            self._learn(place_mm, level)
+            return None
+        change = level - normal
+        return self._outside(place_mm, level, change) if self._inside is None else self._within(place_mm, level, change)
+
+    def _level_of_normal(self) -> float | None:
+        if not self._normal or abs(self._normal[-1][0] - self._normal[0][0]) < self._rules.least_baseline_mm:
+            return None
+        return median(level for _, level in self._normal)
+
+    def _learn(self, place_mm: float, level: float) -> None:
+        """One sample a metre: a train that stands teaches nothing."""
+        if self._normal and abs(place_mm - self._normal[-1][0]) < SAMPLE_MM:
+            return
+        self._normal.append((place_mm, level))
+        while abs(place_mm - self._normal[0][0]) > self._rules.baseline_mm:
+            self._normal.popleft()
+
+    def _outside(self, place_mm: float, level: float, change: float) -> Change | None:
+        if abs(change) < self._rules.change_cdb:
+            self._learn(place_mm, level)
+            return None
+        self._inside, self._told = Effect.RAISES if change > 0 else Effect.LOWERS, False
+        self._entered_mm, self._towards = place_mm, place_mm - self._normal[-1][0] or place_mm - self._normal[0][0]
+        return None
+
+    def _within(self, place_mm: float, level: float, change: float) -> Change | None:
+        assert self._inside is not None
+        run = abs(place_mm - self._entered_mm)
+        signed = change if self._inside is Effect.RAISES else -change
+        endless = run > self._rules.longest_mm
+        if signed > self._rules.return_cdb and not endless:
+            return self._lasting(run, change)
+        effect, self._inside = self._inside, None
+        if endless:
+            self._start_again(place_mm, level)
+        else:
+            self._carry_over(place_mm)
+        if not self._told:
+            return None
+        crossed = (place_mm - self._entered_mm) * self._towards > 0 and not endless
+        edge = Edge.FALL if effect is Effect.RAISES else Edge.RISE
+        return Change(effect, edge, False, run if crossed else None, round(change))
+
+    def _lasting(self, run: float, change: float) -> Change | None:
+        """The change is told once, when it has lasted."""
+        assert self._inside is not None
+        if self._told or run < self._rules.persist_mm:
+            return None
+        self._told = True
+        edge = Edge.RISE if self._inside is Effect.RAISES else Edge.FALL
+        return Change(self._inside, edge, True, None, round(change))
+
+    def _carry_over(self, place_mm: float) -> None:
+        """Normal is that of the run outside of sections: what was learnt before goes on behind the section, however long."""
+        shift = place_mm - self._normal[-1][0]
+        self._normal = deque((place + shift, level) for place, level in self._normal)
+
+    def _start_again(self, place_mm: float, level: float) -> None:
+        """Changed for longer than any section: that is normal now."""
+        self._normal.clear()
+        self._learn(place_mm, level)
+
+
+def amplitude(
+    energy: Single, low_mm: float, high_mm: float, outward: int, config: FibreConfig, faded: Mask | None
+) -> float | None:
+    """Mean level in cdB of the pattern's first metres inward of an end, for a train between two places of the fibre.
+
+    The outermost metres are left out, for the end is not known exactly; None where no usable channel is left.
+    """
+    rules, inter = config.sections, config.interrogator
+    end = high_mm if outward > 0 else low_mm
+    near, far = end - outward * rules.inset_mm, end - outward * (rules.inset_mm + rules.window_mm)
+    low, high = max(min(near, far), low_mm) - inter.span_mm / 2, min(max(near, far), high_mm) - inter.span_mm / 2
+    first, last = (
+        max(0, math.ceil(low / inter.channel_mm)),
+        min(inter.channels - 1, math.floor(high / inter.channel_mm)),
+    )
+    part = energy[first : last + 1]
+    if faded is not None:
+        part = part[~faded[first : last + 1]]
+    part = part[part > 0]
+    return CDB_PER_DECADE * float(np.log10(part).mean()) if len(part) else None

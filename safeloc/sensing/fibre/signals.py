@@ -1,0 +1,80 @@
+"""Position signals of one train: the amplitude at both its ends, with what is known of the place at that moment."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from safeloc.sensing.fibre.blocks import Single
+from safeloc.sensing.fibre.features import Bounds, SectionSignal
+from safeloc.sensing.fibre.fibre_map import one_to_one
+from safeloc.sensing.fibre.figures import FibreConfig
+from safeloc.sensing.fibre.measures import end
+from safeloc.sensing.fibre.runs import Mask, Run
+from safeloc.sensing.fibre.sections import Change, Effect, Watcher, amplitude
+from safeloc.sensing.fibre.tracks import Fit
+from safeloc.sensing.rounding import Interval
+
+
+class Signaller:
+    """Watches both ends of one train."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._config = config
+        self._where = one_to_one(config.interrogator.fibre_mm)
+        self._ends = {-1: Watcher(config), 1: Watcher(config)}
+        self._made: list[SectionSignal] = []
+
+    def follow(self, run: Run, fit: Fit, energy: Single, time_ms: float, faded: Mask | None) -> None:
+        """One window: the train's run and course, every channel's energy, and the channels that mean nothing."""
+        for side, place, off, cut in (
+            (-1, fit.low_mm, fit.off_low_mm, run.cut_low),
+            (1, fit.high_mm, fit.off_high_mm, run.cut_high),
+        ):
+            if cut:
+                continue
+            level = amplitude(energy, fit.low_mm, fit.high_mm, side, self._config, faded)
+            change = None if level is None else self._ends[side].follow(place, level)
+            if change is not None and fit.speed_mm_s:
+                direction = 1 if fit.speed_mm_s > 0 else -1
+                se = end(place, off, side, self._config, self._where, None).fibre_mm
+                self._made.append(self._signal(change, side == direction, direction, time_ms, se))
+
+    def amplitude_cdb(self, side: int) -> int | None:
+        """Over normal at the end towards the coupler (-1) or away from it (+1)."""
+        change = self._ends[side].change_cdb
+        return None if change is None else round(change)
+
+    def taken(self) -> tuple[SectionSignal, ...]:
+        """All since the last call."""
+        made, self._made = tuple(self._made), []
+        return made
+
+    def _signal(self, change: Change, leading: bool, direction: int, time_ms: float, se: Bounds) -> SectionSignal:
+        return SectionSignal(
+            change.effect,
+            change.edge,
+            change.entering,
+            leading,
+            direction,
+            round(time_ms),
+            se,
+            self._length(change),
+            self._near(change.effect, se),
+        )
+
+    def _length(self, change: Change) -> Bounds | None:
+        if change.length_mm is None:
+            return None
+        run = Fraction(change.length_mm)
+        found = Interval(run, run).widened(self._config.sections.length_error_mm)
+        return Bounds.outward(Interval(max(found.low, 0), found.high))
+
+    def _near(self, effect: Effect, se: Bounds) -> str | None:
+        """Which section it can only be, if times of flight are right within the search distance."""
+        search = self._config.sections.search_mm
+        near = [
+            one.id
+            for one in self._config.section_places
+            if one.effect == effect.value and one.from_mm - search <= se.high and se.low <= one.to_mm + search
+        ]
+        return near[0] if len(near) == 1 else None

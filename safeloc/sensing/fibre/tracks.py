@@ -1,0 +1,193 @@
+"""Trains followed from window to window: by overlap, in their order along the fibre, never by what is nearest.
+
+Between two windows a train moves less than the space that parts two runs, so a run overlaps what it continues and
+nothing else. Trains that join or part give new tracks that name what they came from: which of the trains is which is not
+guessed here. A course is fitted over a few seconds, one speed for both ends.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.runs import Run
+
+LEAST_POINTS = 8
+HALF = 2
+TRIM = 2.5
+USUAL_SHARE = 0.8
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A run at a time, ms."""
+
+    time_ms: float
+    run: Run
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A straight course at the last window: places of both ends' axles in mm of fibre, speed, and how well it fits.
+
+    off_low_mm, off_high_mm   greatest distance of a single window's end from the course
+    usual_off_mm              distance that four in five windows keep, at either end
+    apart_mm_s                how much faster one end goes than the other, as measured
+    """
+
+    low_mm: float
+    high_mm: float
+    speed_mm_s: float
+    off_low_mm: float
+    off_high_mm: float
+    usual_off_mm: float
+    apart_mm_s: float
+
+
+@dataclass(eq=False)
+class Track:
+    """One train, or what may become one. `origin`: tracks that joined to, or parted into, this one."""
+
+    number: int
+    origin: tuple[int, ...]
+    keep: int
+    seen: deque[Seen] = field(default_factory=deque)
+    born_ms: float = 0.0
+    first_mm: float = 0.0
+    confirmed: bool = False
+
+    def add(self, time_ms: float, run: Run) -> None:
+        """The run that continues it."""
+        if not self.seen:
+            self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / HALF
+        self.seen.append(Seen(time_ms, run))
+        while len(self.seen) > self.keep:
+            self.seen.popleft()
+
+    @property
+    def last(self) -> Run:
+        """The newest run."""
+        return self.seen[-1].run
+
+    def fit(self) -> Fit | None:
+        """The course over what is kept; None before there is enough."""
+        if len(self.seen) < LEAST_POINTS:
+            return None
+        time = np.array([one.time_ms - self.seen[-1].time_ms for one in self.seen]) / MS_PER_S
+        low, low_speed, off_low = _line(time, [one.run.low_mm for one in self.seen])
+        high, high_speed, off_high = _line(time, [one.run.high_mm for one in self.seen])
+        usual = max(_usual(off_low), _usual(off_high))
+        speed = _one_speed(low_speed, high_speed, self.last)
+        cut = self.last.cut_low or self.last.cut_high
+        worst_low, worst_high = float(off_low.max()), float(off_high.max())
+        return Fit(low, high, speed, worst_low, worst_high, usual, 0.0 if cut else abs(high_speed - low_speed))
+
+    def judge(self, fit: Fit, config: FibreConfig) -> None:
+        """It is a train once it lasted, moved, and went steadily all the while; no train any more if it cannot be one."""
+        detection, middle = config.detection, (fit.low_mm + fit.high_mm) / HALF
+        if _impossible(fit, config):
+            self.confirmed = False
+        if _impossible(fit, config) or (not self.confirmed and _unsteady(fit, config)):
+            self.born_ms, self.first_mm = self.seen[-1].time_ms, middle
+            return
+        lasted = self.seen[-1].time_ms - self.born_ms >= detection.confirm_ms
+        self.confirmed = self.confirmed or (lasted and abs(middle - self.first_mm) >= detection.moved_mm)
+
+
+def _impossible(fit: Fit, config: FibreConfig) -> bool:
+    """Faster or longer than trains are."""
+    too_fast = abs(fit.speed_mm_s) > config.detection.most_speed_mm_s
+    return too_fast or fit.high_mm - fit.low_mm > config.detection.most_length_mm
+
+
+def _unsteady(fit: Fit, config: FibreConfig) -> bool:
+    """Ends that jump, or go their own ways, or too short: not yet a train."""
+    detection = config.detection
+    jumps = fit.usual_off_mm > detection.scatter_mm
+    return jumps or fit.apart_mm_s > detection.apart_mm_s or fit.high_mm - fit.low_mm < detection.least_length_mm
+
+
+def _line(seconds: Numbers, places: Sequence[float]) -> tuple[float, float, Numbers]:
+    """Place at second 0 and speed, from windows not far off a first line; and the distance of all."""
+    place = np.array(places)
+    at_zero, speed = _least_squares(seconds, place)
+    off = np.abs(place - at_zero - speed * seconds)
+    near = off <= TRIM * np.median(off)
+    at_zero, speed = _least_squares(seconds[near], place[near])
+    return at_zero, speed, np.abs(place - at_zero - speed * seconds)
+
+
+def _usual(off: Numbers) -> float:
+    return float(np.sort(off)[int(USUAL_SHARE * len(off))])
+
+
+def _least_squares(seconds: Numbers, place: Numbers) -> tuple[float, float]:
+    spread = seconds - seconds.mean()
+    speed = float(spread @ place / (spread @ spread))
+    return float(place.mean() - speed * seconds.mean()), speed
+
+
+def _one_speed(low: float, high: float, run: Run) -> float:
+    """Both ends go at one speed; an end that is not on the fibre says nothing."""
+    if run.cut_low:
+        return high
+    return low if run.cut_high else (low + high) / HALF
+
+
+class Follower:
+    """All tracks of a fibre; `tracks` are those with a run in the last window, in order along the fibre."""
+
+    def __init__(self, config: FibreConfig) -> None:
+        self._numbers = count(1)
+        self._fastest_mm_s = config.detection.most_speed_mm_s
+        self._hold_ms = config.detection.hold_ms
+        self._channel_mm = config.interrogator.channel_mm
+        self._keep = max(LEAST_POINTS, round(config.detection.fit_ms / config.window_ms))
+        self.tracks: list[Track] = []
+        self._unseen: list[Track] = []
+
+    def follow(self, time_ms: float, found: Sequence[Run]) -> list[Track]:
+        """Continue with one window's runs; tracks that ended are returned.
+
+        A track without a run is unseen, and may go on for a short time where it can have got to meanwhile.
+        """
+        known = [*self.tracks, *self._unseen]
+        heirs = {track.number: [run for run in found if self._continues(track, run, time_ms)] for track in known}
+        self.tracks = [
+            self._heir(run, [track for track in known if run in heirs[track.number]], heirs) for run in found
+        ]
+        for track, run in zip(self.tracks, found, strict=True):
+            track.add(time_ms, run)
+        gone = [track for track in known if track not in self.tracks]
+        self._unseen = [track for track in gone if not heirs[track.number] and self._may_come_back(track, time_ms)]
+        return [track for track in gone if track not in self._unseen]
+
+    def _heir(self, run: Run, parents: list[Track], heirs: dict[int, list[Run]]) -> Track:
+        """The track that goes on with a run: the only train there, if this is its only run; else a new one."""
+        seen = [track for track in parents if track in self.tracks] or parents
+        trains = [track for track in seen if track.confirmed] or seen
+        if len(trains) == 1 and heirs[trains[0].number] == [run]:
+            return trains[0]
+        return Track(next(self._numbers), tuple(one.number for one in trains), self._keep)
+
+    def _may_come_back(self, track: Track, time_ms: float) -> bool:
+        return track.confirmed and time_ms - track.seen[-1].time_ms <= self._hold_ms
+
+    def drop(self) -> list[Track]:
+        """Forget all tracks; they are returned."""
+        dropped, self.tracks, self._unseen = [*self.tracks, *self._unseen], [], []
+        return dropped
+
+    def _continues(self, track: Track, run: Run, time_ms: float) -> bool:
+        """Whether the run overlaps where the track can have got to since it was seen."""
+        before, since_ms = track.last, time_ms - track.seen[-1].time_ms
+        slack = self._fastest_mm_s * since_ms / MS_PER_S + self._channel_mm
+        low, high = before.first * self._channel_mm - slack, before.last * self._channel_mm + slack
+        return run.first * self._channel_mm <= high and run.last * self._channel_mm >= low

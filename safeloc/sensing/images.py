@@ -1,0 +1,113 @@
+"""Radar images at the border: taken as they are, or refused with a reason; nothing is repaired.
+
+A refused image tells nothing about reflectors: to the machines it is a missing frame, and the reason is kept.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.runtime.border import Deliveries, Raw, Reason
+from safeloc.sensing.figures import Sensor
+
+Power = NDArray[np.float64]
+
+
+class Refusal(Enum):
+    """Why an image is refused that came in time: what only images can have. The rest has the border's reasons."""
+
+    WRONG_SHAPE = "not range cells x angle cells of this sensor"
+    NEGATIVE = "negative power"
+    FROZEN = "the same picture as before under a new number"
+    DEAD = "less noise than the receiver's own"
+    JAMMED = "noise everywhere: interference"
+    OVERLOADED = "an echo beyond the converter's range: lines of its harmonics look like echoes"
+    CROWDED = "more peaks than a track has"
+
+
+@dataclass(frozen=True, eq=False)
+class RadarImage:
+    """One frame as delivered: `power` [range cell, angle cell] over mean noise; taken at `time_ms`, numbered `sequence`.
+
+    The time is that of the middle of the chirp.
+    """
+
+    power: object
+    time_ms: int
+    sequence: int
+
+
+@dataclass(frozen=True)
+class NoFrame:
+    """No picture, and why."""
+
+    reason: Reason | Refusal
+    detail: str = ""
+
+
+def admitted(sensor: Sensor, image: RadarImage) -> Power | NoFrame:
+    """The image's power, or why it cannot be used on its own account (`Order` judges its place in the stream)."""
+    power = image.power
+    if not isinstance(power, np.ndarray) or power.dtype != np.float64:
+        return NoFrame(Reason.WRONG_TYPE, type(power).__name__)
+    if power.shape != sensor.shape:
+        return NoFrame(Refusal.WRONG_SHAPE, f"{power.shape}, not {sensor.shape}")
+    if not np.isfinite(power).all():
+        return NoFrame(Reason.NOT_FINITE, f"{int((~np.isfinite(power)).sum())} cells")
+    if power.min() < 0:
+        return NoFrame(Refusal.NEGATIVE, f"{int((power < 0).sum())} cells")
+    return _receiver(sensor, power) or power
+
+
+def _receiver(sensor: Sensor, power: Power) -> NoFrame | None:
+    """Whether the receiver itself looks sound."""
+    floor = floor_cdb(power)
+    if floor is None or floor < sensor.floor_low_cdb:
+        return NoFrame(Refusal.DEAD, f"{floor} cdB")
+    if floor > sensor.floor_high_cdb:
+        return NoFrame(Refusal.JAMMED, f"{floor} cdB")
+    strongest = float(power.max())
+    if strongest > 10 ** (sensor.overload_cdb / 1_000):
+        return NoFrame(Refusal.OVERLOADED, f"{in_cdb(strongest)} cdB")
+    return None
+
+
+def floor_cdb(power: Power) -> int | None:
+    """Noise of the whole image from its median; None when half the image is zero."""
+    median = float(np.median(power))
+    return in_cdb(median / math.log(2)) if median > 0 else None
+
+
+def in_cdb(power: float) -> int:
+    """Positive power in hundredths of dB, rounded down."""
+    return math.floor(1_000 * math.log10(power))
+
+
+class Order:
+    """Judges the place of images in their stream: when they come, as the border does, and whether they change."""
+
+    def __init__(self, max_age_ms: int) -> None:
+        self._max_age_ms = max_age_ms
+        self._deliveries = Deliveries()
+        self._last: bytes | None = None
+
+    def judge(self, image: RadarImage, now_ms: int) -> NoFrame | None:
+        """None when the image is newer than all before, fresh, and another picture. Buffers may be used again."""
+        raw = Raw(None, image.time_ms, image.sequence)
+        fault = self._deliveries.fault("frame", raw, now_ms, self._max_age_ms)
+        if fault is not None:
+            return NoFrame(fault.reason, fault.detail)
+        before, self._last = self._last, _digest(image.power)
+        if before is not None and before == self._last:
+            return NoFrame(Refusal.FROZEN, f"number {image.sequence}")
+        return None
+
+
+def _digest(power: object) -> bytes | None:
+    return hashlib.blake2b(power.tobytes()).digest() if isinstance(power, np.ndarray) else None

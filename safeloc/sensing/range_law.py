@@ -1,0 +1,31 @@
+"""The range law: power falls with the fourth power of range, 12 dB a doubling; what is left over is the section.
+
+An echo that is far stronger or weaker than a reflector's corner can be at its range is not that corner: this tells
+reflectors from the fronts of vehicles, and most echoes that took a detour.
+"""
+
+from __future__ import annotations
+
+import math
+
+from safeloc.sensing.figures import RadarConfig
+from safeloc.sensing.images import in_cdb
+
+REFERENCE_MM = 100_000
+
+
+def loss_cdb(range_mm: float) -> int:
+    """How much weaker than at 100 m an echo is at this range > 0, in hundredths of dB; negative when nearer."""
+    return round(4_000 * math.log10(range_mm / REFERENCE_MM))
+
+
+def section_cdbsm(power: float, range_mm: float, config: RadarConfig) -> int:
+    """The radar cross-section that gives this power at this range, in hundredths of dB over 1 m2, without rain."""
+    return in_cdb(power) - config.reference_cdb + loss_cdb(range_mm)
+
+
+def is_lawful(section: int, config: RadarConfig) -> bool:
+    """Whether a section may be that of a corner, wet, dirty or with the ground's help."""
+    reflectors = config.reflectors
+    nominal = reflectors.section_cdbsm(config.sensor.carrier_mhz)
+    return nominal - reflectors.weaker_cdb <= section <= nominal + reflectors.stronger_cdb

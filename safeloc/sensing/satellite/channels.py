@@ -1,0 +1,133 @@
+"""Receiver channels of the selection machine: which satellite stands on which, and what a cycle says of it.
+
+A satellite keeps its channel while it is in view (its warm-up counts there); a new one takes the lowest free channel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
+
+from safeloc.errors import InputError
+from safeloc.runtime.border import Fault, Reason
+from safeloc.sensing.satellite.residuals import Residuals
+from safeloc.sensing.satellite.windows import Window
+
+CONSTELLATIONS = "GRECJIS"
+"""In RINEX order: GPS, GLONASS, Galileo, BeiDou, QZSS, NavIC, SBAS; each has a hundred identities."""
+FARTHEST_MM, FASTEST_MM_S, WIDEST = 10**9, 10**8, 10**15
+MM = 1_000
+ChannelValues = dict[str, int | bool]
+
+
+def identity(satellite: str) -> int:
+    """A whole number for a satellite named as in RINEX: G05 is 5, E05 is 205. InputError for another name."""
+    number = satellite[1:]
+    if (
+        satellite[:1] not in tuple(CONSTELLATIONS)
+        or not (number.isascii() and number.isdecimal())
+        or not 0 < int(number) < 100
+    ):
+        raise InputError(f"{satellite!r} is no satellite; name it by constellation ({CONSTELLATIONS}) and number, G05.")
+    return CONSTELLATIONS.index(satellite[0]) * 100 + int(number)
+
+
+def satellite_name(number: int) -> str:
+    """The name of an identity: 205 is E05. InputError for a number that is no identity."""
+    constellation, own = divmod(number, 100)
+    if number < 1 or own == 0 or constellation >= len(CONSTELLATIONS):
+        raise InputError(f"{number} is no identity of a satellite.")
+    return f"{CONSTELLATIONS[constellation]}{own:02d}"
+
+
+@dataclass(frozen=True)
+class Heard:
+    """A cycle's inputs of the selection, by the names of its variables; the channel of every satellite; faults.
+
+    off_mm, speed_off_mm_s   what the inputs say, per look (portion of track) and satellite
+    """
+
+    inputs: ChannelValues
+    channels: Mapping[str, int]
+    off_mm: Sequence[Mapping[str, int]]
+    speed_off_mm_s: Sequence[Mapping[str, int]]
+    faults: tuple[Fault, ...]
+
+
+class Channels:
+    """The channels with their windows: one step of `hear` a cycle. InputError for less than one channel."""
+
+    def __init__(self, count: int, window_epochs: int) -> None:
+        if count < 1:
+            raise InputError(f"{count} channels hear nothing; a receiver has at least one.")
+        self._held: list[str | None] = [None] * count
+        self._window_epochs = window_epochs
+        self._windows: dict[str, tuple[Window, Window]] = {}
+
+    def hear(self, visible: Set[str], valid: Set[str], looks: Sequence[Residuals]) -> Heard:
+        """What is compared of the visible satellites (LSV).
+
+        valid   those with a valid ephemeris
+        looks   residuals on every possible portion of track; none where nothing was predicted. Of several the greatest
+                difference counts: a satellite is kept only if it fits on each.
+        """
+        unheard = self._seat(visible)
+        faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in unheard]
+        codes = [_whole(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
+        rates = [_whole(look.rate_m_per_s, FASTEST_MM_S, faults) for look in looks]
+        inputs: ChannelValues = {}
+        channels: dict[str, int] = {}
+        for number, name in enumerate(self._held, 1):
+            inputs[f"channel_{number}_ephemeris_valid"] = name in valid
+            if name is not None:
+                channels[name] = number
+                inputs |= self._told(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
+        faults += [Fault(name, Reason.STALE, "no valid ephemeris") for name in sorted(visible - valid)]
+        return Heard(inputs, channels, codes, rates, tuple(dict.fromkeys(faults)))
+
+    def _seat(self, visible: Set[str]) -> list[str]:
+        """Gives every visible satellite its channel; those that found none."""
+        self._held = [name if name in visible else None for name in self._held]
+        self._windows = {name: both for name, both in self._windows.items() if name in visible}
+        waiting = sorted(visible - set(self._held))
+        for number, name in enumerate(self._held):
+            if name is None and waiting:
+                self._held[number] = waiting.pop(0)
+        return waiting
+
+    def _told(self, channel: str, name: str, off: int | None, speed_off: int | None) -> ChannelValues:
+        both = self._windows.setdefault(name, (Window(self._window_epochs), Window(self._window_epochs)))
+        values = {
+            "satellite": identity(name),
+            "range_off_mm": off,
+            "speed_off_mm_s": speed_off,
+            "range_covariance_mm2": _narrow(both[0].add(off)),
+            "speed_covariance_mm2_s2": _narrow(both[1].add(speed_off)),
+        }
+        return {f"{channel}_{key}": value for key, value in values.items() if value is not None}
+
+
+def _whole(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[str, int]:
+    """In whole mm or mm/s, away from zero: no difference is told smaller than it is. What cannot be told is a fault."""
+    found: dict[str, int] = {}
+    for name, value in values.items():
+        if not math.isfinite(value):
+            faults.append(Fault(name, Reason.NOT_FINITE, repr(value)))
+        elif abs(value) * MM > most:
+            faults.append(Fault(name, Reason.OUT_OF_RANGE, f"{value} differs from the prediction by more than is told"))
+        else:
+            found[name] = math.ceil(value * MM) if value > 0 else math.floor(value * MM)
+    return found
+
+
+def _worst(looks: Sequence[Mapping[str, int]], name: str) -> int | None:
+    """The greatest difference of all looks; None where one of them has none."""
+    if not looks or any(name not in look for look in looks):
+        return None
+    return max((look[name] for look in looks), key=abs)
+
+
+def _narrow(covariance: int | None) -> int | None:
+    """No covariance where it is wider than is told: such a satellite is not usable either way."""
+    return None if covariance is None or covariance > WIDEST else covariance

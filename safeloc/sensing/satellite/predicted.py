@@ -1,0 +1,85 @@
+"""Predicted pseudorange and range rate of a satellite seen from an estimated state (SAT-1, SAT-2; [0060], [0061]).
+
+Range rate is positive when the distance grows; Doppler is positive when it shrinks: rate = -wavelength * Doppler.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from safeloc.errors import InputError
+from safeloc.sensing.satellite.atmosphere import Klobuchar, troposphere_m
+from safeloc.sensing.satellite.ephemeris import Ephemeris
+from safeloc.sensing.satellite.figures import EARTH_RATE_RAD_PER_S, L1_WAVELENGTH_M, LIGHT_M_PER_S
+from safeloc.sensing.satellite.orbits import SatelliteState, satellite_state
+from safeloc.sensing.satellite.places import Place, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Predicted:
+    """Pseudorange (m) and its rate (m/s) without the receiver's clock; unit vector to the satellite; its elevation."""
+
+    pseudorange_m: float
+    rate_m_per_s: float
+    direction: Vector
+    elevation_rad: float
+
+
+def rate_of_doppler(doppler_hz: float, wavelength_m: float = L1_WAVELENGTH_M) -> float:
+    """Range rate in m/s of a Doppler as RINEX gives it: positive when the satellite approaches."""
+    return -wavelength_m * doppler_hz
+
+
+def predicted(
+    ephemeris: Ephemeris, received_s: float, place: Place, velocity_m_per_s: Vector, ionosphere: Klobuchar | None
+) -> Predicted:
+    """What the satellite's signal should show at this GPS time of reception (true time: the clock's bias taken off).
+
+    One microsecond of clock error left in the time costs below 1 mm. InputError for an ephemeris that has expired,
+    and a velocity that is not finite. Below the horizon no delay of the air is counted: mask low satellites.
+    """
+    if not all(map(math.isfinite, velocity_m_per_s)):
+        raise InputError("the estimated velocity is not finite; declare no prediction instead.")
+    at = place.earth_fixed_m()
+    satellite, range_m = _seen(ephemeris, received_s, at)
+    direction = tuple((s - p) / range_m for s, p in zip(satellite.position_m, at, strict=True))
+    unit: Vector = (direction[0], direction[1], direction[2])
+    elevation, azimuth = place.elevation_azimuth_rad(unit)
+    delay = _air_m(place, elevation, azimuth, received_s, ionosphere) if elevation > 0 else 0.0
+    closing = _dot(unit, satellite.velocity_m_per_s) * (1 - _dot(unit, satellite.velocity_m_per_s) / LIGHT_M_PER_S)
+    rate = closing - _dot(unit, velocity_m_per_s) - LIGHT_M_PER_S * satellite.clock_drift
+    return Predicted(range_m + delay - LIGHT_M_PER_S * satellite.clock_s, rate, unit, elevation)
+
+
+def _air_m(
+    place: Place, elevation_rad: float, azimuth_rad: float, time_s: float, ionosphere: Klobuchar | None
+) -> float:
+    ions = 0.0 if ionosphere is None else ionosphere.delay_m(place, elevation_rad, azimuth_rad, time_s)
+    return ions + troposphere_m(place.height_m, elevation_rad)
+
+
+def _seen(ephemeris: Ephemeris, received_s: float, at: Vector) -> tuple[SatelliteState, float]:
+    """The satellite when it transmitted, in the Earth-fixed frame of reception, and its distance."""
+    travel_s = 0.075
+    for _ in range(2):
+        travel_s = math.dist(_turned(_sent(ephemeris, received_s - travel_s), travel_s), at) / LIGHT_M_PER_S
+    sent = satellite_state(ephemeris, received_s - travel_s)
+    position = _turned(sent.position_m, travel_s)
+    range_m = math.dist(position, at)
+    velocity = _turned(sent.velocity_m_per_s, range_m / LIGHT_M_PER_S)
+    return SatelliteState(position, velocity, sent.clock_s, sent.clock_drift), range_m
+
+
+def _sent(ephemeris: Ephemeris, sent_s: float) -> Vector:
+    return satellite_state(ephemeris, sent_s).position_m
+
+
+def _turned(vector: Vector, travel_s: float) -> Vector:
+    angle = EARTH_RATE_RAD_PER_S * travel_s
+    x, y, z = vector
+    return x * math.cos(angle) + y * math.sin(angle), y * math.cos(angle) - x * math.sin(angle), z
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

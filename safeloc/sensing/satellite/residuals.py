@@ -1,0 +1,103 @@
+"""Measured minus predicted of one epoch, after the receiver's clock is taken off: the inputs of the selection."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from safeloc.sensing.satellite.clock import common_part, constellations, of_constellation, without_clock
+from safeloc.sensing.satellite.ephemeris import Ephemeris
+from safeloc.sensing.satellite.epochs import Epoch
+from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place, Vector
+from safeloc.sensing.satellite.predicted import Predicted, predicted
+
+MASK_RAD = math.radians(10)
+"""Below this elevation the simple troposphere is wrong by metres: no prediction is made there."""
+LINEAR_S = 0.01
+"""A clock this wrong is undone by the rate alone: accelerations of 1 m/s2 leave 0.05 mm."""
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """Per satellite, in m and m/s. Without values: `expired` (no valid ephemeris), and `low` (below the mask).
+
+    clock_s  what the receiver's time is ahead of true time, as it was found
+    """
+
+    pseudorange_m: Mapping[str, float]
+    rate_m_per_s: Mapping[str, float]
+    predictions: Mapping[str, Predicted]
+    expired: frozenset[str]
+    low: frozenset[str]
+    clock_s: float
+
+
+def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation) -> Residuals:
+    """Residuals against the estimated state E*(t) alone (SAT-1), the state being that at the receiver's time.
+
+    The clock of each constellation is found by itself. What was not measured of a satellite has no residual.
+    """
+    found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
+    valid = {name: one for name, one in found.items() if one is not None}
+    heard = _Heard(epoch, valid, place, velocity_m_per_s, navigation)
+    every, clock_s = heard.expected(0.0), 0.0
+    codes = heard.codes(_above_mask(every), clock_s)
+    if codes:
+        clock_s = common_part(of_constellation(codes, _largest(codes))) / LIGHT_M_PER_S
+        if abs(clock_s) > LINEAR_S:
+            every = heard.expected(clock_s)
+            codes = heard.codes(_above_mask(every), 0.0)
+        else:
+            codes = heard.codes(_above_mask(every), clock_s)
+    seen = _above_mask(every)
+    expired, low = frozenset(epoch.satellites) - valid.keys(), every.keys() - seen.keys()
+    rates = without_clock(heard.rates(seen))
+    return Residuals(without_clock(codes), rates, seen, expired, frozenset(low), clock_s)
+
+
+def _above_mask(every: Mapping[str, Predicted]) -> dict[str, Predicted]:
+    return {name: one for name, one in every.items() if one.elevation_rad >= MASK_RAD}
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """One epoch's satellites with valid ephemerides, and the state they are predicted for."""
+
+    epoch: Epoch
+    valid: Mapping[str, Ephemeris]
+    place: Place
+    velocity_m_per_s: Vector
+    navigation: Navigation
+
+    def expected(self, clock_s: float) -> dict[str, Predicted]:
+        """Predictions with this much clock taken off the receiver's time; the vehicle moves on in it."""
+        place = self.place if clock_s == 0 else self._moved(-clock_s)
+        at, air = self.epoch.time_s - clock_s, self.navigation.ionosphere
+        return {name: predicted(one, at, place, self.velocity_m_per_s, air) for name, one in self.valid.items()}
+
+    def _moved(self, seconds: float) -> Place:
+        x, y, z = self.place.earth_fixed_m()
+        u, v, w = self.velocity_m_per_s
+        return Place.of_earth_fixed((x + seconds * u, y + seconds * v, z + seconds * w))
+
+    def codes(self, seen: Mapping[str, Predicted], clock_s: float) -> dict[str, float]:
+        """Measured minus predicted pseudorange, where there is one, with so much clock undone by the rate."""
+        measured = self.epoch.satellites
+        given = ((name, one, measured[name].pseudorange_m) for name, one in seen.items())
+        return {
+            name: code - one.pseudorange_m + one.rate_m_per_s * clock_s for name, one, code in given if code is not None
+        }
+
+    def rates(self, seen: Mapping[str, Predicted]) -> dict[str, float]:
+        """Measured minus predicted range rate, where there is one."""
+        measured = self.epoch.satellites
+        given = ((name, one, measured[name].rate_m_per_s) for name, one in seen.items())
+        return {name: rate - one.rate_m_per_s for name, one, rate in given if rate is not None}
+
+
+def _largest(values: Mapping[str, float]) -> str:
+    """The constellation with the most satellites, the first by name of several."""
+    return max(constellations(values), key=lambda system: len(of_constellation(values, system)))

@@ -1,0 +1,163 @@
+"""A cycle's solution along the track, from usable satellites alone, as an interval that holds the truth (SAT-5).
+
+Each used satellite's error is bounded by its threshold. To that bound comes what linearising costs: the vehicle may be
+anywhere within the prediction's margin, the track bends there, and the sight turns a little. While every bound holds, the
+place and the speed lie in the interval: sum |a_i| * bound_i on either side, to the last digit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from safeloc.errors import InputError
+from safeloc.sensing.rounding import Interval, hull
+from safeloc.sensing.satellite.places import Vector
+from safeloc.sensing.satellite.predicted import Predicted
+from safeloc.sensing.satellite.track_fit import Sight, TrackFit, fit, slope_ppm
+from safeloc.sensing.satellite.track_prediction import OnTrack, Portion
+
+ROUNDING = 2
+"""mm or mm/s: a difference is told up to 1 more than it is; slopes in millionths cost half of that up to 1 km away."""
+NEAREST_M, FASTEST_M_PER_S = 1.9e7, 5e3
+"""No navigation satellite is nearer, or faster against the Earth."""
+Weighting = Literal["equal", "elevation"]
+MM = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """E*(t) with its margins in m and m/s: where to linearise, and how far off that may be."""
+
+    margin_m: float
+    speed_m_per_s: float
+    speed_margin_m_per_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """What a used satellite's difference may be wrong by: mm and mm/s; None: this quantity is not compared, nor solved."""
+
+    range_mm: int | None
+    speed_mm_s: int | None
+
+    def on_track(self, estimate: Estimate, portion: Portion, distance_m: float) -> Bounds:
+        """The same with what linearising at this distance costs: the bend of the track, the turn of the sight."""
+        reach = estimate.margin_m
+        bend = portion.bend_per_m(max(distance_m - reach, portion.start_m), min(distance_m + reach, portion.end_m))
+        off_mm = math.ceil((bend / 2 + 1 / (2 * NEAREST_M)) * reach**2 * MM)
+        fastest = abs(estimate.speed_m_per_s) + estimate.speed_margin_m_per_s
+        turn_mm_s = math.ceil((fastest * bend + FASTEST_M_PER_S / NEAREST_M) * reach * MM)
+        return Bounds(_more(self.range_mm, off_mm + ROUNDING), _more(self.speed_mm_s, turn_mm_s + ROUNDING))
+
+
+def _more(bound: int | None, by: int) -> int | None:
+    return None if bound is None else bound + by
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The used satellites seen from the prediction on one portion: mm and mm/s off it, and where they stand."""
+
+    place: OnTrack
+    bounds: Bounds
+    off_mm: Mapping[str, int]
+    speed_off_mm_s: Mapping[str, int]
+    predictions: Mapping[str, Predicted]
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """Fits of place and speed on one portion, with their bounds; None where one is not solved."""
+
+    bounds: Bounds
+    place: TrackFit | None
+    speed: TrackFit | None
+
+    def off_mm(self) -> Interval | None:
+        """How far along the track the vehicle is beyond the prediction."""
+        return _interval(self.place, self.bounds.range_mm)
+
+    def speed_off_mm_s(self) -> Interval | None:
+        """How much faster it is."""
+        return _interval(self.speed, self.bounds.speed_mm_s)
+
+
+def _interval(found: TrackFit | None, bound: int | None) -> Interval | None:
+    if found is None or bound is None:
+        return None
+    return Interval(found.along, found.along).widened(found.protection_level(bound))
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """Of one cycle, over all portions: the hull holds the truth, since the vehicle is on one of them."""
+
+    solved: tuple[Solved, ...]
+    used: frozenset[str]
+
+    @property
+    def unknowns(self) -> int:
+        """The greatest number of unknowns of its fits."""
+        return max(one.unknowns for both in self.solved for one in (both.place, both.speed) if one is not None)
+
+    def off_mm(self) -> Interval | None:
+        """How far beyond the prediction the vehicle is; None where that was not solved on every portion."""
+        return _hull([one.off_mm() for one in self.solved])
+
+    def speed_off_mm_s(self) -> Interval | None:
+        """How much faster than predicted."""
+        return _hull([one.speed_off_mm_s() for one in self.solved])
+
+
+def _hull(found: Sequence[Interval | None]) -> Interval | None:
+    whole = [one for one in found if one is not None]
+    return hull(whole) if whole and len(whole) == len(found) else None
+
+
+def solve(
+    looks: Sequence[Look], used: frozenset[str], *, free: bool = False, weighting: Weighting = "equal"
+) -> Solution:
+    """Fits on every look. `free`: the directions across the track are unknown too.
+
+    InputError where none can be had: too few satellites, or all alike to the track.
+    """
+    return Solution(tuple(_solved(look, used, free, weighting) for look in looks), used)
+
+
+def _solved(look: Look, used: frozenset[str], free: bool, weighting: Weighting) -> Solved:
+    def fitted(off: Mapping[str, int]) -> TrackFit:
+        return fit({name: _sight(look, name, off[name], free, weighting) for name in sorted(used)})
+
+    place = None if look.bounds.range_mm is None else fitted(look.off_mm)
+    speed = None if look.bounds.speed_mm_s is None else fitted(look.speed_off_mm_s)
+    return Solved(look.bounds, place, speed)
+
+
+def _sight(look: Look, name: str, difference: int, free: bool, weighting: Weighting) -> Sight:
+    seen = look.predictions[name]
+    across = tuple(slope_ppm(seen.direction, side) for side in _sides(look.place.along)) if free else ()
+    weight = Fraction(1) if weighting == "equal" else Fraction(max(1, round(100 * math.sin(seen.elevation_rad) ** 2)))
+    return Sight(difference, slope_ppm(seen.direction, look.place.along), weight, across, name[0])
+
+
+def _sides(along: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors across the track, at right angles to each other."""
+    least = min(range(3), key=lambda axis: abs(along[axis]))
+    axis: Vector = (float(least == 0), float(least == 1), float(least == 2))
+    first = _unit(_cross(along, axis))
+    return first, _unit(_cross(along, first))
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _unit(a: Vector) -> Vector:
+    length = math.hypot(*a)
+    if not length > 0:
+        raise InputError("the track has no direction here; declare no fix.")
+    return a[0] / length, a[1] / length, a[2] / length

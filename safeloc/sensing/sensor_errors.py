@@ -1,0 +1,50 @@
+"""What a measured place means once everything is charged to the sensor: range in whole nm, sine in whole 1e-9."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from safeloc.sensing.figures import MILLION, Sensor
+from safeloc.sensing.interpolation import Places, Points
+from safeloc.sensing.rounding import Interval
+
+NM_PER_MM = 1_000_000
+BILLION = 1_000_000_000
+GROUND_SECOND_ORDER = Fraction(5, 4)
+NEAREST_MM = 1_000
+
+
+def range_nm(one: int, found: Points, sensor: Sensor) -> Interval:
+    """Slant range of a peak: noise and other echoes, scale, offset, ground."""
+    measured = _scaled(int(found.peaks.row[one]), found.range, one, sensor.cell_mm * NM_PER_MM)
+    scale = -(-int(measured.high) * sensor.scale_error_ppm // MILLION)
+    return measured.widened(scale + sensor.offset_error_mm * NM_PER_MM + ground_nm(sensor, int(measured.low)))
+
+
+def ground_nm(sensor: Sensor, range_nm: int) -> int:
+    """How far the reflection from the ground may shift a range.
+
+    The way over the ground is 2 h1 h2 / r longer; with relative amplitude q on either leg the sum's centre moves by at
+    most q / (1 - q) of it, a quarter more for the second order.
+    """
+    nearest = max(range_nm, sensor.blind_mm * NM_PER_MM, NEAREST_MM * NM_PER_MM)
+    share = Fraction(sensor.ground_reflection_percent, 100 - sensor.ground_reflection_percent) * GROUND_SECOND_ORDER
+    detour = 2 * sensor.ground_height_mm2 * NM_PER_MM**2
+    return -(-detour * share.numerator // (nearest * share.denominator))
+
+
+def sine_ppb(one: int, found: Points, sensor: Sensor) -> Interval:
+    """Sine of the angle to the left, with the error of mounting."""
+    cell = int(found.peaks.column[one]) - sensor.side_cells
+    return _scaled(cell, found.angle, one, sensor.sine_cell * BILLION).widened(sensor.angle_error_urad * 1_000)
+
+
+def _scaled(cell: int, places: Places, one: int, width: Fraction) -> Interval:
+    """Cell and part of a cell in the unit of the width, rounded outward; exact, for a float is a rational number."""
+    low, high = float(places.low[one]), float(places.high[one])
+    return Interval(_floor(cell, low, width), -_floor(-cell, -high, width))
+
+
+def _floor(cell: int, part: float, width: Fraction) -> int:
+    over, under = part.as_integer_ratio()
+    return (cell * under + over) * width.numerator // (under * width.denominator)

@@ -1,0 +1,83 @@
+"""Ranges and lemmas are proved before they are used; what cannot be proved is named and never assumed."""
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.proof.provers import base as module
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.facts import Fact
+from safeloc.proof.provers.implication import Refuted, Undecided
+from safeloc.proof.provers.recheck import Certificate, certify
+from tests.proof.provers.small import HIGH, LEVEL, LOW, MODE, TICK, counter, system, told
+
+TRUE_LEMMA = MODE.eq(HIGH).iff(LEVEL > 4)
+
+
+def test_ranges_and_lemmas_are_proved_together() -> None:
+    """A lemma that needs no assumption is proved for all inputs, together with the ranges."""
+    known = base(system(counter(lemmas={"high from 5": TRUE_LEMMA})))
+    assert told(known.always) == {"range of mode", "range of level", "high from 5"}
+    assert not known.refuted
+    assert [text.count("(check-sat)") for text in known.certificates.values()] == [3, 3]
+    assert all("(check-sat)" in text for text in known.certificates.values())
+
+
+def test_a_wrong_lemma_is_dropped_and_named() -> None:
+    """A lemma that some step breaks is refuted with an example; the rest is still proved."""
+    known = base(system(counter(lemmas={"wrong": LEVEL <= 9, "high from 5": TRUE_LEMMA})))
+    assert isinstance(known.refuted[Fact("lemma", "wrong")], Refuted)
+    assert "wrong" not in told([*known.always, *known.facts])
+    assert "high from 5" in told(known.always)
+
+
+def test_a_lemma_that_rests_on_a_wrong_one_falls_with_it() -> None:
+    """Nothing is kept whose proof used what was dropped."""
+    lemmas = {"wrong": LEVEL <= 9, "rests on it": MODE.eq(LOW) | (LEVEL <= 9)}
+    known = base(system(counter(lemmas=lemmas)))
+    assert told(known.refuted) == {"wrong", "rests on it"}
+
+
+def test_a_range_that_is_left_is_refuted() -> None:
+    """A counter that runs on past its range has no proved range."""
+    known = base(system(counter(stride=2)))
+    assert told(known.refuted) == {"range of level"}
+
+
+def test_a_lemma_under_the_assumption_is_kept_apart() -> None:
+    """What holds only while the environment keeps its word is no fact for all inputs."""
+    known = base(system(counter(lemmas={"never counts": LEVEL.eq(0)}, assumption=~TICK)))
+    assert told(known.facts) == {"never counts"}
+    assert "never counts" not in told(known.always)
+
+
+def test_too_little_time_is_no_refutation_and_is_tried_again() -> None:
+    """With no time nothing is proved; with time the same system's base is proved after all."""
+    lowered = system(counter())
+    hurried = base(lowered, seconds=1e-6)
+    assert all(isinstance(why, Undecided) for why in hurried.refuted.values())
+    assert not hurried.everything
+    assert told(base(lowered).always) == {"range of mode", "range of level"}
+
+
+def test_the_base_is_proved_once_per_system(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second request is answered from memory."""
+    lowered = system(counter())
+    first = base(lowered)
+    monkeypatch.setattr(module, "_prove", lambda *_: pytest.fail("proved twice"))
+    assert base(lowered) is first
+    assert base(lowered, seconds=1000.0) is first
+
+
+def test_what_cvc5_cannot_confirm_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    """z3's word alone makes no fact."""
+
+    def doubtful(query: object, **options: object) -> Certificate:
+        honest = certify(query, **options)  # type: ignore[arg-type] # handed on as it came
+        goals = query.goals  # type: ignore[attr-defined] # a Query
+        return replace(honest, undecided=tuple(name for name in goals if str(name) == "range of level"))
+
+    monkeypatch.setattr(module, "certify", doubtful)
+    known = base(system(counter()))
+    assert told(known.always) == {"range of mode"}
+    assert str(known.refuted[Fact("range", "level")]) == "undecided: cvc5 could not confirm it in time"

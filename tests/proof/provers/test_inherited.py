@@ -1,0 +1,172 @@
+"""Assume-guarantee: a machine's own facts hold in a whole that keeps what it assumes, and in no other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.errors import ModelError
+from safeloc.language.composition import Clause, Composition, compose
+from safeloc.language.expr import Expr, NumVar, Var, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.system import lower
+from safeloc.language.terms import variables
+from safeloc.language.units import MM
+from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
+from tests.proof.provers.small import told
+
+IDLE, BUSY = modes("IDLE", "BUSY")
+
+
+class Chain:
+    """A source whose level never passes its limit, and a follower that assumes as much and remembers the level."""
+
+    def __init__(self, limit: int = 10, assumed: int = 10, widest: int = 20, *, owes: bool = True) -> None:
+        self.step, self.level = number("step", MM, 0, 3), number("level", MM, 0, 20)
+        fits = self.level + self.step <= limit
+        self.source = Machine(
+            name="source",
+            modes=(IDLE, BUSY),
+            inputs=[self.step],
+            state={self.level: 0},
+            outputs={"level": self.level},
+            transitions=[Transition("rise", IDLE, IDLE, fits, {self.level: self.level + self.step})],
+            lemmas={"below the limit": self.level <= limit},
+        )
+        self.seen, self.kept = number("seen", MM, 0, widest), number("kept", MM, 0, 20)
+        self.truth, self.next_truth = number("truth", MM, 0, 20), number("next_truth", MM, 0, 20)
+        self.follower = Machine(
+            name="follower",
+            modes=(IDLE, BUSY),
+            inputs=[self.seen],
+            state={self.kept: 0},
+            outputs={"kept": self.kept},
+            transitions=[Transition("remember", IDLE, IDLE, set={self.kept: self.seen})],
+            ghosts={self.truth: ANY},
+            ghost_inputs=[self.next_truth],
+            ghost_moves={self.truth: self.next_truth},
+            assumption=(self.seen <= assumed) & (self.next_truth <= 5),
+            lemmas={"within what is assumed": self.kept <= assumed, "the truth is low": self.kept + self.truth <= 40},
+        )
+        wires: dict[Var, Expr] = {self.seen: self.source.output("level")}
+        if owes:
+            wires[self.next_truth] = number_of(self.source)
+        self.whole: Composition = compose(
+            "chain", (self.source, self.follower), wires, owes=[self.follower] if owes else []
+        )
+
+
+def number_of(machine: Machine) -> NumVar:
+    """The machine's level as the follower's truth: it is always at most 10, not at most 5."""
+    level = machine.output("level")
+    assert isinstance(level, NumVar)
+    return level
+
+
+def test_facts_of_each_machine_hold_in_the_whole() -> None:
+    """Nothing is owed beyond ranges: the follower's facts come under the whole's names."""
+    known = base(Chain(owes=False).whole.system)
+    assert "source: below the limit" in told(known.always)
+    assert "follower: within what is assumed" in told(known.facts)
+    assert "range of follower.kept" in told(known.always)
+    assert not known.refuted
+
+
+def test_what_is_owed_is_proved_and_used() -> None:
+    """A follower that assumes what the source keeps: the contract is proved, and then the follower's facts."""
+    chain = Chain(limit=5, assumed=5)
+    known = base(chain.whole.system)
+    assert told(known.kept) == {"what follower is owed is kept"}
+    assert {"follower: within what is assumed", "follower: the truth is low"} <= told([*known.facts, *known.always])
+    assert not known.refuted
+
+
+def test_what_is_owed_is_not_assumed() -> None:
+    """The whole's assumption does not hold what the machines owe each other."""
+    chain = Chain()
+    assert variables([chain.whole.system.assume]) == []
+    assert variables([lower(chain.follower).assume]) != []
+
+
+def test_a_contract_that_is_broken_is_shown_by_a_run() -> None:
+    """The source goes up to 10, the follower assumes 5: violated, with a run; and its facts are not used."""
+    chain = Chain(limit=10, assumed=5)
+    kept = chain.whole.of(chain.follower)
+    prop = always("remembered", kept.bool(chain.kept <= 5))
+    findings = {one.id: one.result for one in prove(chain.whole.system, [prop], Limits(depth=8))}
+    broken = findings["chain/lemma/what follower is owed is kept"]
+    assert isinstance(broken, Violated)
+    assert broken.trace is not None
+    assert isinstance(findings["chain/property/remembered"], Violated)
+
+
+def test_a_contract_that_is_kept_is_a_finding() -> None:
+    """It is told like a lemma, with the text that was re-checked."""
+    chain = Chain(limit=5, assumed=5)
+    findings = {one.id: one.result for one in prove(chain.whole.system, [], Limits())}
+    proved = findings["chain/lemma/what follower is owed is kept"]
+    assert isinstance(proved, Proved)
+    assert any("is-owed-is-kept" in file for file in proved.certificates)
+
+
+def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
+    """The follower hears up to 4, the source tells up to 10: what holds for all inputs in range holds no more."""
+    chain = Chain(limit=10, assumed=10, widest=4, owes=False)
+    known = base(chain.whole.system)
+    assert "what follower hears is in range" in told(known.refuted)
+    assert "range of source.level" in told(known.always)
+
+
+def owed_by_clause(limit: int, assumed: int) -> Composition:
+    """The chain, whose follower is owed a low level; that the truth is low is still assumed."""
+    chain = Chain(limit=limit, assumed=assumed, owes=False)
+    follower = replace(
+        chain.follower, assumption=chain.next_truth <= 5, clauses={"the level is low": chain.seen <= assumed}
+    )
+    wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
+    return compose("chain", (chain.source, follower), wires, owes=[Clause(follower, "the level is low")])
+
+
+def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
+    """Only the truth's part is still assumed of the whole, and both together give the follower's facts."""
+    whole = owed_by_clause(limit=5, assumed=5)
+    known = base(whole.system)
+    assert [var.name for var in variables([whole.system.assume])] == ["follower.next_truth"]
+    assert told(known.kept) == {"what follower is owed is kept"}
+    assert "follower: within what is assumed" in told(known.facts)
+    assert not known.refuted
+
+
+def test_a_clause_that_is_not_kept_loses_the_facts() -> None:
+    """The source goes up to 10, the clause says 5: not proved, and nothing of the follower under it is used."""
+    known = base(owed_by_clause(limit=10, assumed=5).system)
+    assert {"what follower is owed is kept", "follower: within what is assumed"} <= told(known.refuted)
+    assert not known.kept
+
+
+def test_what_cannot_be_owed_is_refused() -> None:
+    """A machine that is not part of the whole, and a clause that the machine does not have."""
+    chain = Chain(owes=False)
+    wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
+    with pytest.raises(
+        ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' is owed something and is not part of it\.$"
+    ):
+        compose("chain", [chain.source], {}, owes=[chain.follower])
+    with pytest.raises(
+        ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' has no clause 'high'; it has \[\]\.$"
+    ):
+        compose("chain", [chain.source, chain.follower], wires, owes=[Clause(chain.follower, "high")])
+
+
+@pytest.mark.parametrize("limit", [4, 5])
+def test_a_state_term_follows_from_facts_alone(limit: int) -> None:
+    """A property of every state that the facts imply needs no step: it is proved from them."""
+    chain = Chain(limit=limit, assumed=5)
+    prop = always("remembered", chain.whole.of(chain.follower).bool(chain.kept <= 5))
+    [result] = [one.result for one in prove(chain.whole.system, [prop], Limits()) if one.kind == "property"]
+    assert isinstance(result, Proved)

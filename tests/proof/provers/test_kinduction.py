@@ -1,0 +1,111 @@
+"""k-induction: what it proves, what it needs for it, and what it must not use."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.spec import observe, within
+from safeloc.language.verdict import Unknown, require_proved
+from safeloc.proof.provers import kinduction as module
+from safeloc.proof.provers.base import base
+from safeloc.proof.provers.kinduction import kinduction, queries
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recheck import Certificate, certify
+from tests.examples import latch
+from tests.proof.provers.small import FULL_TOGETHER, LEVEL, SAME, TICK, counter, goal, pair, system
+
+ONE = Limits(induction=1)
+
+
+def test_a_declared_lemma_makes_a_property_inductive() -> None:
+    """Without its lemma the claim is undecided at every k that is tried; with it, one step is enough."""
+    alone = kinduction(goal(pair(), FULL_TOGETHER), Limits())
+    assert isinstance(alone, Unknown)
+    assert alone.reason == "not 3-inductive with the proved ranges and lemmas"
+    proved = require_proved(kinduction(goal(pair({"in step": SAME}), FULL_TOGETHER), ONE))
+    assert proved.engine == "1-induction"
+
+
+def test_a_wrong_lemma_is_not_assumed() -> None:
+    """A lemma that would imply the claim, but does not hold, proves nothing."""
+    verdict = kinduction(goal(pair({"in step": SAME}, behind=True), FULL_TOGETHER & SAME), Limits())
+    assert isinstance(verdict, Unknown)
+
+
+def test_a_contradictory_lemma_is_not_assumed() -> None:
+    """From a lemma that never holds everything would follow; nothing does."""
+    verdict = kinduction(goal(counter(lemmas={"nonsense": (LEVEL < 0)}), LEVEL <= 3), Limits())
+    assert isinstance(verdict, Unknown)
+
+
+def test_a_broken_guard_makes_the_proof_fail() -> None:
+    """The claim that is proved of the right machine is not proved of the wrong one."""
+    require_proved(kinduction(goal(counter(), LEVEL <= 10), ONE))
+    assert isinstance(kinduction(goal(counter(stride=2), LEVEL <= 10), Limits()), Unknown)
+
+
+def test_two_steps_where_one_is_not_enough() -> None:
+    """k grows until the claim follows; start and step are certified for that k."""
+    example = latch()
+    target = observe(example.system, example.holds)
+    assert isinstance(kinduction(target, ONE), Unknown)
+    proved = require_proved(kinduction(target, Limits(induction=2)))
+    assert (proved.engine, proved.depth) == ("2-induction", 2)
+    start, _ = queries(target, base(example.system), 2)
+    assert list(start.goals) == ["good after 0 steps", "good after 1 steps"]
+
+
+def test_conjuncts_are_asked_one_by_one() -> None:
+    """Each part of a conjunction is a question of its own, in z3 and in the certificate."""
+    target = goal(pair(), SAME & FULL_TOGETHER)
+    _, later = queries(target, base(target.original), 1)
+    assert list(later.goals) == ["good after the last step, part 1", "good after the last step, part 2"]
+    proved = require_proved(kinduction(target, ONE))
+    [step] = [text for file, text in proved.certificates.items() if file.startswith("pair-claim-step-")]
+    assert step.count("(check-sat)") == 2
+
+
+def test_an_unconditional_property_uses_no_assumption() -> None:
+    """What holds only under the assumption is proved with it, and not without it."""
+    machine = counter(assumption=~TICK, lemmas={"rests": LEVEL.eq(0)})
+    require_proved(kinduction(goal(machine, LEVEL <= 3), ONE))
+    assert isinstance(kinduction(goal(machine, LEVEL <= 3, unconditional=True), ONE), Unknown)
+
+
+def test_a_helper_is_proved_with_the_property() -> None:
+    """A response time is proved with the help of a lemma over the time waited, which is proved too."""
+    lowered = system(counter())
+    silent = within("soon", 3, LEVEL.eq(10), LEVEL >= 10, helper=lambda waited: waited <= 0)
+    require_proved(kinduction(observe(lowered, silent), ONE))
+    wrong = replace(silent, name="wrong helper", helper=lambda waited: waited > 3)
+    assert isinstance(kinduction(observe(lowered, wrong), Limits()), Unknown)
+
+
+def test_no_time_is_unknown() -> None:
+    """Out of time is undecided, with the reason."""
+    verdict = kinduction(goal(counter(), LEVEL <= 10), Limits(seconds=1e-6))
+    assert isinstance(verdict, Unknown)
+    assert "undecided" in verdict.reason
+
+
+def test_z3_alone_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If cvc5 cannot confirm in time, the verdict is Unknown and says so."""
+
+    def doubtful(query: Query, *, seconds: float, relies_on: list[str]) -> Certificate:
+        return replace(certify(query, seconds=seconds, relies_on=relies_on), undecided=tuple(query.goals))
+
+    monkeypatch.setattr(module, "certify", doubtful)
+    verdict = kinduction(goal(counter(), LEVEL <= 10), ONE)
+    assert isinstance(verdict, Unknown)
+    assert verdict.reason == "proved by 1-induction in z3, but cvc5 could not confirm it in time"
+
+
+def test_certificates_name_what_they_rely_on() -> None:
+    """The shared texts of ranges and lemmas are part of the evidence, and named in the text that uses them."""
+    proved = require_proved(kinduction(goal(counter(), LEVEL <= 10), ONE))
+    [shared] = [file for file in proved.certificates if file.startswith("counter-always-step-")]
+    [start] = [text for file, text in proved.certificates.items() if file.startswith("counter-claim-start-")]
+    assert f"; relies on: {shared}\n" in start

@@ -1,0 +1,225 @@
+"""Free obligations: kept by every example machine, and each broken by a machine with that one fault."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.language.expr import Bool, boolean, number, optional, product
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.units import COUNT
+from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.proof.provers import obligations as module
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.obligations import CHECKS, obligations
+from safeloc.proof.provers.recheck import ENGINE
+from safeloc.proof.results import Finding
+from tests.examples import EXAMPLES, Example
+from tests.proof.provers.small import LEVEL, TICK, counter, system
+
+LIMITS = Limits(depth=15, seconds=10.0)
+ONE, TWO = modes("ONE", "TWO")
+GO = boolean("go")
+
+
+def _found(machine: Machine, limits: Limits = LIMITS) -> dict[str, Finding]:
+    return {finding.id.split("/", 2)[2]: finding for finding in obligations(lower(machine), limits)}
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_every_example_keeps_its_obligations(example: Example) -> None:
+    """All obligations of all examples hold; each mode and each transition is there, with a witness."""
+    findings = obligations(example.system, LIMITS, jobs=2)
+    assert [finding.id for finding in findings if word(finding.result) != "proved"] == []
+    names = {finding.id.split("/", 2)[2] for finding in findings}
+    for machine in example.machines:
+        assert {f"mode {machine.name} {mode.label}" for mode in machine.modes} <= names
+        assert {f"transition {machine.name}: {row.name}" for row in machine.transitions} <= names
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_witnesses_are_streams_that_run(example: Example) -> None:
+    """Every witness, run again, ends with what it is the witness of."""
+    for finding in obligations(example.system, LIMITS):
+        assert isinstance(finding.result, Proved)
+        kind, _, transition = finding.id.split("/", 2)[2].partition(": ")
+        if kind.startswith("transition "):
+            witness = finding.result.witness
+            assert witness is not None
+            again = run(example.system, witness.stream(), first=witness.initial)
+            assert transition in again.steps[-1].fired.values()
+
+
+def test_a_range_that_is_left_comes_with_a_run() -> None:
+    """The variable is named, and the run that leaves its range is shown."""
+    found = _found(counter(stride=2))
+    assert found["ranges"].statement == "1 of 2 state variables stay in their declared ranges"
+    violated = found["range of level"].result
+    assert isinstance(violated, Violated)
+    assert violated.trace is not None
+    assert violated.trace.steps[-1].state["level"] == 11
+
+
+def test_a_ghost_may_leave_its_range_only_where_the_assumption_lets_it() -> None:
+    """Ghosts are judged under the assumption, the machine's own variables without it."""
+    truth, moved = number("truth", COUNT, 0, 5), number("moved", COUNT, -1, 1)
+    parts = {"name": "walk", "modes": modes("ONLY"), "inputs": [GO], "state": {}, "outputs": {}, "transitions": []}
+    world = {"ghosts": {truth: 0}, "ghost_inputs": [moved], "ghost_moves": {truth: truth + moved}}
+    kept = Machine(**parts, **world, assumption=(truth + moved >= 0) & (truth + moved <= 5))  # type: ignore[arg-type]
+    left = Machine(**parts, **world, assumption=truth + moved >= 0)  # type: ignore[arg-type] # one dict, many kinds
+    assert word(_found(kept)["ranges"].result) == "proved"
+    assert word(_found(left)["range of truth"].result) == "violated"
+
+
+def _growing(most: int) -> Machine:
+    left, right = number("left", COUNT, 0, most), number("right", COUNT, 0, most)
+    return Machine(
+        name="area",
+        modes=(ONE, TWO),
+        inputs=[left],
+        state={right: 1},
+        outputs={},
+        transitions=[
+            Transition("large", ONE, TWO, (product(left, right) > most)),
+            Transition("take", ONE, ONE, set={right: left}, rank=1),
+        ],
+    )
+
+
+def test_overflow_is_shown_by_a_run() -> None:
+    """A product that leaves 64 bits is Violated with inputs that make it; one that cannot is proved by intervals."""
+    small, large = _found(_growing(10**9)), _found(_growing(10**10))
+    assert word(small["overflow"].result) == "proved"
+    assert "1 products of two variables" in small["division"].method
+    [(name, finding)] = [(name, one) for name, one in large.items() if name.startswith("overflow ")]
+    assert name == "overflow 1"
+    assert "left" in finding.statement
+    assert isinstance(finding.result, Violated)
+    assert finding.result.trace is not None
+
+
+def test_overflow_is_excluded_by_z3_where_intervals_are_too_coarse() -> None:
+    """Two terms that cancel each other leave the bounds of intervals, not those of 64 bits."""
+    big = number("big", COUNT, 0, 2**62)
+    machine = Machine(
+        name="cancel",
+        modes=(ONE, TWO),
+        inputs=[big],
+        state={},
+        outputs={},
+        transitions=[Transition("never", ONE, TWO, (big - big) + (big - big) + (big - big) + 1 + 2**62 > 0)],
+    )
+    found = _found(machine)
+    assert word(found["overflow"].result) == "proved"
+    assert f"by z3 and {ENGINE}" in found["overflow"].method
+
+
+def test_overlapping_guards_are_shown_with_values() -> None:
+    """Two rows of one rank that are enabled together are Violated, with the run and the values."""
+    found = _found(counter(rise=(2,)))
+    violated = found["overlap counter: rows 2 and 3"].result
+    assert isinstance(violated, Violated)
+    assert violated.reason.startswith("both are enabled when mode = LOW, tick = true, level = 2")
+    assert violated.trace is not None
+    assert len(violated.trace.steps) == 3
+
+
+def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
+    """What no input can cause is dead; what only a broken assumption causes is a defence, with its witness."""
+    machine = Machine(
+        name="guarded",
+        modes=(ONE, TWO),
+        inputs=[LEVEL],
+        state={},
+        outputs={},
+        transitions=[
+            Transition("defence", ONE, TWO, LEVEL > 8),
+            Transition("dead", TWO, ONE, (LEVEL > 5) & (LEVEL < 3), rank=1),
+        ],
+        assumption=LEVEL <= 8,
+    )
+    found = _found(machine)
+    defence, dead = found["transition guarded: defence"], found["transition guarded: dead"]
+    assert isinstance(defence.result, Proved)
+    assert defence.method == "a defence: a drawn run with the assumption broken, proved impossible while it is kept"
+    assert isinstance(dead.result, Violated)
+    assert dead.result.reason == "never occurs, whatever the inputs: dead; remove it or mend its guard"
+
+
+def test_what_is_too_deep_is_unknown() -> None:
+    """A mode that the depth limit does not reach is undecided, not dead."""
+    ticks = number("ticks", COUNT, 0, 900)
+    deep = Machine(
+        name="deep",
+        modes=(ONE, TWO),
+        inputs=[LEVEL],
+        state={ticks: 0},
+        outputs={},
+        transitions=[
+            Transition("full", ONE, TWO, ticks > 800),
+            Transition("count", ONE, ONE, ticks <= 800, {ticks: ticks + 1}),
+        ],
+    )
+    verdict = _found(deep, Limits(depth=3, seconds=2.0))["mode deep TWO"].result
+    assert isinstance(verdict, Unknown)
+    assert verdict.depth == 3
+
+
+def test_an_assumption_that_cannot_be_kept_is_violated() -> None:
+    """Proofs under it would be empty, and the finding says so."""
+    verdict = _found(counter(assumption=TICK & (LEVEL < 3)))["assumption"].result
+    assert isinstance(verdict, Violated)
+    assert verdict.reason == "no run keeps the assumption: every proof under it would be empty"
+
+
+def test_the_assumption_can_be_kept_in_motion() -> None:
+    """The witness moves every input that the assumption leaves free, and the others are named."""
+    found = _found(counter())["assumption"]
+    assert found.method == "one run in which all inputs and ghosts change"
+    assert isinstance(found.result, Proved)
+    assert found.result.witness is not None
+    assert {step.inputs["tick"] for step in found.result.witness.steps} == {True, False}
+    still = _found(counter(assumption=~TICK))["assumption"].result
+    assert isinstance(still, Unknown)
+    assert still.reason == "found only runs in which no input and no ghost ever changes"
+
+
+def test_reading_an_absent_input_is_violated() -> None:
+    """A guard that reads the value without asking for its presence is found, with the values that show it."""
+    reading = optional("reading", COUNT, 0, 9)
+    seen = number("seen", COUNT, 0, 9)
+
+    def machine(guard: Bool) -> Machine:
+        rows = [Transition("take", ONE, TWO, guard, {seen: reading.value})]
+        return Machine("reader", (ONE, TWO), [reading], {seen: ANY}, {}, rows)
+
+    assert word(_found(machine(reading.present & (reading.value > 3)))["absence"].result) == "proved"
+    violated = _found(machine(reading.value > 3))["absence"].result
+    assert isinstance(violated, Violated)
+    assert (
+        "read although absent: reading by mode in a run of 1 steps, the last with reading.present = False"
+        in violated.reason
+    )
+
+
+def test_a_check_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock ends one check; the finding says so and the others are there."""
+
+    def hangs(*_: object) -> object:
+        while True:
+            pass
+
+    monkeypatch.setattr(module, "CHECKS", {**CHECKS, "absence": hangs})
+    monkeypatch.setattr(module, "SEARCHES", 0)
+    monkeypatch.setattr(module, "GRACE_SECONDS", 2.0)
+    findings = {finding.id: finding for finding in obligations(system(counter()), LIMITS)}
+    assert word(findings["counter/obligation/absence"].result) == "unknown"
+    assert word(findings["counter/obligation/ranges"].result) == "proved"
+
+
+def test_findings_are_told_as_they_come() -> None:
+    """Each finding is announced once, from however many processes."""
+    told: list[Finding] = []
+    findings = obligations(system(counter()), LIMITS, jobs=2, on_finding=told.append)
+    assert sorted(finding.id for finding in told) == sorted(finding.id for finding in findings)

@@ -1,0 +1,185 @@
+"""The portfolio: the right verdict whichever engine finds it, in order, in time, from several processes."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from safeloc.errors import EngineError, PropertyError
+from safeloc.language.spec import Goal, always, reachable
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated, require_proved, word
+from safeloc.proof.provers import portfolio as module
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.results import Finding
+from tests.examples import EXAMPLES, Example
+from tests.proof.provers.small import (
+    FULL_TOGETHER,
+    HIGH,
+    LEVEL,
+    LOW,
+    MODE,
+    SAME,
+    TICK,
+    counter,
+    goal,
+    pair,
+    system,
+    told,
+)
+
+LIMITS = Limits(depth=12, seconds=20.0)
+SAME_LEVEL = LEVEL.eq(LEVEL)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_every_example_is_decided(example: Example) -> None:
+    """What holds is proved and what fails is violated, in processes as in this one."""
+    findings = prove(example.system, [example.holds, example.fails], LIMITS, jobs=2)
+    results = [finding.result for finding in findings if finding.kind == "property"]
+    assert [word(result) for result in results] == ["proved", "violated"]
+    assert isinstance(results[1], Violated)
+    assert results[1].trace is not None
+    assert len(results[1].trace.steps) == example.fails_depth
+    assert all(word(finding.result) == "proved" for finding in findings if finding.kind == "lemma")
+
+
+def test_findings_are_in_order_and_told_as_they_come() -> None:
+    """Lemmas first, then properties as given; each is announced exactly once."""
+    told: list[Finding] = []
+    properties = [always(f"at most {most}", most >= LEVEL) for most in (10, 11, 12)]
+    lowered = system(counter(lemmas={"high from 5": MODE.eq(HIGH).iff(LEVEL > 4)}))
+    findings = prove(lowered, properties, LIMITS, jobs=2, on_finding=told.append)
+    assert [finding.id for finding in findings] == [
+        "counter/lemma/high from 5",
+        "counter/property/at most 10",
+        "counter/property/at most 11",
+        "counter/property/at most 12",
+    ]
+    assert sorted(finding.id for finding in told) == sorted(finding.id for finding in findings)
+
+
+def test_a_wrong_lemma_is_reported_with_a_run() -> None:
+    """A lemma that fails is Violated, with the run that breaks it, and no property rests on it."""
+    lowered = system(counter(lemmas={"wrong": LEVEL <= 6}))
+    lemma, claim = prove(lowered, [always("claim", LEVEL <= 6)], LIMITS)
+    assert isinstance(lemma.result, Violated)
+    assert lemma.result.trace is not None
+    assert len(lemma.result.trace.steps) == 7
+    assert isinstance(claim.result, Violated)
+
+
+def test_a_lemma_that_is_true_but_not_inductive_is_reported() -> None:
+    """Nothing breaks it and nothing proves it: undecided, and why."""
+    [lemma] = prove(system(pair({"too weak": FULL_TOGETHER})), [], LIMITS)
+    assert isinstance(lemma.result, Unknown)
+    assert lemma.result.reason.startswith("not used: does not follow, for example when")
+
+
+def test_spacer_decides_what_induction_cannot() -> None:
+    """The engines take turns: without its lemma the claim falls to Spacer."""
+    verdict = prove_one(goal(pair(), FULL_TOGETHER), LIMITS)
+    assert isinstance(verdict, Proved)
+    assert verdict.engine == "spacer"
+
+
+def test_a_broken_guard_is_shown_by_a_run() -> None:
+    """The fault gives a run, not merely the end of the proof."""
+    verdict = prove_one(goal(pair({"in step": SAME}, behind=True), SAME), LIMITS)
+    assert isinstance(verdict, Violated)
+    assert verdict.trace is not None
+    assert verdict.trace.steps[-1].state == {"mode": 0, "left": 1, "right": 0}
+
+
+def test_reachable_is_proved_by_a_witness_and_refuted_by_induction() -> None:
+    """A state that can be reached comes with a run; one that cannot is Violated without a trace, with the reason."""
+    properties = [reachable("high", MODE.eq(HIGH)), reachable("low and full", MODE.eq(LOW) & LEVEL.eq(10))]
+    high, never = (finding.result for finding in prove(system(counter()), properties, LIMITS))
+    assert isinstance(high, Proved)
+    assert high.witness is not None
+    assert len(high.witness.steps) == 5
+    assert isinstance(never, Violated)
+    assert never.trace is None
+    assert never.reason == "no run comes there: proved by 1-induction"
+
+
+def test_reachable_without_the_assumption() -> None:
+    """What the assumption excludes is unreachable under it, and reached where the property asks for none."""
+    properties = [
+        reachable("under it", MODE.eq(HIGH)),
+        reachable("without it", MODE.eq(HIGH), unconditional=True),
+    ]
+    results = [finding.result for finding in prove(system(counter(assumption=~TICK)), properties, LIMITS)]
+    assert [word(result) for result in results] == ["violated", "proved"]
+
+
+def test_too_little_time_is_unknown() -> None:
+    """Within limits that are too small for anything, nothing is claimed."""
+    for finding in prove(system(pair({"in step": SAME})), [always("claim", FULL_TOGETHER)], Limits(seconds=1e-6)):
+        assert isinstance(finding.result, Unknown)
+
+
+def test_a_hanging_engine_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A solver that ignores its time limit costs its own property only."""
+
+    def hangs(goal: Goal, limits: Limits) -> Verdict:
+        del limits
+        if goal.prop.name == "hard":
+            time.sleep(600)
+        return Unknown("easy")
+
+    monkeypatch.setattr(module, "prove_one", hangs)
+    monkeypatch.setattr(module, "GRACE_SECONDS", 0.2)
+    hard, easy = prove(system(counter()), [always("hard", SAME_LEVEL), always("easy", SAME_LEVEL)], Limits(seconds=1.0))
+    assert isinstance(hard.result, Unknown)
+    assert hard.result.reason == "ended by the clock after 2.2 s"
+    assert isinstance(easy.result, Unknown)
+    assert easy.result.reason == "easy"
+
+
+def test_an_error_in_a_process_is_raised_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A prover that contradicts itself is an error, not a missing line in a report."""
+
+    def contradicts(goal: Goal, limits: Limits) -> Verdict:
+        raise EngineError(f"{goal.prop.name}: contradiction within {limits.seconds:g} s")
+
+    monkeypatch.setattr(module, "prove_one", contradicts)
+    with pytest.raises(EngineError, match="counter: claim: EngineError: claim: contradiction"):
+        prove(system(counter()), [always("claim", SAME_LEVEL)], LIMITS)
+
+
+def test_names_must_be_distinct() -> None:
+    """Two properties of one name are refused; names that only look alike in a file's name are not."""
+    with pytest.raises(PropertyError, match=r"rename one of them\.$"):
+        prove(system(counter()), [always("same", LEVEL <= 10), always("same", LEVEL <= 10)], LIMITS)
+    alike = prove(system(counter()), [always("a b", LEVEL <= 10), always("a-b", LEVEL <= 10)], LIMITS)
+    files = [file for one in alike for file in require_proved(one.result).certificates if "-a-b-" in file]
+    assert len(set(files)) == 4
+
+
+def test_the_base_of_another_process_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The base is proved in a process once, and serves the next call without another."""
+    lowered: TransitionSystem = system(counter())
+    first, _ = module.proved_base(lowered, LIMITS)
+    monkeypatch.setattr(module, "in_processes", lambda *_: pytest.fail("proved twice"))
+    assert module.proved_base(lowered, LIMITS) == (first, 0.0)
+    assert told(first.always) == {"range of mode", "range of level"}
+
+
+def test_a_base_that_never_comes_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If ranges and lemmas cannot be proved in time, none is assumed."""
+    monkeypatch.setattr(module, "base", lambda *_, **__: time.sleep(600))
+    monkeypatch.setattr(module, "GRACE_SECONDS", 0.1)
+    known, _ = module.proved_base(system(counter()), Limits(seconds=0.1))
+    assert not known.everything
+    assert told(known.refuted) == {"range of mode", "range of level"}
+
+
+def test_requirements_and_assumption_are_handed_on() -> None:
+    """A finding carries what the property states."""
+    claim = always("claim", LEVEL <= 10, statement="never too full", trace=("MRK-1",), assumption="none")
+    [finding] = prove(system(counter()), [claim], LIMITS)
+    assert (finding.statement, finding.requirements, finding.assumption) == ("never too full", ("MRK-1",), "none")
+    assert finding.method.startswith("1-induction, re-checked by cvc5 ")

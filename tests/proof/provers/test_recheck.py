@@ -1,0 +1,125 @@
+"""cvc5 decides every certificate from its text, and a text that does not prove is an error."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+
+from safeloc.codegen.smtlib import Query
+from safeloc.errors import EngineError
+from safeloc.language.expr import NumVar
+from safeloc.language.units import ONE
+from safeloc.language.verdict import Proved, require_proved
+from safeloc.proof.provers import kinduction as prover
+from safeloc.proof.provers import recheck as module
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.recheck import certify, decide, file_name, recheck
+from tests.proof.provers.small import FULL_TOGETHER, LEVEL, SAME, counter, goal, pair
+
+X = NumVar("x", ONE, 0, 9)
+SOUND = Query("sound", [X > 3], {"above 2": X > 2, "above 0": X > 0})
+
+
+def test_a_sound_query_is_confirmed() -> None:
+    """Each goal is decided, and none is left over."""
+    certificate = certify(SOUND, seconds=10.0, relies_on=["other.smt2"])
+    assert certificate.undecided == ()
+    assert certificate.file == file_name("sound", certificate.text)
+    assert certificate.text.startswith("; safeloc-certificate/1\n; name: sound\n; relies on: other.smt2\n")
+    assert decide("sound", certificate.text, seconds=10.0) == ["unsat", "unsat"]
+
+
+def test_a_goal_that_does_not_follow_is_an_error() -> None:
+    """cvc5 contradicting z3 must stop everything."""
+    wrong = Query("wrong", [X > 3], {"above 2": X > 2, "above 4": X > 4})
+    with pytest.raises(
+        EngineError, match=r"wrong-[0-9a-f]{16}\.smt2: cvc5 does not confirm the proof: answers \['unsat', 'sat'\]"
+    ):
+        certify(wrong, seconds=10.0)
+
+
+def _proof() -> Proved:
+    return require_proved(kinduction(goal(pair({"in step": SAME}), FULL_TOGETHER), Limits()))
+
+
+CORRUPTED: dict[str, Callable[[str], str]] = {
+    "hypotheses gone": lambda text: re.sub(r"^\(assert t.*\n", "", text, flags=re.MULTILINE),
+    "a question left out": lambda text: text.replace("(check-sat)\n", "", 1),
+    "a goal not negated": lambda text: text.replace("(assert (not ", "(assert (= true "),
+    "a symbol gone": lambda text: text.replace("(declare-const |left| Int)", ""),
+    "cut off": lambda text: text[: len(text) // 2],
+    "empty": lambda _: "",
+}
+
+
+@pytest.mark.parametrize("how", CORRUPTED)
+def test_a_corrupted_certificate_is_caught(how: str) -> None:
+    """A text that was tampered with is refused, whatever was done to it."""
+    [text] = [text for file, text in _proof().certificates.items() if file.startswith("pair-claim-step-")]
+    corrupted = CORRUPTED[how](text)
+    assert corrupted != text
+    assert recheck("honest", text, 1) == ["unsat"]
+    with pytest.raises(EngineError, match="cvc5"):
+        recheck("corrupted", corrupted, 1)
+
+
+def test_every_proof_calls_cvc5(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ranges, lemmas and the property itself all go through cvc5: each text of the verdict was decided."""
+    decided: list[str] = []
+
+    def listening(file: str, text: str, **how: object) -> list[str]:
+        decided.append(file)
+        return decide(file, text, **how)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "decide", listening)
+    certificates = _proof().certificates
+    assert sorted(decided) == sorted(certificates)
+    assert len(certificates) == 4
+
+
+def test_a_lying_encoding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If z3 is asked the wrong question and says `proved`, cvc5 reads the right one and contradicts."""
+    monkeypatch.setattr(prover, "unproved", lambda *_: {})
+    with pytest.raises(EngineError, match="cvc5 does not confirm the proof"):
+        kinduction(goal(counter(), LEVEL <= 9), Limits())
+
+
+def test_out_of_time_is_undecided_not_confirmed() -> None:
+    """A goal that cvc5 had no time for is named, and is not confirmed."""
+    assert certify(SOUND, seconds=0.0).undecided == ("above 2", "above 0")
+
+
+HARD = """(set-logic QF_NIA)
+(declare-const a Int)
+(declare-const b Int)
+(assert (and (> a 1) (> b 1) (= (* a b) 1000000016000000063)))
+(check-sat)
+"""
+
+
+def test_a_question_broken_off_is_unknown() -> None:
+    """When the time is up within a question cvc5 says `unknown (TIMEOUT)`: undecided, and no contradiction."""
+    assert recheck("hard", HARD, 1, seconds=0.05) == ["unknown"]
+
+
+def test_file_names_are_plain() -> None:
+    """Whatever a property is called, its certificate has a portable file name, and one text has one name."""
+    assert file_name("odometry: M1/M2 after 5 %", "") == "odometry--M1-M2-after-5---e3b0c44298fc1c14.smt2"
+    assert file_name("a" * 999, "x").startswith("a" * 150 + "-")
+    assert file_name("a/b", "one") != file_name("a/b", "two")
+
+
+def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What cvc5 leaves undecided among other goals is asked once more, alone and with other options."""
+    asked: list[tuple[int, bool]] = []
+
+    def answers(file: str, text: str, expected: int, **how: object) -> list[str]:
+        asked.append((expected, how.get("options") == module.ALONE))
+        return ["unsat", "unknown"] if expected == 2 else recheck(file, text, expected, **how)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "recheck", answers)
+    assert certify(SOUND, seconds=10.0).undecided == ()
+    assert asked == [(2, False), (1, True)]

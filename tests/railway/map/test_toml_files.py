@@ -1,0 +1,151 @@
+"""Lines as TOML and JSON: what is written is what is read, and what does not fit is named with line and key."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from safeloc.errors import InputError
+from safeloc.railway.audit.vehicle import find_layout
+from safeloc.railway.map.model import sealed
+from safeloc.railway.map.toml_files import find_line, from_json, from_toml, load_line, shipped_lines, to_toml
+from safeloc.railway.map.toml_place import line_of
+from tests.railway.map.made import straight
+
+TEXT = """# a line
+name = "l"
+version = "1"
+
+[[nodes]]
+id = "a"
+
+[[nodes]]
+id = "b"
+
+[[edges]]
+id = "e"
+from_node = "a"
+to_node = "b"
+length_mm = 1_000
+kilometres = [{ kilometre_mm = 5 }]
+
+[[edges.kilometres]]
+"""
+SOUND = TEXT.removesuffix("\n[[edges.kilometres]]\n") + "\n"
+
+
+@pytest.mark.parametrize("name", ["fig1", "fig2", "fig3"])
+def test_shipped_lines_come_back_as_written(name: str) -> None:
+    """Written and read again, a worked example is the same line, sealed or not."""
+    line = find_line(name)
+    assert line == from_toml(to_toml(line), name)
+    assert sealed(line) == from_toml(to_toml(sealed(line)), name)
+    assert line == from_json(line.model_dump_json(), name)
+
+
+def test_shipped_lines_are_the_worked_examples() -> None:
+    """Figures 1 to 3 ship."""
+    assert {"fig1", "fig2", "fig3"} <= set(shipped_lines())
+
+
+WRONG = {
+    "not TOML": (SOUND + "length_mm = \n", r"^l\.toml: not TOML: .*line 18"),
+    "a missing key": (SOUND.replace('from_node = "a"\n', ""), r"^l\.toml:11: edges\.0\.from_node: Field required\.$"),
+    "an unknown key": (
+        SOUND.replace("length_mm", "lenght_mm = 5\nlength_mm"),
+        r"^l\.toml:15: edges\.0\.lenght_mm: Extra inputs are not permitted \(got 5\)\.$",
+    ),
+    "a wrong type": (
+        SOUND.replace("1_000", '"1 km"'),
+        r"^l\.toml:15: edges\.0\.length_mm: Input should be a valid integer \(got '1 km'\)\.$",
+    ),
+    "a wrong value in a table": (
+        SOUND.replace("kilometre_mm = 5", 'kilometre_mm = 5, direction = "up"'),
+        r"^l\.toml:16: edges\.0\.kilometres\.0\.direction: Input should be 'increasing' or 'decreasing' \(got 'up'\)\.$",
+    ),
+    "two mistakes": (
+        SOUND.replace("1_000", "-1").replace('version = "1"', "version = 1"),
+        r"^l\.toml:3: version: Input should be a valid string \(got 1\)\. \(1 more\)$",
+    ),
+    "a contradiction": (
+        SOUND.replace('to_node = "b"', 'to_node = "c"'),
+        r"^l\.toml:1: edge 'e': there is no node 'c'; node 'b': no edge ends there\.$",
+    ),
+    "a checksum of something else": (
+        SOUND.replace('version = "1"', f'version = "1"\nchecksum = "sha256:{"0" * 64}"'),
+        r"^l\.toml:1: checksum is sha256:0+, but the content has sha256:\w+: do not use it\.$",
+    ),
+    "infinity": (
+        SOUND.replace("length_mm", "geometry = { points = [[0, 0], [inf, 0]] }\nlength_mm"),
+        r"^l\.toml:15: edges\.0\.geometry\.points\.1\.0: Input should be a finite number \(got inf\)\.$",
+    ),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_does_not_fit_is_named(wrong: str) -> None:
+    """File, line, key, what is wrong and what was given."""
+    text, told = WRONG[wrong]
+    with pytest.raises(InputError, match=told):
+        from_toml(text, "l.toml")
+
+
+def test_the_sound_text_is_a_line() -> None:
+    """The text that the mistakes are made in has none."""
+    assert 5 == from_toml(SOUND, "l.toml").edges[0].kilometres[0].kilometre_mm
+
+
+def test_json_mistakes_are_named() -> None:
+    """JSON has keys but no lines to tell, unless it is no JSON at all."""
+    with pytest.raises(InputError, match=r"^l\.json: name: Field required\. \(3 more\)$"):
+        from_json("{}", "l.json")
+    with pytest.raises(InputError, match=r"^l\.json:1: not JSON: "):
+        from_json("{", "l.json")
+    with pytest.raises(InputError, match=r"^l\.json: a line is a table of keys, not list\.$"):
+        from_json("[]", "l.json")
+    with pytest.raises(InputError, match=r"^l\.json: key 'name' is given twice\.$"):
+        from_json('{"name": "a", "name": "b"}', "l.json")
+
+
+def test_files_are_found_or_not(tmp_path: Path) -> None:
+    """A name is a shipped line or a file; anything else is told what there is."""
+    path = tmp_path / "own.toml"
+    path.write_text(to_toml(straight(5)), encoding="utf-8")
+    assert straight(5) == find_line(str(path)) == load_line(path)
+    with pytest.raises(InputError, match=r"^nowhere: no such file, and no shipped line; shipped are fig1, fig2, fig3"):
+        find_line("nowhere")
+    with pytest.raises(InputError, match="a folder, not a file"):
+        load_line(tmp_path)
+
+
+def test_lines_of_nested_tables() -> None:
+    """`[[edges.kilometres]]` belongs to the edge before it; what is not there is found at what holds it."""
+    text = (
+        "[[edges]]\nid = 1\n[[edges]]\nid = 2\n[[edges.kilometres]]\nx = 1\n[[edges.kilometres]]\nx = 2\n[end]\ny = 1\n"
+    )
+    assert [2, 4, 3, 8, 7, 10] == [
+        line_of(text, path)
+        for path in (
+            ("edges", 0, "id"),
+            ("edges", 1, "id"),
+            ("edges", 1, "nothing"),
+            ("edges", 1, "kilometres", 1, "x"),
+            ("edges", 1, "kilometres", 1, "z"),
+            ("end", "y"),
+        )
+    ]
+    assert 1 == line_of(text, ("absent",))
+
+
+@pytest.mark.parametrize("depth", [150, 900, 100_000])
+@pytest.mark.parametrize("name", ["deep.toml", "deep.json"])
+def test_deep_nesting(tmp_path: Path, name: str, depth: int) -> None:
+    """Refused with the file's name, however deep; as a vehicle, too."""
+    left = "a = " if name == "deep.toml" else '{"a": '
+    text = left + "[" * depth + "]" * depth + ("" if name == "deep.toml" else "}")
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    for read in (load_line, lambda path: find_layout(str(path))):
+        with pytest.raises(InputError, match=f"{name}.*"):
+            read(path)

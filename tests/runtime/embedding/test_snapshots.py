@@ -1,0 +1,188 @@
+"""A snapshot is all of a controller: it goes on as if nothing had been, or is refused with the reason."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from safeloc.errors import InputError, SnapshotError
+from safeloc.language.system import lower
+from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.snapshot import sealed
+from safeloc.runtime.streams.records import ValueRecord
+from safeloc.shipped import ENTRIES
+from safeloc.target import Target
+from tests.data.door_controller import machine as door
+from tests.runtime.embedding.driving import distances, drive, shipped, trusting
+
+ROOT = Path(__file__).parents[3]
+ODOMETRY = trusting()
+
+
+def driven(cycles: int) -> Controller:
+    """After so many cycles."""
+    controller = Controller(ODOMETRY)
+    for records in drive(cycles):
+        controller.step(records)
+    return controller
+
+
+@given(st.integers(0, 120))
+def test_going_on_is_as_if_nothing_had_been(cut: int) -> None:
+    """Restored after any cycle, the rest of the run gives the very same reports."""
+    whole = driven(cut)
+    rest = Controller(ODOMETRY)
+    assert rest.restore(whole.snapshot()).interval == whole.report.interval
+    for records in drive(30, cut + 1):
+        assert rest.step(records) == whole.step(records)
+    assert rest.snapshot() == whole.snapshot()
+
+
+def test_what_was_delivered_is_remembered() -> None:
+    """A record that was used before the snapshot is late after it."""
+    rest = Controller(ODOMETRY)
+    rest.restore(driven(3).snapshot())
+    assert {fault.reason.name for fault in rest.step(distances(300)).rejections} == {"DUPLICATE"}
+
+
+def test_a_restored_follower_stands_where_the_machine_stands() -> None:
+    """Nothing was entered, so nobody is told."""
+    told: list[str] = []
+    host = SimpleNamespace(on_enter_front=lambda event: told.append("entered"))
+    rest = Controller(ODOMETRY)
+    rest.follow(host)
+    rest.listen(lambda report: told.append("report"))
+    rest.restore(driven(3).snapshot())
+    assert host.state == "FRONT"
+    assert told == []
+
+
+def test_a_halted_controller_stays_halted() -> None:
+    """A snapshot is no way around it."""
+    target = Target("door", (door,), lower(door), ())
+    halted, rest = Controller(target, period_ms=500), Controller(target, period_ms=500)
+    with pytest.raises(InputError):
+        halted.step([ValueRecord(time_ms=1, name="speed", value=0)])
+    rest.restore(halted.snapshot())
+    with pytest.raises(InputError, match="was halted"):
+        rest.step([])
+
+
+def odometry(**figures: Any) -> Controller:
+    """With other figures."""
+    return Controller(ENTRIES["odometry"].make(OdometryConfig(**figures)))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: Controller(shipped("balise")),
+            r"of another machine \('odometry', here 'balise'\); it cannot be used here",
+        ),
+        (
+            lambda: odometry(trust_first_marker=True, tolerance_mm=20_000),
+            r"of another configuration \(tolerance_mm 30000, here 20000\)",
+        ),
+        (
+            lambda: Controller(ODOMETRY, expected={"front_wheel": 1}),
+            r"of another setting \(expected \{\}, here \{'front_wheel'",
+        ),
+    ],
+    ids=["machine", "configuration", "setting"],
+)
+def test_of_something_else(make: Callable[[], Controller], message: str) -> None:
+    """Refused, saying what differs, and nothing has changed."""
+    controller = make()
+    before = controller.snapshot()
+    with pytest.raises(SnapshotError, match=message):
+        controller.restore(driven(3).snapshot())
+    assert controller.snapshot() == before
+
+
+def test_of_another_build_of_the_machine() -> None:
+    """The same name and configuration, but another table: refused."""
+    body = json.loads(driven(3).snapshot())
+    body["program"] = "0" * 64
+    with pytest.raises(SnapshotError, match="of another build of the machine"):
+        Controller(ODOMETRY).restore(resealed(body))
+
+
+def resealed(body: dict[str, Any]) -> bytes:
+    """With a checksum that fits."""
+    kind, version = body.pop("kind"), body.pop("version")
+    body.pop("checksum")
+    return sealed(body, kind, version)
+
+
+def test_newer_than_this_version() -> None:
+    """Whatever else is in it, it is not read."""
+    body = json.loads(driven(3).snapshot())
+    with pytest.raises(SnapshotError, match=r"^the snapshot has version 2, and this safeloc reads up to 1; use the "):
+        Controller(ODOMETRY).restore(resealed({**body, "version": 2}))
+
+
+@pytest.mark.parametrize("data", [b"", b"{", b"[]", b'{"kind": "other"}', b"\xff", b"null"])
+def test_what_is_no_snapshot(data: bytes) -> None:
+    """Refused as damaged, or as no snapshot at all."""
+    with pytest.raises(SnapshotError, match=r"damaged|no snapshot of kind 'safeloc-controller'"):
+        Controller(ODOMETRY).restore(data)
+
+
+def test_what_are_no_bytes() -> None:
+    """Such as that of a file that was not there."""
+    with pytest.raises(SnapshotError, match="expected a snapshot as bytes, got NoneType"):
+        Controller(ODOMETRY).restore(None)  # type: ignore[arg-type] # that is the point
+
+
+@given(st.integers(0, 10**6), st.integers(1, 255))
+def test_damage_is_seen(place: int, change: int) -> None:
+    """One changed byte anywhere: refused, or the very same content."""
+    data = bytearray(driven(2).snapshot())
+    data[place % len(data)] ^= change
+    controller = Controller(ODOMETRY)
+    with pytest.raises(SnapshotError):
+        controller.restore(bytes(data))
+    assert controller.report.cycle == 0
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [lambda state: state.update(mode=99), lambda state: state.pop("mode"), lambda state: state.update(mode=True)],
+    ids=["range", "variable", "kind"],
+)
+def test_a_state_that_is_none(spoil: Callable[[dict[str, Any]], object]) -> None:
+    """Also under a checksum that fits, a state is only what the machine's variables can hold."""
+    body = json.loads(driven(2).snapshot())
+    spoil(body["state"])
+    with pytest.raises(SnapshotError, match="begin anew without it"):
+        Controller(ODOMETRY).restore(resealed(body))
+
+
+def test_another_process_reads_it() -> None:
+    """What identifies a build of a machine does not depend on the process that computes it."""
+    code = (
+        "import sys; from tests.runtime.embedding.driving import trusting; from safeloc.runtime.embedding import Controller; "
+        "print(Controller(trusting()).restore(sys.stdin.buffer.read()).words())"
+    )
+    whole = driven(3)
+    done = subprocess.run(
+        [sys.executable, "-c", code], input=whole.snapshot(), capture_output=True, cwd=ROOT, check=False
+    )
+    assert done.stdout.decode().strip() == whole.report.words(), done.stderr.decode()
+
+
+def test_a_program_is_shared() -> None:
+    """Its fingerprint is one of content: made twice, it is the same."""
+    assert trusting().fingerprint == ODOMETRY.fingerprint
+    assert Program(ODOMETRY.target).fingerprint == ODOMETRY.fingerprint != shipped("balise").fingerprint

@@ -1,0 +1,80 @@
+"""Clusters of axles counted in a train's profile."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from safeloc.sensing.fibre.axles import Count, Counter, clusters
+from safeloc.sensing.fibre.figures import Counting, FibreConfig, Interrogator
+
+CONFIG = FibreConfig(interrogator=Interrogator(fibre_mm=6_000_000))
+
+
+def profile(
+    places_m: list[float], width_m: float = 6, length: int = 300
+) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Bumps at these places, every metre."""
+    bins = np.arange(length)
+    return np.asarray(sum(np.exp(-(((bins - place) / width_m) ** 2)) for place in places_m), dtype=np.float64)
+
+
+@pytest.mark.parametrize("count", [2, 5, 9])
+def test_bumps_are_counted(count: int) -> None:
+    """26 m apart, as the joints of coaches."""
+    assert count == clusters(profile([30 + 26 * number for number in range(count)]), CONFIG)
+
+
+def test_what_melts_together_is_one_cluster() -> None:
+    """Bogies 7 m apart; a ripple is none."""
+    assert 2 == clusters(profile([50, 57, 120, 127]) + 0.02 * np.sin(np.arange(300)), CONFIG)
+
+
+def counted(config: FibreConfig, speed_m_s: float, joints: int, run_m: float) -> Count | None:
+    """After a train with joints 26 m apart ran so far."""
+    counter = Counter(config)
+    centre = (np.arange(config.interrogator.channels) * 10_000 + config.interrogator.span_mm / 2) / 1_000
+    length = 26.0 * (joints - 1)
+    middle = 500.0 if speed_m_s > 0 else 5_000.0
+    for window in range(round(run_m / abs(speed_m_s) / 0.05)):
+        middle += speed_m_s * 0.05
+        offsets = [middle - length / 2 + 26 * joint for joint in range(joints)]
+        energy = 1 + 100 * sum(np.exp(-(((centre - place) / 6) ** 2)) for place in offsets)
+        counter.follow(
+            window * 50.0, middle * 1_000, length * 1_000, speed_m_s * 1_000, np.asarray(energy, dtype=np.float32)
+        )
+    return counter.count
+
+
+@pytest.mark.parametrize("speed", [-40.0, 12.0, 40.0])
+def test_a_moving_train_is_counted(speed: float) -> None:
+    """Confidently after three profiles, in both directions."""
+    found = counted(CONFIG, speed, 6, 1_500)
+    assert Count(6, None, True) == found
+
+
+def test_one_profile_is_no_agreement() -> None:
+    """The count is there, not to be relied on."""
+    assert Count(6, None, False) == counted(CONFIG, 40.0, 6, 700)
+
+
+def test_no_run_no_count() -> None:
+    """Neither too short, nor too slow."""
+    assert counted(CONFIG, 40.0, 6, 300) is None
+    assert counted(CONFIG, 2.0, 6, 100) is None
+
+
+def test_axles_follow_from_the_kind_of_vehicle() -> None:
+    """Five coaches of four axles have six clusters."""
+    coaches = CONFIG.model_copy(update={"counting": Counting(axles_per_vehicle=4)})
+    assert Count(6, 20, True) == counted(coaches, 40.0, 6, 1_500)
+
+
+def test_turning_back_starts_the_profile_again() -> None:
+    """A course that comes back is no course past a channel."""
+    counter = Counter(CONFIG)
+    still = np.ones(CONFIG.interrogator.channels, dtype=np.float32)
+    for window, middle in enumerate([*range(1_000, 1_400, 2), *range(1_400, 1_000, -2)]):
+        speed = 40_000 if window < 200 else -40_000
+        counter.follow(window * 50.0, middle * 1_000.0, 100_000, speed, still)
+    assert counter.count is None
