@@ -34,7 +34,7 @@ Stop = tuple[str, str, int]
 """What stands in a row: a room (its name, empty, its row), or the lane of an arrow from room to room past a row."""
 
 
-def stops(graph: nx.DiGraph) -> dict[tuple[str, str], list[Stop]]:
+def stops(graph: nx.DiGraph[str]) -> dict[tuple[str, str], list[Stop]]:
     """Each arrow with where it begins, the lanes that it runs through, and where it ends."""
     height = heights(graph)
     return {
@@ -47,7 +47,7 @@ def stops(graph: nx.DiGraph) -> dict[tuple[str, str], list[Stop]]:
     }
 
 
-def rows(graph: nx.DiGraph, ways: Iterable[list[Stop]]) -> list[list[Stop]]:
+def rows(graph: nx.DiGraph[str], ways: Iterable[list[Stop]]) -> list[list[Stop]]:
     """The rows from below, each ordered so that arrows run nearly straight."""
     height, ways = heights(graph), list(ways)
     every = {(room, "", height[room]) for room in graph} | {stop for way in ways for stop in way}
@@ -85,13 +85,13 @@ def centres(found: list[list[Stop]]) -> dict[Stop, int]:
     return places
 
 
-def words(graph: nx.DiGraph, room: str) -> list[str]:
+def words(graph: nx.DiGraph[str], room: str) -> list[str]:
     """What a box says under its name."""
     named = ", ".join(sorted(graph.successors(room))) or "nothing"
     return [f"{graph.nodes[room]['files']} files; imports", *textwrap.wrap(named, LETTERS)]
 
 
-def tall(graph: nx.DiGraph, row: Iterable[Stop]) -> int:
+def tall(graph: nx.DiGraph[str], row: Iterable[Stop]) -> int:
     """The height of a row's tallest box."""
     return NAME_HEIGHT + LINE_HEIGHT * max(len(words(graph, stop[0])) for stop in row if not stop[1])
 
@@ -104,7 +104,7 @@ class _Ends:
     bottom: Mapping[int, int]
 
 
-def _ends(graph: nx.DiGraph, found: list[list[Stop]]) -> _Ends:
+def _ends(graph: nx.DiGraph[str], found: list[list[Stop]]) -> _Ends:
     at, top, bottom = MARGIN, dict[int, int](), dict[int, int]()
     for number in range(len(found) - 1, -1, -1):
         top[number], bottom[number] = at, at + tall(graph, found[number])
@@ -145,7 +145,7 @@ def _arrow(way: list[Stop], centre: Mapping[Stop, int], ends: _Ends) -> str:
     return f'<path d="{path}" marker-end="url(#tip)"/>'
 
 
-def _upwards(graph: nx.DiGraph, centre: Mapping[Stop, int], ends: _Ends, right: int) -> Iterator[str]:
+def _upwards(graph: nx.DiGraph[str], centre: Mapping[Stop, int], ends: _Ends, right: int) -> Iterator[str]:
     """The arrows that close a circle: through the space between rows to a lane of their own beside all boxes."""
     height, found = heights(graph), upward(graph)
     for number, (one, other) in enumerate(found):
@@ -158,7 +158,7 @@ def _upwards(graph: nx.DiGraph, centre: Mapping[Stop, int], ends: _Ends, right: 
         yield f'<path class="up" d="{path}" marker-end="url(#tip)"/>'
 
 
-def _box(graph: nx.DiGraph, stop: Stop, centre: int, ends: _Ends) -> Iterator[str]:
+def _box(graph: nx.DiGraph[str], stop: Stop, centre: int, ends: _Ends) -> Iterator[str]:
     left, upper, lower = centre - BOX_WIDTH // 2, ends.top[stop[2]], ends.bottom[stop[2]]
     yield f'<rect x="{left}" y="{upper}" width="{BOX_WIDTH}" height="{lower - upper}" rx="6"/>'
     yield f'<text class="name" x="{left + 10}" y="{upper + 20}">{html.escape(stop[0])}</text>'

@@ -47,10 +47,10 @@ def imported(path: Path) -> Iterator[str]:
 
 
 @cache
-def rooms() -> nx.DiGraph:
+def rooms() -> nx.DiGraph[str]:
     """All rooms with the number of their files; an edge from each room to each that it imports, with how often."""
     homes = {module_of(path): room_of(path) for path in files()}
-    graph = nx.DiGraph()
+    graph: nx.DiGraph[str] = nx.DiGraph()
     for path in files():
         room = room_of(path)
         graph.add_node(room, files=graph.nodes.get(room, {}).get("files", 0) + 1)
@@ -70,7 +70,7 @@ def home(name: str, homes: dict[str, str]) -> str | None:
     return None
 
 
-def upward(graph: nx.DiGraph) -> list[tuple[str, str]]:
+def upward(graph: nx.DiGraph[str]) -> list[tuple[str, str]]:
     """The imports that close a circle of rooms, rare ones rather than frequent ones."""
     rest, taken = graph.copy(), []
     while circles := [part for part in nx.strongly_connected_components(rest) if len(part) > 1]:
@@ -87,19 +87,19 @@ def upward(graph: nx.DiGraph) -> list[tuple[str, str]]:
     return sorted(found)
 
 
-def downward(graph: nx.DiGraph) -> nx.DiGraph:
+def downward(graph: nx.DiGraph[str]) -> nx.DiGraph[str]:
     """All imports but those that close a circle."""
     rest = graph.copy()
     rest.remove_edges_from(upward(graph))
     return rest
 
 
-def arrows(graph: nx.DiGraph) -> list[tuple[str, str]]:
+def arrows(graph: nx.DiGraph[str]) -> list[tuple[str, str]]:
     """The downward imports that no chain of others implies."""
     return sorted(nx.transitive_reduction(downward(graph)).edges)
 
 
-def heights(graph: nx.DiGraph) -> dict[str, int]:
+def heights(graph: nx.DiGraph[str]) -> dict[str, int]:
     """The row of each room, counted from below: each above all that it imports."""
     order = downward(graph)
     found: dict[str, int] = {}

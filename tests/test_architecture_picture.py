@@ -9,6 +9,7 @@ from pathlib import Path
 import networkx as nx
 import pytest
 
+from safeloc.cli.commands import COMMANDS
 from tests.architecture_picture import COMMAND, PICTURE, drawn
 from tests.rooms import ROOT, arrows, downward, files, heights, home, imported, room_of, rooms, upward
 
@@ -35,7 +36,8 @@ def test_each_room_has_its_box_with_all_that_it_imports() -> None:
 def test_arrows_say_as_much_as_the_imports() -> None:
     """Along them one comes to the same rooms; each runs downwards, and what closes a circle stands apart."""
     graph = rooms()
-    shown, order = nx.DiGraph(arrows(graph)), downward(graph)
+    order: nx.DiGraph[str] = downward(graph)
+    shown: nx.DiGraph[str] = nx.DiGraph(arrows(graph))
     height = heights(graph)
     assert {(a, b) for a in shown for b in nx.descendants(shown, a)} == {
         (a, b) for a in order for b in nx.descendants(order, a)
@@ -46,7 +48,7 @@ def test_arrows_say_as_much_as_the_imports() -> None:
 
 def test_the_rarer_import_of_a_circle_runs_upwards() -> None:
     """It is the one to look at."""
-    graph = nx.DiGraph()
+    graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_edge("report", "language", times=9)
     graph.add_edge("language", "report", times=1)
     assert [("language", "report")] == upward(graph)
@@ -55,7 +57,7 @@ def test_the_rarer_import_of_a_circle_runs_upwards() -> None:
 
 def test_only_what_closes_a_circle_runs_upwards() -> None:
     """A rare import in the direction of all others does not, although it lies on the circle."""
-    graph = nx.DiGraph()
+    graph: nx.DiGraph[str] = nx.DiGraph()
     for above, below, times in (("cli", "report", 9), ("report", "language", 8), ("cli", "language", 1)):
         graph.add_edge(above, below, times=times)
     graph.add_edge("language", "cli", times=2)
@@ -100,3 +102,18 @@ def test_every_path_that_is_named_is_there(page: str) -> None:
     links = re.findall(r"\]\((?!http|#)([^)#]+)", text)
     missing = [path for path in paths if not (ROOT / path).exists()]
     assert [] == missing + [link for link in links if not ((ROOT / page).parent / link).exists()]
+
+
+def test_the_commands_that_contributing_names_are_there() -> None:
+    """Targets of make, commands of safeloc, modules and test files."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    lines = "\n".join(re.findall(r"^```\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
+    targets = re.findall(r"^make (\S+)", lines, re.MULTILINE)
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("$(READY)", ".venv/ready")
+    assert len(targets) > 3
+    assert [] == [one for one in targets if not re.search(rf"^[\w -]*{re.escape(one)}\b.*:", makefile, re.MULTILINE)]
+    used = re.findall(r"^safeloc (\w+)", lines, re.MULTILINE)
+    assert {"prove", "verify"} <= set(used) <= set(COMMANDS)
+    modules = set(re.findall(r"^python -m (tests\S+)", lines, re.MULTILINE))
+    assert {COMMAND.removeprefix("python -m ")} == modules
+    assert all((ROOT / path).is_file() for path in re.findall(r"tests/\S+\.py", text))
