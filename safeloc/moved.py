@@ -48,7 +48,7 @@ MOVED = {
     "safeloc.verdict": "safeloc.language.verdict",
     "safeloc.verification": "safeloc.proof.verification",
 }
-"""Old name -> new name, each with all that stands below it."""
+"""Old name -> new name; what stood below the old one stands below the new one. Python asks for the upper one first."""
 
 
 class OldNames(MetaPathFinder):
@@ -56,9 +56,8 @@ class OldNames(MetaPathFinder):
 
     def find_spec(self, name: str, _path: Sequence[str] | None, _target: ModuleType | None = None) -> None:
         """Find nothing. ImportError for a name of before the move."""
-        old = ".".join(name.split(".", 2)[:2])
-        if old in MOVED:
-            raise ImportError(f"{name} is now {MOVED[old]}{name[len(old) :]}; import it from there.", name=name)
+        if name in MOVED:
+            raise ImportError(f"{name} is now {MOVED[name]}; import it from there.", name=name)
 
 
 def refuse_old_names() -> None:

@@ -1,0 +1,1 @@
+"""Trains, sensors and their faults, simulated from truth and a seed."""

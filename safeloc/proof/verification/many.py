@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkProcess
 from typing import Any, NoReturn
 
-from safeloc.catalogue import Target
+from safeloc.target import Target
 from safeloc.errors import EngineError, SafelocError
 from safeloc.language.verdict import word
 from safeloc.proof.cache.answers import kept_in

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from safeloc.catalogue import Target
+from safeloc.target import Target
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers.antecedents import found

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from safeloc.catalogue import Target
+from safeloc.target import Target
 from safeloc.language.expr import NumVar
 from safeloc.language.nodes import Value
 from safeloc.language.units import Enumeration

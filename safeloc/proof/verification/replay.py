@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
-from safeloc.catalogue import Target
+from safeloc.target import Target
 from safeloc.errors import InputError, StreamError
 from safeloc.language.expr import Num, Var
 from safeloc.language.interpret import read_inputs

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from safeloc.catalogue import Target
+from safeloc.target import Target
 from safeloc.language.verdict import NotAsked
 from safeloc.proof.results import Finding, Kind
 

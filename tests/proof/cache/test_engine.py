@@ -13,7 +13,7 @@ import pytest
 from safeloc.proof.cache import engine
 from safeloc.proof.cache.engine import DECLARING, PACKAGE, SHOWING, engine_digest, source_digest
 
-BEGINS = ("safeloc/proof/verification/many.py", "safeloc/proof/verification/one.py")
+BEGINS = ("safeloc/proof/verification/many.py", "safeloc/proof/verification/one.py", "safeloc/catalogue.py")
 LOADED_BY_NAME = ("safeloc/catalogue.py",)
 """What it imports beside the engine are the machines that it hands out, which a target's own digest covers."""
 
