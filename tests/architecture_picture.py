@@ -88,7 +88,8 @@ def centres(found: list[list[Stop]]) -> dict[Stop, int]:
 def words(graph: nx.DiGraph[str], room: str) -> list[str]:
     """What a box says under its name."""
     named = ", ".join(sorted(graph.successors(room))) or "nothing"
-    return [f"{graph.nodes[room]['files']} files; imports", *textwrap.wrap(named, LETTERS)]
+    number = graph.nodes[room]["files"]
+    return [f"{number} file{'s' * (number > 1)}; imports", *textwrap.wrap(named, LETTERS)]
 
 
 def tall(graph: nx.DiGraph[str], row: Iterable[Stop]) -> int:

@@ -1,7 +1,7 @@
 """Who imports whom, room by room, as it is read from the code's own imports.
 
-A room is a folder of `safeloc/`, or `models/` or `properties/`; files beside the folders are the room `safeloc`. The two
-doors, `safeloc/__init__.py` and `safeloc/__main__.py`, belong to no room.
+A room is a folder of `safeloc/`, or `models/` or `properties/`. What stands in `railway/` is a room each, and so is a file
+beside the folders, such as `errors`. The doors of the package belong to no room.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from pathlib import Path
 import networkx as nx
 
 ROOT = Path(__file__).parents[1]
-DOORS = (ROOT / "safeloc" / "__init__.py", ROOT / "safeloc" / "__main__.py")
+DOORS = [ROOT / "safeloc" / name for name in ("__init__.py", "__main__.py", "moved.py", "railway/__init__.py")]
+DIVIDED = "railway"
 LINKS = (ROOT / "safeloc" / "models", ROOT / "safeloc" / "properties")
 
 
@@ -26,9 +27,11 @@ def files() -> list[Path]:
 
 
 def room_of(path: Path) -> str:
-    """The folder that a file belongs to, such as `language`."""
-    first, *rest = path.relative_to(ROOT).parts
-    return rest[0] if first == "safeloc" and len(rest) > 1 else first
+    """The room that a file belongs to, such as `language`, `railway.map` or `errors`."""
+    first, *rest = path.relative_to(ROOT).with_suffix("").parts
+    if first != "safeloc":
+        return first
+    return f"{DIVIDED}.{rest[1]}" if rest[0] == DIVIDED else rest[0]
 
 
 def module_of(path: Path) -> str:
