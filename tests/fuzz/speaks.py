@@ -1,4 +1,4 @@
-"""Of which cases a claim requires something at all; our own statement of the rule (docs/decisions.md, Engine 11).
+"""Of which cases a claim requires something at all; our own statement of the rule (docs/decisions/proof.md, 6).
 
     within         its trigger
     always         of each part of a conjunction: `p implies q` speaks of p, `p or q` of the failing of p
