@@ -50,6 +50,11 @@ class Verifying:
     def __exit__(self, *_: object) -> None:
         self._bars.stop()
 
+    @property
+    def done(self) -> dict[str, tuple[int, int]]:
+        """Findings counted, of how many, by what the bar is of."""
+        return {task.description: (int(task.completed), int(task.total or 0)) for task in self._bars.tasks}
+
     def __call__(self, event: Event) -> None:
         """One event of `verify_targets`."""
         self._event(event)
@@ -65,8 +70,11 @@ class Verifying:
                 self._line(text)
             case Found(target, id_, verdict, seconds):
                 self._counts[target][verdict] += 1
-                self._bars.advance(self._running[target])
-                self._bars.advance(self._all, int(sum(self._counts[target].values()) <= self._expected[target]))
+                expected_yet = int(
+                    self._counts[target].total() <= self._expected[target]
+                )  # more may come: cases found by search
+                self._bars.advance(self._running[target], expected_yet)
+                self._bars.advance(self._all, expected_yet)
                 self._line(f"{verdict:9} {id_}  ({seconds:.1f} s)")
             case Kept(target, findings, since):
                 self._bars.advance(self._all, self._expected[target])
