@@ -55,6 +55,11 @@ class Cost:
     memory_mb: float
 
     @property
+    def grown(self) -> int:
+        """What the exponent is of: state variables of a line, sources of a localizer."""
+        return self.variables if self.family == "line" else self.size
+
+    @property
     def all_s(self) -> float:
         """Seconds of all kinds."""
         return sum(self.seconds.values())
@@ -165,8 +170,8 @@ def table(costs: Sequence[Cost]) -> list[str]:
 
 def _drawn(costs: Sequence[Cost]) -> str:
     lines = [one for one in costs if one.family == "line"]
-    by_kind = {kind: [(one.size, one.seconds[kind]) for one in lines if kind in one.seconds] for kind in KINDS}
-    return drawn(by_kind, [(one.size, one.all_s) for one in costs if one.family == "localizer"])
+    by_kind = {kind: [(one.grown, one.seconds[kind]) for one in lines if kind in one.seconds] for kind in KINDS}
+    return drawn(by_kind, [(one.grown, one.all_s) for one in costs if one.family == "localizer"])
 
 
 def _told(before: Cost | None, one: Cost, kind: str) -> str:
@@ -177,7 +182,7 @@ def _told(before: Cost | None, one: Cost, kind: str) -> str:
         return f"{'-':>16}"
     if before is None or not spent(before):
         return f"{spent(one):>8.1f}{'':>8}"
-    power = exponent((before.size, spent(before)), (one.size, spent(one)))
+    power = exponent((before.grown, spent(before)), (one.grown, spent(one)))
     return f"{spent(one):>8.1f} ^{power:>5.2f}{'!' if power > STEEP else ' '}"
 
 
