@@ -2,7 +2,7 @@
 
 `python -m benchmarks.bench_growth [--line 10 30 100] [--localizer 1 2 3 4 5] [--out FILE] [--svg PICTURE]`: processor seconds by
 kind for machines of so many state variables (benchmarks.counted_line), and for localizers of so many sources, of which only
-the lemmas, contracts and properties are proved (the obligations and tests of one take six times as long). Behind each figure
+the lemmas, contracts and properties are proved (the obligations and tests of one source take five times as long). Behind each figure
 stands the exponent between its size and the one before, `!` above STEEP. FILE keeps a line a size, and what stands in it is not
 measured again. Limits of the clock are wide (SECONDS), so that other work on the machine changes no verdict.
 """
