@@ -19,10 +19,10 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
-from safeloc.proof.provers.asking import ask, new_solver, why_unknown
+from safeloc.proof.provers.asking import ask, new_solver, plain_solver, why_unknown
 from safeloc.proof.provers.dead_ends import LASTS, NO_RUN, lasts
 from safeloc.proof.provers.evidence import admissible_run
-from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.recorded import Recording, lasting
 
@@ -30,6 +30,7 @@ ASSUMPTION_STEPS = 5
 RECORDED_STEPS = 65  # of a recorded run that is to show how inputs move
 ROUND_STEPS = 250
 PATIENCE = 2  # how often the time limit of one search, for all groups of inputs together
+TOGETHER_SHARE = 0.25  # of the time that is left, to have all inputs and ghosts change in one question
 NO_DEAD_END = "every state that a run comes to has a lawful next step"
 
 
@@ -71,16 +72,39 @@ def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Record
     answer = ask(solver, ends.left)
     if answer != z3.sat:
         return Obligation("assumption", statement, _no_run(answer, solver), "bounded search")
-    model, still = solver.model(), list[str]()
-    for var in _moving(system):
+    model, still = _most_moving(system, unrolling, solver, ends)
+    return Obligation("assumption", statement, *_shown(system, unrolling, model, still))
+
+
+def _most_moving(
+    system: TransitionSystem, unrolling: Unrolling, solver: z3.Solver, ends: Deadline
+) -> tuple[z3.ModelRef, list[str]]:
+    """A run in which as many as possible change, from one that the solver has found; and which do not.
+
+    All together are asked for first. What changes in the run that is known need not be asked for by itself.
+    """
+    wanted = {var: z3.Or(*_changes(unrolling, var)) for var in _moving(system)}
+    model, still = _all_moving(solver, wanted.values(), ends) or solver.model(), list[str]()
+    for var, changes in wanted.items():
+        if z3.is_true(model.eval(changes, model_completion=True)):
+            solver.add(changes)
+            continue
         solver.push()
-        solver.add(z3.Or(*(step for step in _changes(unrolling, var))))
+        solver.add(changes)
         if ask(solver, ends.left) == z3.sat:
             model = solver.model()
         else:
             solver.pop()
             still.append(var.name)
-    return Obligation("assumption", statement, *_shown(system, unrolling, model, still))
+    return model, still
+
+
+def _all_moving(solver: z3.Solver, wanted: Iterable[z3.BoolRef], ends: Deadline) -> z3.ModelRef | None:
+    """A run in which all change, if there is one and it is found in a part of the time."""
+    own = plain_solver()
+    own.add(*solver.assertions(), *wanted)
+    found = ask(own, TOGETHER_SHARE * ends.left)
+    return own.model() if found == z3.sat else None
 
 
 def _moved(run: Trace) -> int:

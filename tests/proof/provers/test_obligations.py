@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.language.expr import Bool, boolean, number, optional, product
+from safeloc.language.expr import TRUE, Bool, all_of, boolean, number, optional, product
 from safeloc.language.interpret import run
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.proof.provers import assumption
 from safeloc.proof.provers import obligations as module
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import CHECKS, obligations
@@ -183,6 +184,25 @@ def test_the_assumption_can_be_kept_in_motion() -> None:
     still = _found(counter(assumption=~TICK))["assumption"].result
     assert isinstance(still, Unknown)
     assert still.reason == "found only runs in which no input and no ghost ever changes"
+
+
+def test_what_moves_in_a_known_run_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The solver's questions do not grow with the inputs; what must stand still is still the only one named."""
+    asked = list[object]()
+    checked = assumption.ask
+    monkeypatch.setattr(assumption, "ask", lambda *given: asked.append(given) or checked(*given))
+    inputs = [boolean(f"input_{place}") for place in range(12)]
+
+    def moves(law: Bool) -> str:
+        asked.clear()
+        machine = Machine("mover", (ONE, TWO), inputs, {}, {}, [], assumption=law)
+        return assumption._moves(lower(machine), LIMITS, ()).method
+
+    assert moves(TRUE) == "one run in which all inputs and ghosts change"
+    assert len(asked) == 2  # for any run, and for one in which all change
+    assert moves(~inputs[5]) == "one run in which all inputs and ghosts change but input_5"
+    exclusive = all_of(~(one & other) for one in inputs[:2] for other in inputs[2:4])
+    assert moves(exclusive & ~inputs[0] & ~inputs[11]).endswith("change but input_0, input_11")
 
 
 def test_reading_an_absent_input_is_violated() -> None:
