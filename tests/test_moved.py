@@ -17,7 +17,9 @@ ROOT = Path(safeloc.__file__).parent
 @pytest.mark.parametrize("old", MOVED)
 def test_an_old_name_tells_the_new_one(old: str) -> None:
     """The new one is there, and nothing stands under the old one."""
-    with pytest.raises(ImportError, match=rf"^{re.escape(old)} is now {re.escape(MOVED[old])}; import it from there\.$"):
+    with pytest.raises(
+        ImportError, match=rf"^{re.escape(old)} is now {re.escape(MOVED[old])}; import it from there\.$"
+    ):
         import_module(old)
     assert MOVED[old] == import_module(MOVED[old]).__name__
     here = ROOT / old.partition(".")[2]
