@@ -1,4 +1,4 @@
-"""Where reports go: standard output, or a file. Peers get theirs back over their socket (safeloc.runtime.service.ports)."""
+"""Where reports go: standard output, or a file. Peers get theirs back over their socket (safeloc.runtime.service.tcp)."""
 
 from __future__ import annotations
 
