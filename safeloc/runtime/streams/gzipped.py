@@ -41,14 +41,19 @@ def name_of(path: PurePath) -> str:
 def unpacked_lines(path: Path, longest: int) -> Iterator[tuple[int, str]]:
     """Give every line of a packed file as `read_lines` does of a plain one; StreamError for a file that is damaged."""
     with reading(path):
-        refuse_beyond(path, path.stat().st_size, LARGEST_FILE, "bytes")
+        size = path.stat().st_size
+        refuse_beyond(path, size, LARGEST_FILE, "bytes")
+        if size == 0:  # which Python takes for a packed file with nothing in it
+            raise _damaged(path, "it is empty")
         try:
             with gzip.open(path) as file:
                 yield from cut_lines(path, file, longest, "bytes when unpacked")
         except (gzip.BadGzipFile, EOFError, zlib.error) as error:
-            raise StreamError(
-                f"{path}: damaged, it cannot be unpacked ({error}); copy it again, or record it again."
-            ) from error
+            raise _damaged(path, str(error)) from error
+
+
+def _damaged(path: Path, why: str) -> StreamError:
+    return StreamError(f"{path}: damaged, it cannot be unpacked ({why}); copy it again, or record it again.")
 
 
 @contextmanager
