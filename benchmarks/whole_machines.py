@@ -152,7 +152,7 @@ def _odometry_service() -> Service:
 
 def _localizer_service() -> Service:
     """Out of a hall, under satellites and into a tunnel."""
-    recorded = read_steps(localizer_recordings.FOLDER / "localizer-main-line.jsonl")
+    recorded = read_steps(localizer_recordings.FOLDER / "localizer-main-line.jsonl.gz")
     return Service(recorded.first, recorded.steps)
 
 

@@ -82,7 +82,7 @@ def write(folder: Path = FOLDER) -> list[Path]:
     """Write all of them, each with its first state; the paths."""
     config, paths = LocalizerConfig(), list[Path]()
     for name, run in RUNS.items():
-        paths.append(folder / f"localizer-{name}.jsonl")
+        paths.append(folder / f"localizer-{name}.jsonl.gz")
         steps, first = simulate(config, run.journey, seed=SEED), first_state(config, run.journey)
         write_steps(paths[-1], steps, machine="localizer", first=first, short=True)
     return paths

@@ -135,7 +135,7 @@ def write(folder: Path = FOLDER) -> list[Path]:
     """Write all of them, each with its first state; the paths."""
     config, paths = LocalizerSectionsConfig(), list[Path]()
     for name, scene in SCENES.items():
-        paths.append(folder / f"{NAME}-{name}.jsonl")
+        paths.append(folder / f"{NAME}-{name}.jsonl.gz")
         steps, first = simulate(config, scene, seed=SEED), first_state(config, scene)
         write_steps(paths[-1], steps, machine=NAME, first=first, short=True)
     return paths

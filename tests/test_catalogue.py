@@ -93,7 +93,7 @@ def test_shipped(name: str) -> None:
 def test_shipped_streams_exist() -> None:
     """Odometry ships with recordings, and each is a file."""
     streams = load_target("odometry").streams
-    assert {path.name for path in streams} >= {"odometry-service.jsonl", "odometry-wheel-slide.jsonl"}
+    assert {path.name for path in streams} >= {"odometry-service.jsonl.gz", "odometry-wheel-slide.jsonl.gz"}
     assert all(path.is_file() for path in streams)
 
 

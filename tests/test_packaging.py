@@ -63,7 +63,7 @@ def test_the_wheel_holds_the_tree(wheel: Path) -> None:
     """Every file of safeloc, models and properties is in the wheel, and no other."""
     expected = sorted(name for _, name in delivered())
     kinds = {Path(name).suffix for name in expected}
-    assert {".py", ".toml", ".json", ".jinja", ".jsonl"} <= kinds
+    assert {".py", ".toml", ".json", ".jinja", ".gz"} <= kinds
     assert "safeloc/py.typed" in expected
     assert names(wheel) == expected
 

@@ -23,7 +23,7 @@ SPACING_MM = 750_000
 
 @dataclass(frozen=True)
 class EndScene:
-    """A recording of the fibre machine: `fibre-NAME.jsonl`.
+    """A recording of the fibre machine: `fibre-NAME.jsonl.gz`.
 
     says      the scene and the outcome that is expected, in words
     mapped    the sections as the host's map has them, where they are not those of the scene

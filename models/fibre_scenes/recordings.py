@@ -24,7 +24,7 @@ BLOCKS_PER_S = 2
 
 @dataclass(frozen=True)
 class Recording:
-    """What stands in `NAME.jsonl`, after values of ghosts at first, and in `NAME.waterfall.json`."""
+    """What stands in `NAME.jsonl.gz`, after values of ghosts at first, and in `NAME.waterfall.json`."""
 
     name: str
     machine: str
@@ -34,7 +34,7 @@ class Recording:
 
     def write(self, folder: Path) -> None:
         """Both files."""
-        write_steps(folder / f"{self.name}.jsonl", self.steps, machine=self.machine, first=self.first, short=True)
+        write_steps(folder / f"{self.name}.jsonl.gz", self.steps, machine=self.machine, first=self.first, short=True)
         rows = json.dumps(dict(self.picture), indent=1)
         (folder / f"{self.name}.waterfall.json").write_text(rows + "\n", encoding="utf-8")
 

@@ -29,7 +29,7 @@ START_M = -SPEED_M_S * QUIET_S
 
 @dataclass(frozen=True)
 class AreaScene:
-    """A recording of the whole: `fibre_area-NAME.jsonl`, from second `from_s` of the scene on.
+    """A recording of the whole: `fibre_area-NAME.jsonl.gz`, from second `from_s` of the scene on.
 
     says  the scene and the outcome that is expected, in words; what cannot be noticed is said, too
     """
@@ -51,7 +51,7 @@ class AreaScene:
 
 @dataclass(frozen=True)
 class OrderScene:
-    """A recording of the machine that tells whose a pattern is: `train_order-NAME.jsonl`; all trains of the scene."""
+    """A recording of the machine that tells whose a pattern is: `train_order-NAME.jsonl.gz`; all trains of the scene."""
 
     name: str
     title: str

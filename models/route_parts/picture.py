@@ -6,8 +6,9 @@ from pathlib import Path
 
 from safeloc.models.route_parts.variables import RouteConfig
 from safeloc.railway.pictures import Hypothesis, Recognition, Sighting, TrackPlan
+from safeloc.runtime.streams.gzipped import name_of
 
-FIGURE_3 = frozenset(path.stem for path in (Path(__file__).parents[1] / "streams").glob("route-*.jsonl"))
+FIGURE_3 = frozenset(map(name_of, (Path(__file__).parents[1] / "streams").glob("route-*.jsonl.gz")))
 """The shipped recordings: all run over the line fig3, its routes numbered in the order of the map."""
 
 

@@ -40,7 +40,7 @@ Direction = Literal["increasing", "decreasing"]
 def drive(
     line: Annotated[Path, typer.Argument(help="network with the course of its edges: line (TOML) or GeoJSON")],
     log: Annotated[Path, typer.Argument(help="CSV: timestamp, longitude, latitude, position_type")],
-    where: Annotated[Path, typer.Option("--out", help="records to write: .jsonl, .csv or .parquet")],
+    where: Annotated[Path, typer.Option("--out", help="records to write: .jsonl, .jsonl.gz, .csv or .parquet")],
     path: Annotated[Path | None, typer.Option("--path", help="GeoJSON with the elements run over, in order")] = None,
     edges: Annotated[str | None, typer.Option("--edges", help="the edges run over, with commas between them")] = None,
     first: Annotated[str | None, typer.Option("--first", help="increasing or decreasing, along the first edge")] = None,

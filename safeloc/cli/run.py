@@ -30,6 +30,7 @@ from safeloc.runtime.service.supervised import Supervised
 from safeloc.runtime.service.tcp import TcpPort
 from safeloc.runtime.service.udp import UdpPort
 from safeloc.runtime.service.watchdog import Watchdog
+from safeloc.runtime.streams.gzipped import is_packed
 
 STDOUT, STDERR = 1, 2
 VEHICLES_PER_PEER = 250
@@ -131,7 +132,7 @@ def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
         case "stdin", "":
             return Stdin()
         case "file", where if where:
-            return GrowingFile(Path(where), to_its_end=to_its_end)
+            return GrowingFile(_plain(Path(where)), to_its_end=to_its_end)
         case "tcp", where if where:
             return TcpPort(address(where), journal)
         case "udp", where if where:
@@ -140,6 +141,15 @@ def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
             return TcpPort(address(where), journal, proxied=True)
         case _:
             raise typer.BadParameter(f"--from {source!r}: choose stdin, file:PATH, tcp:PORT, udp:PORT or proxy:PORT.")
+
+
+def _plain(path: Path) -> Path:
+    """The path, unless it is of a packed stream: such a file does not grow, and has no lines to go on behind."""
+    if is_packed(path):
+        raise InputError(
+            f"{path}: packed, so lines cannot be followed in it; unpack it: gzip -dc {path} | safeloc run ..."
+        )
+    return path
 
 
 def _outlet(sink: str | None, feed: Feed, selector: selectors.BaseSelector) -> Outlet:

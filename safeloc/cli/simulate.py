@@ -19,7 +19,8 @@ def simulate(
         str, typer.Argument(help="a machine (see `safeloc list`), or a line: file (TOML or JSON), fig1, fig2, fig3")
     ],
     where: Annotated[
-        Path | None, typer.Option("--out", help="stream to write (.jsonl, .csv, .parquet); of a line: folder")
+        Path | None,
+        typer.Option("--out", help="stream to write (.jsonl, .jsonl.gz, .csv, .parquet); of a line: folder"),
     ] = None,
     config: Annotated[
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")

@@ -26,7 +26,7 @@ PACKAGE = Path(__file__).parents[1]
 LOOKS_EVERY_S = 0.3
 SETTLES_S = 0.2
 """An editor may write a file in several goes, and several files one after the other."""
-SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".csv")
+SUFFIXES = (".py", ".toml", ".json", ".jsonl", ".jsonl.gz", ".csv")
 Seen = Mapping[Path, tuple[int, int]]
 
 

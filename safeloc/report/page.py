@@ -22,6 +22,7 @@ from markupsafe import Markup
 
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, Said, counted, headline
 from safeloc.report.traces import trace_charts, trace_rows
+from safeloc.runtime.streams.gzipped import name_of
 
 HERE = Path(__file__).parent
 PARTS = "page"
@@ -186,7 +187,7 @@ def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
     statements: dict[str, dict[str, Any]] = {}
     for row in rows:
         source = _source(row)
-        name = row["name"].removeprefix(f"{PurePath(source).stem}: ")
+        name = row["name"].removeprefix(f"{name_of(PurePath(source))}: ")
         line = statements.setdefault(name, {"name": name, "statement": row["statement"], "cells": {}})
         line["cells"][source] = row
     steps = {source: max(row["depth"] for row in rows if _source(row) == source) for source in sources}

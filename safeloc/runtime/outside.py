@@ -14,6 +14,7 @@ import reprlib
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BufferedIOBase
 from os import fstat
 from pathlib import Path
 
@@ -166,18 +167,23 @@ def read_lines(path: Path, longest: int) -> Iterator[tuple[int, str]]:
     Lines end with LF, CR LF or CR, as Python reads text. InputError with file and line for one of more than `longest`
     bytes, for what is no UTF-8, for a file that cannot be read, and one larger than LARGEST_FILE.
     """
-    number, left = 0, LARGEST_FILE
     with reading(path):
         _refuse_device(path)
         with path.open("rb") as file:
-            while data := file.readline(longest + 1):
-                left -= len(data)
-                refuse_beyond(path, LARGEST_FILE - left, LARGEST_FILE, "bytes")
-                if len(data) > longest and not data.endswith(b"\n"):
-                    raise InputError(f"{path}:{number + 1}: a line of more than {longest} bytes; break it up.")
-                for part in _parts(data.removeprefix(b"\xef\xbb\xbf") if number == 0 else data):
-                    number += 1
-                    yield number, decoded_line(path, number, part)
+            yield from cut_lines(path, file, longest)
+
+
+def cut_lines(path: Path, file: BufferedIOBase, longest: int, counted: str = "bytes") -> Iterator[tuple[int, str]]:
+    """The same of a file that is open. `counted` says what a file too large has too many of."""
+    number = read = 0
+    while data := file.readline(longest + 1):
+        read += len(data)
+        refuse_beyond(path, read, LARGEST_FILE, counted)
+        if len(data) > longest and not data.endswith(b"\n"):
+            raise InputError(f"{path}:{number + 1}: a line of more than {longest} bytes; break it up.")
+        for part in _parts(data.removeprefix(b"\xef\xbb\xbf") if number == 0 else data):
+            number += 1
+            yield number, decoded_line(path, number, part)
 
 
 def _parts(data: bytes) -> list[bytes]:

@@ -16,8 +16,8 @@ STREAMS = Path(__file__).parents[1] / "models" / "streams"
 
 
 def recorded(name: str) -> tuple[Path, ...]:
-    """Recorded step streams that ship for a machine: `name-what-happens.jsonl`."""
-    return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl")))
+    """Recorded step streams that ship for a machine: `name-what-happens.jsonl.gz`."""
+    return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl.gz")))
 
 
 def single(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from safeloc.report.page import file_names
 from safeloc.runtime.streams.columns import read_runs
 from tests.cli.calling import DOOR, QUICK_VERIFY, Call
 
-REVERSAL = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl"
+REVERSAL = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl.gz"
 
 
 def test_list_machines(call: Call) -> None:
@@ -203,7 +204,7 @@ def test_replay_jsonl(call: Call) -> None:
 
 def test_replay_finds_a_wrong_interval(call: Call, tmp_path: Path) -> None:
     """A truth beside the interval is a violation with its step; the machine's ghosts are left out of such a stream."""
-    lines = [json.loads(line) for line in REVERSAL.read_text(encoding="utf-8").splitlines()]
+    lines = [json.loads(line) for line in gzip.decompress(REVERSAL.read_bytes()).splitlines()]
     for line in lines[1:]:
         for name in [name for name in line if name.endswith("_nm")]:
             del line[name]

@@ -30,7 +30,7 @@ MARKER = re.compile(r"(front|rear)_marker(?:_(position_mm|accuracy_mm|since_mm))
 def heard_on_board(name: str) -> list[dict[str, Cell]]:
     """The steps of a shipped recording as a vehicle has them: no ghosts; the truth stands beside them."""
     known = {var.name for var in without_ghosts(load_target("localizer").system).inputs} | {"truth_mm"}
-    steps = read_steps(FOLDER / f"localizer-{name}.jsonl").steps
+    steps = read_steps(FOLDER / f"localizer-{name}.jsonl.gz").steps
     return [{key: cell for key, cell in step.items() if key in known} for step in steps]
 
 

@@ -17,6 +17,7 @@ from safeloc.language.system import without_ghosts
 from safeloc.language.trace import Step
 from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import drawn_run, recorded_run
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.shipped import ENTRIES
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.fmi_unit import Unit, loaded
@@ -25,7 +26,7 @@ pytestmark = [needs_compiler, pytest.mark.slow]  # exporting proves first what a
 PERIOD_S = 0.1
 TARGET = ENTRIES["localizer"].make(ENTRIES["localizer"].config())
 ON_BOARD = without_ghosts(TARGET.system)
-JOURNEYS = {path.stem: path for path in TARGET.streams}
+JOURNEYS = {name_of(path): path for path in TARGET.streams}
 SHORT, WHOLE, DRAWN = 60, 10_000, 300
 
 

@@ -6,6 +6,7 @@ UnforeseenError among it, is a defect.
 
 from __future__ import annotations
 
+import gzip
 import json
 import tempfile
 import zipfile
@@ -222,6 +223,7 @@ FUZZED = (
     Fuzzed("lines of records", _lines(inputs=False), lambda: [_jsonl(ROWS), *(_jsonl([{"vehicle": "7", "number": 5, **row}]) for row in ROWS)]),
     Fuzzed("lines of steps", _lines(inputs=True), lambda: [_jsonl(STEPS), _jsonl([{"cycle": 3, "vehicle": "a", "front_wheel_mm": 1}])]),
     Fuzzed("JSONL", _file(".jsonl", read_raw, read_records, read_steps), lambda: [_jsonl(ROWS), _jsonl(STEPS)]),
+    Fuzzed("packed JSONL", _file(".jsonl.gz", read_raw, read_steps), lambda: [gzip.compress(_jsonl(rows), mtime=0) for rows in (ROWS, STEPS)]),
     Fuzzed("CSV", _file(".csv", read_raw, read_records, read_steps), lambda: [_csv(ROWS), _csv(STEPS[1:])]),
     Fuzzed("Parquet", _file(".parquet", read_raw, read_steps), _parquet),
     Fuzzed("snapshots", _snapshot, lambda: [_controller().snapshot()]),

@@ -25,6 +25,7 @@ from safeloc.models import (
 from safeloc.models.emitter import EmitterConfig
 from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped.making import STREAMS
 from safeloc.target import Target
@@ -58,7 +59,7 @@ def recorded(stem: str) -> Trace:
     """A shipped recording, as it runs on board."""
     system = without_ghosts(target(stem.partition("-")[0]).system)
     inputs = {var.name for var in system.inputs}
-    steps = read_steps(STREAMS / f"{stem}.jsonl").steps
+    steps = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
     return run(system, [{name: value for name, value in step.items() if name in inputs} for step in steps])
 
 
@@ -77,15 +78,15 @@ def told(stem: str, output: str) -> Counter[str]:
 def test_a_recording_is_its_run(machine: str, stem: str) -> None:
     """The file that ships is what the model of it makes, step by step, and ships with its machine."""
     config = target(machine).config
-    assert list(read_steps(STREAMS / f"{stem}.jsonl").steps) == STREAMS_OF[machine].RUNS[stem].steps(config)
-    assert stem in [path.stem for path in target(machine).streams]
+    assert list(read_steps(STREAMS / f"{stem}.jsonl.gz").steps) == STREAMS_OF[machine].RUNS[stem].steps(config)
+    assert stem in map(name_of, target(machine).streams)
     assert STREAMS_OF[machine].RUNS[stem].outcome.endswith(".")
 
 
 @pytest.mark.parametrize(("machine", "stem"), [one for one in RUNS if one[1] not in UNLAWFUL])
 def test_a_run_is_lawful(machine: str, stem: str) -> None:
     """With its truth, it keeps what is assumed, and every property holds on it or is not about it."""
-    steps = read_steps(STREAMS / f"{stem}.jsonl").steps
+    steps = read_steps(STREAMS / f"{stem}.jsonl.gz").steps
     trace = admissible_run(target(machine).system, {}, steps)
     assert {"held", "unknown"} >= {word(one) for one in check_all(trace, target(machine).properties)}
 
@@ -94,13 +95,13 @@ def test_a_run_is_lawful(machine: str, stem: str) -> None:
 def test_a_run_outside_the_assumption_claims_no_truth(stem: str) -> None:
     """What breaks the assumption ships without the truth that would break it."""
     ghosts = {var.name for var in target(stem.partition("-")[0]).system.ghosts}
-    assert all(ghosts.isdisjoint(step) for step in read_steps(STREAMS / f"{stem}.jsonl").steps)
+    assert all(ghosts.isdisjoint(step) for step in read_steps(STREAMS / f"{stem}.jsonl.gz").steps)
 
 
 @pytest.mark.parametrize(("machine", "stem"), RUNS, ids=[stem for _, stem in RUNS])
 def test_a_recording_verifies(machine: str, stem: str) -> None:
     """Replayed as `verify` does: whatever can be judged on it holds."""
-    _, findings = replay_stream(target(machine), STREAMS / f"{stem}.jsonl")
+    _, findings = replay_stream(target(machine), STREAMS / f"{stem}.jsonl.gz")
     assert {"held"} == {word(one.result) for one in findings}
 
 

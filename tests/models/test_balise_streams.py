@@ -21,6 +21,7 @@ from safeloc.models.balise_parts.variables import BaliseConfig, parts
 from safeloc.models.balise_streams import GroupFault, RouteSet, line, simulate
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.properties.balise import properties
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.sensors import Fault
@@ -113,7 +114,7 @@ def test_simulation_refuses_faults_of_unknown_groups() -> None:
 def test_shipped_streams_hold(name: str) -> None:
     """Every property, and the truth beside it, holds on the shipped streams."""
     target = load_target("balise")
-    path = next(stream for stream in target.streams if stream.stem == name)
+    path = next(stream for stream in target.streams if name_of(stream) == name)
     _, findings = replay_stream(target, Path(path))
     assert len(findings) == len([prop for prop in target.properties if prop.kind != "reachable"]) + 1
     assert [finding.id for finding in findings if not isinstance(finding.result, Held)] == []

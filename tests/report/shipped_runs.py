@@ -11,6 +11,7 @@ from typing import TypeVar
 from safeloc.catalogue import Target, load_target
 from safeloc.proof.verification.replay import whole_run
 from safeloc.report.told import Told
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps, write_steps
 
 P = TypeVar("P")
@@ -25,7 +26,7 @@ def shipped(name: str) -> Target:
 
 def recording(machine: str, stem: str) -> Path:
     """The file of a shipped recording."""
-    return next(path for path in shipped(machine).streams if path.stem == stem)
+    return next(path for path in shipped(machine).streams if name_of(path) == stem)
 
 
 @cache

@@ -22,6 +22,7 @@ from safeloc.report.data import report_data, schema
 from safeloc.report.page import to_html
 from safeloc.report.pictures import pictures_data, runs_told
 from safeloc.runtime.packed import read_packed
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps, write_steps
 from tests.report.reading import across, begin, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import changed, picture, recording, shipped
@@ -106,7 +107,7 @@ def test_every_route_recording_has_a_plan() -> None:
     """None is shown without the line it runs over; a stranger has none."""
     (declared,) = shipped("route").pictures
     assert isinstance(declared, Recognition)
-    assert all(declared.plan(path.stem) is not None for path in shipped("route").streams)
+    assert all(declared.plan(name_of(path)) is not None for path in shipped("route").streams)
     assert declared.plan("mine") is None
 
 

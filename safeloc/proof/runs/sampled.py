@@ -17,6 +17,7 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import present_inputs
 from safeloc.proof.runs.lawful import Repair, first_state
 from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.target import Target
 
@@ -37,7 +38,7 @@ def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
     stream = read_steps(path)
     kept = {var.name for var in on_board.state}
     first = {name: value for name, value in stream.first.items() if name in kept}
-    return Run(path.stem, _read(on_board, stream.steps[:steps]), first)
+    return Run(name_of(path), _read(on_board, stream.steps[:steps]), first)
 
 
 def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) -> Run:

@@ -29,6 +29,7 @@ from safeloc.proof.verification.unasked import reason
 from safeloc.runtime.border import Fault
 from safeloc.runtime.outside import quoted
 from safeloc.runtime.streams.columns import read_runs
+from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import StepStream, read_steps
 from safeloc.target import Target
 
@@ -103,7 +104,7 @@ def replay_stream(
         findings.append(_nothing_checked(target, path, unchecked, started))
     if faults is not None:
         findings.append(_border(target, path, len(rows), faults, started))
-    replayed = Replayed(path.stem, trace, tuple(truth))
+    replayed = Replayed(name_of(path), trace, tuple(truth))
     findings = [replace(finding, replayed=replayed) for finding in findings]
     return rows, _noted(findings, unchecked)
 
@@ -150,7 +151,7 @@ def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[F
 def _nothing_checked(target: Target, path: Path, unchecked: Sequence[Property], started: float) -> Finding:
     """Neither a property nor the truth: no news of the recording, and not good news."""
     ghosts = "every property speaks of ghosts, and the stream has none; simulate one, or record the truth as truth_mm"
-    said, name = "something of the recording was checked", f"{target.name}/replay/{path.stem}: nothing checked"
+    said, name = "something of the recording was checked", f"{target.name}/replay/{name_of(path)}: nothing checked"
     why, seconds = NotAsked(ghosts if unchecked else reason(target)), time.monotonic() - started
     return Finding(name, target.name, "replay", said, why, f"replay of {path.name}", seconds)
 
@@ -258,13 +259,13 @@ def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
 
 def _finding(target: Target, path: Path, prop: Property, verdict: Result, started: float) -> Finding:
     seconds = time.monotonic() - started
-    name = f"{target.name}/replay/{path.stem}: {prop.name}"
+    name = f"{target.name}/replay/{name_of(path)}: {prop.name}"
     return Finding(name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.trace)
 
 
 def _border(target: Target, path: Path, steps: int, faults: Sequence[Fault], started: float) -> Finding:
     return Finding(
-        f"{target.name}/replay/{path.stem}: border",
+        f"{target.name}/replay/{name_of(path)}: border",
         target.name,
         "replay",
         "every record is an input as it came, or refused with its reason",
@@ -288,7 +289,7 @@ def _containment(
         outcome = Violated(part, "replay", f"the reported interval misses truth_mm at steps {steps}")
         seen = tuple(truth[: wrong[0]])
     return Finding(
-        f"{target.name}/replay/{path.stem}: truth",
+        f"{target.name}/replay/{name_of(path)}: truth",
         target.name,
         "replay",
         "the reported interval holds the truth of the recording",

@@ -13,8 +13,9 @@ from typing import Any, TypeVar
 
 from safeloc.errors import InputError, StreamError, UnforeseenError
 from safeloc.runtime.outside import quoted, read_lines, reading, refuse_beyond
+from safeloc.runtime.streams.gzipped import is_packed, unpacked_lines
 
-FORMATS = "use .jsonl, .csv or .parquet"
+FORMATS = "use .jsonl, .csv, either of them also with .gz, or .parquet"
 LONGEST_LINE = 1_000_000
 """Bytes of a line of JSON, and of a row of CSV: a step with ten thousand inputs."""
 LONGEST_CELL = 1_000
@@ -53,7 +54,11 @@ def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[i
 
 def lines_of(path: Path) -> Iterator[tuple[int, str]]:
     """Every line that is not blank with its number, one in memory at a time."""
-    return ((number, text) for number, text in read_lines(path, LONGEST_LINE) if text.strip())
+    return ((number, text) for number, text in _lines(path) if text.strip())
+
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    return unpacked_lines(path, LONGEST_LINE) if is_packed(path) else read_lines(path, LONGEST_LINE)
 
 
 def existing(path: Path) -> Path:
@@ -116,7 +121,7 @@ class _Fed:
     """Lines for the CSV reader, which takes as many as a row's quotes ask for: StreamError for a row without end."""
 
     def __init__(self, path: Path) -> None:
-        self._path, self._lines, self._size = path, read_lines(path, LONGEST_LINE), 0
+        self._path, self._lines, self._size = path, _lines(path), 0
 
     def __iter__(self) -> Iterator[str]:
         return self

@@ -1,4 +1,5 @@
 """Files of records: JSONL (one record a line), CSV (one column a field, empty: not given), Parquet (same columns).
+JSONL and CSV may be packed with gzip (`gzipped`).
 
 Records come back in the order of the file. Nothing is sorted, repaired or left out: late, repeated and disordered
 records are for the cycle builder to judge (`cycles`); what is no record at all is a StreamError with file and line.
@@ -31,6 +32,7 @@ from safeloc.runtime.streams.files import (
     truth_value,
     unknown_kind,
 )
+from safeloc.runtime.streams.gzipped import created, kind_of
 from safeloc.runtime.streams.parquet import read_parquet, write_parquet
 from safeloc.runtime.streams.records import RECORD, Record, Unusable
 
@@ -56,7 +58,7 @@ _VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
 
 
 def read_records(path: Path) -> tuple[Record, ...]:
-    """All records of a .jsonl, .ndjson, .csv or .parquet file, in order; StreamError for what is no measurement."""
+    """All records of a .jsonl, .ndjson, .csv (these also with .gz) or .parquet file, in order; StreamError for what is no measurement."""
     return tuple(_each(path, _record))
 
 
@@ -87,7 +89,7 @@ def _located(path: Path, line: int, row: Row, read: Callable[[Row], Said]) -> Sa
 
 
 def _rows(path: Path) -> Iterator[tuple[int, Row]]:
-    match existing(path).suffix:
+    match kind_of(existing(path)):
         case ".jsonl" | ".ndjson":
             return _jsonl_rows(path)
         case ".csv":
@@ -101,9 +103,10 @@ def _rows(path: Path) -> Iterator[tuple[int, Row]]:
 def write_records(path: Path, records: Sequence[Record]) -> None:
     """Write records in the given order; the suffix chooses the format."""
     rows = [record.model_dump(exclude_none=True) for record in records]
-    match path.suffix:
+    match kind_of(path):
         case ".jsonl" | ".ndjson":
-            path.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+            with created(path) as file:
+                file.writelines(json.dumps(row) + "\n" for row in rows)
         case ".csv":
             _write_csv(path, rows)
         case ".parquet":
@@ -231,7 +234,7 @@ def _value(name: str, text: str) -> int | bool | str:
 
 
 def _write_csv(path: Path, rows: Sequence[Row]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with created(path) as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
         writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)

@@ -6,6 +6,7 @@ CSV       one column an input; an empty cell is an absent input; `true` and `fal
 Parquet   one column an input, whole numbers, truth values or text; an empty cell is an absent input; the object of
           JSONL's first line may stand in the file's metadata under `safeloc`
 
+JSONL and CSV may be packed with gzip, as `NAME.jsonl.gz` and `NAME.csv.gz` (`gzipped`).
 Columns that the machine does not have (such as `truth_mm`) are kept apart as remarks, never passed to it.
 """
 
@@ -31,6 +32,7 @@ from safeloc.runtime.streams.files import (
     truth_value,
     unknown_kind,
 )
+from safeloc.runtime.streams.gzipped import created, kind_of
 from safeloc.runtime.streams.parquet import read_parquet, write_parquet
 
 SCHEMA = "safeloc-stream/1"
@@ -55,9 +57,9 @@ class StepStream:
 
 
 def read_steps(path: Path) -> StepStream:
-    """Read a .jsonl, .csv or .parquet file; StreamError with file and line for anything that is not a step."""
+    """Read a .jsonl, .csv (either also with .gz) or .parquet file; StreamError with file and line for anything that is not a step."""
     with streaming(path):
-        match existing(path).suffix:
+        match kind_of(existing(path)):
             case ".jsonl" | ".ndjson":
                 return _read_jsonl(path)
             case ".csv":
@@ -80,21 +82,23 @@ def write_steps(
 ) -> None:
     """Write a .jsonl or .parquet stream with its header, or a .csv one, which has no room for `machine` and `first`.
 
+    A path that ends in .jsonl.gz or .csv.gz is written packed.
+
     short  in .jsonl, what is in every step is written only where it changes
     """
     for number, step in enumerate(steps, 1):
         for key, value in step.items():
             _cell(path, number, key, value)
     header = {"schema": SCHEMA, "machine": machine, "first": dict(first or {})}
-    match path.suffix:
+    match kind_of(path):
         case ".jsonl" | ".ndjson":
             kept = _in_every(steps) if short else []
             lines = (
                 {**header, **({"kept": kept} if kept else {})},
                 *(_changed(steps, kept) if kept else map(dict, steps)),
             )
-            text = "".join(json.dumps(line, separators=(", ", ": ")) + "\n" for line in lines)
-            path.write_text(text, encoding="utf-8")
+            with created(path) as file:
+                file.writelines(json.dumps(line, separators=(", ", ": ")) + "\n" for line in lines)
         case ".csv":
             _write_csv(path, steps, first or {})
         case ".parquet":
@@ -125,7 +129,7 @@ def _write_csv(path: Path, steps: Sequence[Mapping[str, Cell]], first: Mapping[s
     names = list(dict.fromkeys(name for step in steps for name in step))
     if len(names) < 2 and any(not step for step in steps):
         raise StreamError(f"{path}: a step without any input would be an empty line in CSV; write .jsonl.")
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with created(path) as file:
         writer = csv.writer(file)
         writer.writerow(names)
         writer.writerows([_to_text(step.get(name, "")) for name in names] for step in steps)

@@ -28,7 +28,7 @@ FLIPPED = 0.005
 
 def run_of(name: str) -> tuple[Trace, list[dict[str, Cell]]]:
     """A shipped recording through the machine, and its steps."""
-    steps = [dict(step) for step in read_steps(STREAMS / f"fibre-{name}.jsonl").steps]
+    steps = [dict(step) for step in read_steps(STREAMS / f"fibre-{name}.jsonl.gz").steps]
     return replayed(SYSTEM, [{key: cell for key, cell in step.items() if key not in GHOSTS} for step in steps]), steps
 
 
@@ -129,7 +129,7 @@ def test_every_reported_interval_holds_the_truth(name: str) -> None:
 def fresh_is_shipped(made: EndScene) -> None:
     """Steps and picture of a simulation made now are those that ship."""
     recording = recorded_end(made)
-    shipped = read_steps(STREAMS / f"{recording.name}.jsonl")
+    shipped = read_steps(STREAMS / f"{recording.name}.jsonl.gz")
     assert recording.first == shipped.first
     assert len(recording.steps) == len(shipped.steps)
     for now, then in zip(recording.steps, shipped.steps, strict=True):

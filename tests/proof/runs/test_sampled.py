@@ -6,6 +6,7 @@ from safeloc.catalogue import load_target
 from safeloc.language.interpret import holds, read_inputs, run
 from safeloc.language.system import environment, lower, without_ghosts
 from safeloc.proof.runs.sampled import drawn_run, sampled_runs
+from safeloc.runtime.streams.gzipped import name_of
 from tests.examples import EXAMPLES, build_odometer
 
 
@@ -13,7 +14,7 @@ def test_every_source_is_used() -> None:
     """Recorded streams, the simulation, a lawful run and one of any inputs, each no longer than asked for."""
     target = load_target("odometry")
     runs = sampled_runs(target, steps=40)
-    names = [*(path.stem for path in target.streams), "simulated", "lawful", "any inputs in range"]
+    names = [*map(name_of, target.streams), "simulated", "lawful", "any inputs in range"]
     assert names == [one.name for one in runs]
     assert all(0 < len(one.steps) <= 40 for one in runs)
 

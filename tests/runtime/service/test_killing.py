@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import random
 import signal
@@ -65,7 +66,7 @@ def test_the_whole_localizer_goes_on_as_if_nothing_had_been(tmp_path: Path, name
     """All sources, arbitration and both links, killed once before and once after what goes wrong: the reports are, to the
     byte, those of a run that nobody killed, and a place is known after the last kill."""
     chance = random.Random(name)
-    text = (STREAMS / f"localizer-{name}.jsonl").read_text(encoding="utf-8")
+    text = gzip.decompress((STREAMS / f"localizer-{name}.jsonl.gz").read_bytes()).decode()
     whole = ran(tmp_path, "--inputs", said=text, config="", machine="localizer").stdout
     source, sink, snapshot = (tmp_path / one for one in ("lines.jsonl", "reports.jsonl", "snapshot.json"))
     source.write_text("", encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import signal
@@ -60,7 +61,7 @@ def test_records_in_reports_out(tmp_path: Path) -> None:
 
 def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path) -> None:
     """Its header, its ghosts and its truth: the reports are compared with the truth, and hold it."""
-    text = STREAM.read_text(encoding="utf-8")
+    text = gzip.decompress(STREAM.read_bytes()).decode()
     done = ran(tmp_path, "--inputs", said=text, config="")
     assert done.returncode == 0, done.stderr
     found = reports(read(done.stdout))
@@ -95,6 +96,7 @@ def test_nothing_decided(tmp_path: Path) -> None:
         (("--first", "mode=1"), "mode starts at 0 by declaration"),
         (("--period-ms", "50"), "configured for cycles of 100 ms, not 50 ms"),
         (("--from", "file:absent", "--until-end"), "absent: no such file"),
+        (("--from", "file:run.jsonl.gz"), "run.jsonl.gz: packed, so lines cannot be followed in it; unpack it"),
         (("--to", "file:absent/there"), "cannot be written"),
         (("--snapshot", "absent/there"), "snapshots cannot be kept there"),
         (("--snapshot", "."), "a folder; name a file"),

@@ -33,7 +33,7 @@ EVERY_KIND: tuple[Record, ...] = (
 )
 
 
-@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".csv", ".parquet"])
+@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".csv", ".parquet", ".jsonl.gz", ".ndjson.gz", ".csv.gz"])
 def test_records_come_back_as_written(tmp_path: Path, suffix: str) -> None:
     """Every kind, in the order given, times out of order and repeated included; True stays apart from 1."""
     path = tmp_path / f"run{suffix}"
@@ -122,7 +122,8 @@ def test_unknown_files_are_refused(tmp_path: Path, name: str) -> None:
     """A missing file and an unknown suffix."""
     (tmp_path / "run.txt").write_text("")
     with pytest.raises(
-        StreamError, match=r"no such file\.$|unknown kind of file '.txt'; use \.jsonl, \.csv or \.parquet\.$"
+        StreamError,
+        match=r"no such file\.$|unknown kind of file '.txt'; use \.jsonl, \.csv, either of them also with \.gz, or \.parquet\.$",
     ):
         read_records(tmp_path / name)
 

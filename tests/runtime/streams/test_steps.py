@@ -23,7 +23,7 @@ STEPS: list[dict[str, Cell]] = [
 ]
 
 
-@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".csv", ".parquet"])
+@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".csv", ".parquet", ".jsonl.gz", ".ndjson.gz", ".csv.gz"])
 def test_steps_come_back_as_written(tmp_path: Path, suffix: str) -> None:
     """Absent inputs stay absent; True stays apart from 1; each step knows its line."""
     path = tmp_path / f"run{suffix}"
@@ -33,7 +33,7 @@ def test_steps_come_back_as_written(tmp_path: Path, suffix: str) -> None:
     assert stream.lines == ((1, 2, 3) if suffix == ".parquet" else (2, 3, 4))
 
 
-@pytest.mark.parametrize("suffix", [".jsonl", ".parquet"])
+@pytest.mark.parametrize("suffix", [".jsonl", ".jsonl.gz", ".parquet"])
 def test_a_saved_trace_keeps_machine_and_initial_values(tmp_path: Path, suffix: str) -> None:
     """So that a counterexample can be replayed."""
     path = tmp_path / f"trace{suffix}"
@@ -94,7 +94,11 @@ def test_any_stream_survives(tmp_path_factory: pytest.TempPathFactory, steps: li
         ("run.csv", "a,b\n1,nan\n", "run.csv:2: b is 'nan'; steps hold whole numbers."),
         ("run.csv", "a,b\n1,1e3\n", "run.csv:2: b is '1e3'; steps hold whole numbers."),
         ("run.csv", "a,b\n1,1_0\n", "run.csv:2: b is '1_0'; steps hold whole numbers."),
-        ("run.txt", "", "run.txt: unknown kind of file '.txt'; use .jsonl, .csv or .parquet."),
+        (
+            "run.txt",
+            "",
+            "run.txt: unknown kind of file '.txt'; use .jsonl, .csv, either of them also with .gz, or .parquet.",
+        ),
     ],
 )
 def test_what_is_no_step_is_refused(tmp_path: Path, name: str, text: str, message: str) -> None:
@@ -118,7 +122,10 @@ def test_a_missing_file_and_a_wrong_suffix_are_refused(tmp_path: Path) -> None:
     """Before anything is written or read."""
     with pytest.raises(StreamError, match=r"none\.jsonl: no such file\.$"):
         read_steps(tmp_path / "none.jsonl")
-    with pytest.raises(StreamError, match=r"unknown kind of file '\.txt'; use \.jsonl, \.csv or \.parquet\.$"):
+    with pytest.raises(
+        StreamError,
+        match=r"unknown kind of file '\.txt'; use \.jsonl, \.csv, either of them also with \.gz, or \.parquet\.$",
+    ):
         write_steps(tmp_path / "run.txt", STEPS)
     assert not list(tmp_path.iterdir())
 
