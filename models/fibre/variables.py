@@ -64,7 +64,7 @@ class FibreConfig(Config):
     )
     flight_threshold_mm: int = quantity(60_000, "mm", 1, 10_000_000, "[D] index and slack over 40 km, and the edge")
     reflection_threshold_mm: int = quantity(40_000, "mm", 1, 10_000_000, "[D] the point's own place, and the edge")
-    window: int = quantity(5, "sections", 2, 20, "[D] fibre_parts.code: 5 tell 12 sections apart, 6 tell 24, 8 tell 40")
+    window: int = quantity(5, "sections", 2, 20, "[D] fibre.code: 5 tell 12 sections apart, 6 tell 24, 8 tell 40")
     reach: int = quantity(2, "sections", 1, 10, "[D] the code's law: so near, no two are alike")
 
     @model_validator(mode="after")

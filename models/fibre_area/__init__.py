@@ -2,9 +2,9 @@
 
     front, rear   fibre machines of the train's ends: position code, count, error F      models.fibre
     emitter       function check of the fibre chain                                      models.emitter
-    entry         the train is counted in; its reference comes, or is overdue            fibre_area_parts.entry
+    entry         the train is counted in; its reference comes, or is overdue            fibre_area.entry
     verification  both ends against the entry record, over the whole stay                models.verification
-    report        which ends of the pattern are the train's                              fibre_area_parts.report
+    report        which ends of the pattern are the train's                              fibre_area.report
     area          where every train of the area may be, and uncounted vehicles           models.area
     section_n     virtual sections: FREE, OCCUPIED, AMBIGUOUS, UNKNOWN                   models.sections
 

@@ -1,9 +1,9 @@
 """A train between two neighbouring areas, each with its own verification, in one step (FVA-D1; figures, 003 item 14).
 
     giving  the verification of the area that the train comes from            models.verification
-    border  the record that goes over, or is lost                             fibre_area_parts.border
+    border  the record that goes over, or is lost                             fibre_handover.border
     taking  the verification of the area that the train runs into             models.verification
-    speaker whose position is given out                                       fibre_area_parts.speaker
+    speaker whose position is given out                                       fibre_handover.speaker
 
 The taking area has no axle counter at the border: its reference is the record that the giving area verified against,
 sent while that area trusts the train. A record that does not arrive is a reference that was due and did not come.

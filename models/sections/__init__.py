@@ -90,7 +90,7 @@ class SectionsConfig(Config):
         """Whole cycles of the wait-integrity timer."""
         return self.integrity_wait_ms // self.area.period_ms
 
-    @derived("mm", "[D] achieved: front of a train to the rear of the one ahead (area_parts/separation.py)")
+    @derived("mm", "[D] achieved: front of a train to the rear of the one ahead (area/separation.py)")
     def separation_mm(self) -> int:
         """Achieved separation of two trains, mm."""
         return separation_mm(self.area, self.following)
