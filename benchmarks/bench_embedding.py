@@ -17,7 +17,7 @@ from itertools import cycle as forever
 from itertools import islice
 from pathlib import Path
 
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.runs.sampled import recorded_run
 from safeloc.runtime.embedding import Controller, Program, localizer_program
 from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record

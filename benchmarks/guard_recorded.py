@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
-from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns
 from safeloc.railway.guard.figures import find_vehicle, guard_config

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from benchmarks.satellite_recorded import Recording, as_told, geodetic, phone, told, truth
 from benchmarks.satellite_tally import Cycle, Tally, quantiles
-from safeloc.models.satellite_chain import ChainConfig
-from safeloc.models.satellite_streams import FINE, FINE_RECEIVER, Journey, passed
+from safeloc.models.satellite.chain import ChainConfig
+from safeloc.models.satellite.simulate import FINE, FINE_RECEIVER, Journey, passed
 from safeloc.report.stanford import stanford_diagram
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
 from safeloc.simulation.satellite.disturbing import Disturbance

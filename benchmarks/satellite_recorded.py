@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.satellite_tally import Cycle as Told
-from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
-from safeloc.models.satellite_parts.variables import ACCEPTED, FIX, SatelliteConfig
+from safeloc.models.satellite.chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
+from safeloc.models.satellite.variables import ACCEPTED, FIX, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.sensing.satellite.android import read_android
 from safeloc.sensing.satellite.epochs import Epoch

@@ -22,8 +22,8 @@ from safeloc.codegen.compiled import compile_system
 from safeloc.language.nodes import BoolVar
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.models.satellite import compose_machines
-from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
-from safeloc.models.satellite_parts.variables import SatelliteConfig
+from safeloc.models.satellite.chain import ChainConfig, Cycle, EpochChain, Outcome, Reference
+from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.epochs import Epoch, Measured

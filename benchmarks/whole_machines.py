@@ -16,8 +16,10 @@ from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.language.interpret import run
 from safeloc.language.nodes import BoolVar, Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
-from safeloc.models import localizer, localizer_recordings, odometry, odometry_streams
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models import localizer, odometry
+from safeloc.models.localizer.simulation import recordings as localizer_recordings
+from safeloc.models.odometry import simulate as odometry_streams
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.streams.steps import read_steps
 
 UNIT = "generated Python, tick"

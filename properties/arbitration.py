@@ -8,8 +8,8 @@ from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, before, betwee
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.arbitration import Arbitration
-from safeloc.models.arbitration_parts.variables import Source
-from safeloc.models.odometry_parts.variables import CONTRADICTION, LOCATED
+from safeloc.models.arbitration.variables import Source
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED
 
 SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
 TRACE = ("RFL-13", "RFL-14")

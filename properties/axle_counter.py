@@ -8,8 +8,8 @@ from safeloc.language.expr import Lit, before, between, exact_to
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM, UM, Unit
 from safeloc.models.axle_counter import AxleCounter
+from safeloc.models.axle_counter.passage import SOUND, UM_PER_MM
 from safeloc.models.axle_head import NO_AXLE
-from safeloc.models.axle_parts.passage import SOUND, UM_PER_MM
 
 TRACE = ("FVA-3", "FVA-5")
 LAW = "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes"

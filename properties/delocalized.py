@@ -7,7 +7,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM
 from safeloc.models.delocalized import DelocalizedConfig
-from safeloc.models.odometry_parts.variables import LOCATED
+from safeloc.models.vocabulary.reasons import LOCATED
 
 SOURCE_IS_TRUE = "a valid source interval holds the truth"
 

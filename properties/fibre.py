@@ -8,7 +8,7 @@ from safeloc.language.expr import abs_, all_of, as_num, before, between, exact_t
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import COUNT, NM
 from safeloc.models.fibre import CHECKED, CODE, COUNTS, SEEN, Fibre
-from safeloc.models.fibre_parts import variables as v
+from safeloc.models.fibre import variables as v
 from safeloc.properties.step import guard
 
 NM_PER_MM, NM_PER_UM = 1_000_000, 1_000

@@ -17,7 +17,7 @@ from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.units import NM
 from safeloc.models.area import report_law
-from safeloc.models.area_parts.slot import ACCEPTED
+from safeloc.models.area.slot import ACCEPTED
 from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, ends
 from safeloc.models.sections import Sections

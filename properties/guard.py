@@ -8,7 +8,7 @@ from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, 
 from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import COUNT, NM
 from safeloc.models.guard import Guard
-from safeloc.models.guard_parts.variables import NO_FAULT, PASSED, UNCONFIRMED
+from safeloc.models.guard.variables import NO_FAULT, PASSED, UNCONFIRMED
 from safeloc.properties.in_step import in_step, num_in_step
 
 LAW = (

@@ -14,7 +14,7 @@ from safeloc.language.expr import Bool, Num, NumVar, all_of, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import NM
 from safeloc.models.localizer import Localizer
-from safeloc.models.odometry_parts.variables import LOCATED
+from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.arbitration import properties as arbitrated
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"

@@ -13,7 +13,7 @@ from dataclasses import replace
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
-from safeloc.models.area_parts.slot import ACCEPTED
+from safeloc.models.area.slot import ACCEPTED
 from safeloc.models.localizer_sections import LocalizerSections
 from safeloc.models.sections import Section
 from safeloc.properties import localizer as localizer_properties

@@ -16,12 +16,12 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable, since, within
 from safeloc.language.units import MM, NM
 from safeloc.models.layout_rules import LayoutConfig, separable_by_distance
-from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.reflector import BY_REFLECTOR, ReflectorMachine
-from safeloc.models.reflector_parts.dead_reckoning import Interval
-from safeloc.models.reflector_parts.echo import AMBIGUOUS, FITS, Judgement
-from safeloc.models.reflector_parts.map_data import Reflector, is_it
-from safeloc.models.reflector_parts.variables import NO_ERROR, ReflectorConfig
+from safeloc.models.reflector.dead_reckoning import Interval
+from safeloc.models.reflector.echo import AMBIGUOUS, FITS, Judgement
+from safeloc.models.reflector.map_data import Reflector, is_it
+from safeloc.models.reflector.variables import NO_ERROR, ReflectorConfig
+from safeloc.models.vocabulary.error_law import NM_PER_MM
 from safeloc.properties.in_step import in_step, num_in_step
 
 LAW = (

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.units import MM, NM
-from safeloc.models.odometry_parts.distance_device import ADMITTED
-from safeloc.models.odometry_parts.error_law import NM_PER_MM
 from safeloc.models.route import Route
-from safeloc.models.route_parts.variables import NO_REASON, Hypothesis
+from safeloc.models.route.variables import NO_REASON, Hypothesis
 from safeloc.models.turn_off import UNDECIDED
+from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.vocabulary.measured import ADMITTED
 
 LAW = (
     "the true route is among the candidates at the start; admitted distances obey the error law; sightings and turns are "

@@ -9,8 +9,8 @@ from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, 
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, UM_S
 from safeloc.models.satellite import Satellite
-from safeloc.models.satellite_parts.motion import predicted, solved
-from safeloc.models.satellite_parts.variables import ACCEPTED, LOCATED, SPARE, State, held
+from safeloc.models.satellite.motion import predicted, solved
+from safeloc.models.satellite.variables import ACCEPTED, LOCATED, SPARE, State, held
 from safeloc.models.satellite_selection import EXCLUDED, USABLE, Channel
 
 LAW = "greatest acceleration; a solution of usable satellites is within its protection level; a reference within its accuracy"

@@ -9,8 +9,8 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.terms import Substitution
 from safeloc.language.units import UM
 from safeloc.models.area import um
-from safeloc.models.area_parts.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
-from safeloc.models.area_parts.slot import ACCEPTED, Slot
+from safeloc.models.area.judged import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
+from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
 
 LAW = (

@@ -8,7 +8,7 @@ from safeloc.language.expr import all_of, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, never, once, reachable
 from safeloc.language.units import NM
 from safeloc.models.stop_point import BRAKE, CREEP, HOLD, NO_ORDER, PROCEED, REVERSE, StopPoint
-from safeloc.models.stop_point_parts.variables import NO_REASON, TOO_COARSE
+from safeloc.models.stop_point.variables import NO_REASON, TOO_COARSE
 from safeloc.properties.in_step import in_step
 
 LAW = "a valid interval holds the true position; speed is measured within its error"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from safeloc.language.expr import before
 from safeloc.language.spec import Property, always, reachable
-from safeloc.models.reflector_parts.map_data import NO_MODEL
 from safeloc.models.travel_direction import AGAINST, ALONG, UNKNOWN, TravelDirection
+from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 LAW = "of the two models recognised around a balise at least one is that of the map's reflector there"
 

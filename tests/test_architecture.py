@@ -33,18 +33,17 @@ HEAVY = {
         "safeloc/codegen/numpy_code.py",
         "safeloc/sensing/",
         "safeloc/simulation/",
-        "models/motion_streams.py",
-        "models/odometry_streams.py",
-        "models/balise_streams.py",
-        "models/fibre_scenes/",
-        "models/fibre_streams.py",
-        "models/localizer_sky.py",
-        "models/localizer_streams.py",
-        "models/reflector_streams.py",
-        "models/route_streams.py",
-        "models/satellite_streams.py",
-        "models/sections_streams.py",
-        "models/stop_point_streams.py",
+        "models/motion/simulate.py",
+        "models/odometry/simulate.py",
+        "models/balise/simulate.py",
+        "models/fibre/scenes/",
+        "models/fibre/simulate.py",
+        "models/localizer/simulation/",
+        "models/reflector/simulate.py",
+        "models/route/simulate.py",
+        "models/satellite/simulate.py",
+        "models/sections/simulate.py",
+        "models/stop_point/simulate.py",
     ),
     "scipy": ("safeloc/sensing/",),
     "dascore": ("safeloc/sensing/fibre/recordings.py",),
@@ -221,6 +220,11 @@ def test_the_language_needs_nothing_but_python(path: Path) -> None:
     assert strange == set()
     own = {".".join(one.split(".")[:2]) for one in imports(path) if one.startswith("safeloc")}
     assert own <= {"safeloc.language", "safeloc.errors"}
+
+
+def test_a_machine_has_one_folder() -> None:
+    """At the top of models/ stands no machine, only what is of no single one."""
+    assert {"__init__.py", "layout_rules.py"} == {path.name for path in (ROOT.parent / "models").glob("*.py")}
 
 
 def test_imports_are_seen() -> None:

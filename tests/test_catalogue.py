@@ -13,7 +13,7 @@ import pytest
 from safeloc.catalogue import ENTRIES, Target, load_target, read_config
 from safeloc.errors import InputError, ModelError
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 
 OWN = """
 from safeloc.language.composition import compose

@@ -22,7 +22,7 @@ def test_an_old_name_tells_the_new_one(old: str) -> None:
     ):
         import_module(old)
     assert MOVED[old] == import_module(MOVED[old]).__name__
-    here = ROOT / old.partition(".")[2]
+    here = ROOT.joinpath(*old.split(".")[1:])
     assert [] == [*here.rglob("*.py")]
     assert not here.with_suffix(".py").exists()
 
@@ -35,6 +35,22 @@ def test_an_old_name_tells_the_new_one(old: str) -> None:
         ("from safeloc.backends import c_loader", "safeloc.backends is now safeloc.codegen"),
         ("from safeloc import embedding", "safeloc.embedding is now safeloc.runtime.embedding"),
         ("from safeloc.line.toml_files import find_line", "safeloc.line is now safeloc.railway.map"),
+        (
+            "from safeloc.models.odometry_parts.variables import parts",
+            "safeloc.models.odometry_parts is now safeloc.models.odometry",
+        ),
+        (
+            "from safeloc.models import balise_streams",
+            "safeloc.models.balise_streams is now safeloc.models.balise.simulate",
+        ),
+        (
+            "from safeloc.models.odometry.error_law import WHEEL",
+            "safeloc.models.odometry.error_law is now safeloc.models.vocabulary.error_law",
+        ),
+        (
+            "import safeloc.properties.balise_step",
+            "safeloc.properties.balise_step is now safeloc.properties.balise.step",
+        ),
     ],
 )
 def test_however_it_is_imported(written: str, told: str) -> None:

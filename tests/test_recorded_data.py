@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.simulation.motion import VehicleConfig
 from safeloc.simulation.vehicles import load_vehicle
 from tests.data_sources import log_steps_mm, rows

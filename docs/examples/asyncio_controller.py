@@ -15,7 +15,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program, Report
 from safeloc.runtime.streams.record_files import record_or_fault
 from safeloc.runtime.streams.records import Record, Unusable

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from filterpy.kalman import KalmanFilter  # type: ignore[import-untyped,unused-ignore]
 
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Interval, Program
 from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord, Record
 from safeloc.shipped import ENTRIES

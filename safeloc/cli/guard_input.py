@@ -12,7 +12,7 @@ from typing import IO, Literal
 
 from safeloc.catalogue import read_config
 from safeloc.errors import InputError
-from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns
 from safeloc.railway.guard.figures import find_vehicle, guard_config

@@ -51,7 +51,7 @@ def simulate(
 ) -> None:
     """Write simulated sensors, with the truth beside them: of a machine by itself, or of vehicles on a line."""
     from safeloc.cli.simulate_line import LineOptions, simulate_line  # numpy is loaded only where it is needed
-    from safeloc.models.line_faults import told
+    from safeloc.models.line_runs.faults import told
 
     options = LineOptions(
         tuple(machines or ()), tuple(vehicles or ()), tuple(routes or ()), start, end, tuple(faults or ()),

@@ -14,10 +14,10 @@ from safeloc.cli.console import err
 from safeloc.cli.simulate_routes import Chosen, chosen_routes
 from safeloc.config import Config
 from safeloc.errors import InputError
-from safeloc.models.line_configs import LineVehicle
-from safeloc.models.line_drive import Journey, Stream, streams
-from safeloc.models.line_faults import MACHINES, Asked, parse
-from safeloc.models.line_streams import balise_groups
+from safeloc.models.line_runs.configs import LineVehicle
+from safeloc.models.line_runs.drive import Journey, Stream, streams
+from safeloc.models.line_runs.faults import MACHINES, Asked, parse
+from safeloc.models.line_runs.ways import balise_groups
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
 from safeloc.railway.map.model import Line, content_checksum

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from safeloc.errors import InputError
 from safeloc.models.guard import machine
-from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.guard import Judgement
 from safeloc.railway.guard.told import as_data, counted
 from safeloc.railway.guard.tracks import Tracks

@@ -10,22 +10,22 @@ from pydantic import BaseModel
 
 from safeloc.models import (
     axle_counter,
-    axle_counter_streams,
     axle_head,
-    axle_head_streams,
     axle_section,
-    axle_section_streams,
     emitter,
-    emitter_streams,
     fibre,
     fibre_area,
     fibre_handover,
     sections,
     train_order,
-    train_order_streams,
     verification,
 )
-from safeloc.models.fibre_parts import picture as fibre_picture
+from safeloc.models.axle_counter import simulate as axle_counter_streams
+from safeloc.models.axle_head import simulate as axle_head_streams
+from safeloc.models.axle_section import simulate as axle_section_streams
+from safeloc.models.emitter import simulate as emitter_streams
+from safeloc.models.fibre import picture as fibre_picture
+from safeloc.models.train_order import simulate as train_order_streams
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as axle_section_properties
@@ -51,7 +51,7 @@ def _fibre(config: BaseModel) -> Target:
 
 
 def _fibre_simulated(config: fibre.FibreConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.fibre_streams import simulate  # numpy is loaded only where something is simulated
+    from safeloc.models.fibre.simulate import simulate  # numpy is loaded only where something is simulated
 
     return simulate(config, seed=seed)
 
@@ -66,7 +66,7 @@ def _verification(config: BaseModel) -> Target:
 
 
 def _verification_simulated(config: verification.VerificationConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.fibre_streams import simulate_stay  # numpy is loaded only where something is simulated
+    from safeloc.models.fibre.simulate import simulate_stay  # numpy is loaded only where something is simulated
 
     return simulate_stay(config, seed=seed)
 

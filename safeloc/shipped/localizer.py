@@ -8,8 +8,9 @@ from functools import partial
 
 from pydantic import BaseModel
 
-from safeloc.models import arbitration, localizer, localizer_picture, localizer_sections, transmission
+from safeloc.models import arbitration, localizer, localizer_sections, transmission
 from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer import picture as localizer_picture
 from safeloc.models.localizer_sections import LocalizerSectionsConfig
 from safeloc.properties import arbitration as arbitration_properties
 from safeloc.properties import localizer as localizer_properties
@@ -52,7 +53,7 @@ def _localizer(config: BaseModel) -> Target:
 
 def _says(recording: str) -> str:
     """What is to come of a shipped recording; empty for another one."""
-    from safeloc.models.localizer_recordings import RUNS  # numpy is loaded only where a picture is drawn
+    from safeloc.models.localizer.simulation.recordings import RUNS  # numpy is loaded only where a picture is drawn
 
     run = RUNS.get(recording.removeprefix("localizer-"))
     return run.says if run else ""
@@ -60,7 +61,9 @@ def _says(recording: str) -> str:
 
 def _simulated(config: LocalizerConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
     """A nominal journey, the sensors' errors by the seed."""
-    from safeloc.models.localizer_recordings import simulated  # numpy is loaded only where something is simulated
+    from safeloc.models.localizer.simulation.recordings import (
+        simulated,  # numpy is loaded only where something is simulated
+    )
 
     return simulated(config, seed)
 
@@ -82,7 +85,7 @@ def _localizer_sections(config: BaseModel) -> Target:
 
 def _says_of_sections(recording: str) -> str:
     """What is to come of a shipped recording; empty for another one."""
-    from safeloc.models.localizer_sections_streams import SCENES  # numpy is loaded only where a picture is drawn
+    from safeloc.models.localizer_sections.simulate import SCENES  # numpy is loaded only where a picture is drawn
 
     scene = SCENES.get(recording.removeprefix(f"{localizer_sections.NAME}-"))
     return scene.says if scene else ""

@@ -9,25 +9,18 @@ from functools import partial
 from pydantic import BaseModel
 
 from safeloc.language.system import lower
-from safeloc.models import (
-    balise,
-    reflector,
-    route,
-    stop_point,
-    travel_direction,
-    turn_off,
-)
-from safeloc.models.balise_parts.variables import BaliseConfig
-from safeloc.models.balise_parts.variables import parts as balise_parts
-from safeloc.models.reflector_parts.picture import picture as reflector_picture
-from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.models.reflector_parts.variables import parts as reflector_parts
-from safeloc.models.route_parts.picture import picture as route_picture
-from safeloc.models.route_parts.variables import RouteConfig
-from safeloc.models.route_parts.variables import parts as route_parts
-from safeloc.models.stop_point_parts.picture import picture as stop_picture
-from safeloc.models.stop_point_parts.variables import StopPointConfig
-from safeloc.models.stop_point_parts.variables import parts as stop_point_parts
+from safeloc.models import balise, reflector, route, stop_point, travel_direction, turn_off
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.balise.variables import parts as balise_parts
+from safeloc.models.reflector.picture import picture as reflector_picture
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.reflector.variables import parts as reflector_parts
+from safeloc.models.route.picture import picture as route_picture
+from safeloc.models.route.variables import RouteConfig
+from safeloc.models.route.variables import parts as route_parts
+from safeloc.models.stop_point.picture import picture as stop_picture
+from safeloc.models.stop_point.variables import StopPointConfig
+from safeloc.models.stop_point.variables import parts as stop_point_parts
 from safeloc.properties import balise as balise_properties
 from safeloc.properties import reflector as reflector_properties
 from safeloc.properties import route as route_properties
@@ -57,7 +50,7 @@ def _balise(config: BaseModel) -> Target:
 
 
 def _balise_simulated(config: BaliseConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.balise_streams import simulate  # numpy is loaded only where something is simulated
+    from safeloc.models.balise.simulate import simulate  # numpy is loaded only where something is simulated
 
     return simulate(config, seed=seed)
 
@@ -71,7 +64,7 @@ def _reflector(config: BaseModel) -> Target:
 
 
 def _reflector_simulated(config: ReflectorConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.reflector_streams import simulate  # numpy is loaded only where something is simulated
+    from safeloc.models.reflector.simulate import simulate  # numpy is loaded only where something is simulated
 
     return simulate(config, seed=seed)
 
@@ -84,7 +77,7 @@ def _stop_point(config: BaseModel) -> Target:
 
 
 def _stop_simulated(config: StopPointConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.stop_point_streams import simulate_stop  # numpy is loaded only where something is simulated
+    from safeloc.models.stop_point.simulate import simulate_stop  # numpy is loaded only where something is simulated
 
     return simulate_stop(config, seed=seed)
 

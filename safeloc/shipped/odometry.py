@@ -8,16 +8,12 @@ from pydantic import BaseModel
 
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower
-from safeloc.models import (
-    delocalized,
-    odometry,
-    supervised_odometry,
-)
-from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.models import delocalized, odometry, supervised_odometry
+from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
-from safeloc.properties import odometry_faults as odometry_fault_properties
 from safeloc.properties import supervised_odometry as supervised_properties
+from safeloc.properties.odometry import faults as odometry_fault_properties
 from safeloc.runtime.reported import Reported
 from safeloc.shipped.making import recorded
 from safeloc.target import Entry, Target
@@ -41,7 +37,7 @@ def _odometry(config: BaseModel) -> Target:
 
 
 def _simulated(config: OdometryConfig, seed: int) -> Sequence[Mapping[str, Value]]:
-    from safeloc.models.odometry_streams import simulate  # numpy is loaded only where something is simulated
+    from safeloc.models.odometry.simulate import simulate  # numpy is loaded only where something is simulated
 
     return simulate(config, seed=seed)
 

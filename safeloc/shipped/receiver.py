@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower
 from safeloc.models import guard
-from safeloc.models.guard_parts.variables import GuardConfig, parts
+from safeloc.models.guard.variables import GuardConfig, parts
 from safeloc.properties import guard as guard_properties
 from safeloc.runtime.reported import Reported
 from safeloc.shipped.making import recorded
@@ -33,7 +33,7 @@ def _guard(config: BaseModel) -> Target:
 
 
 def _simulated(config: GuardConfig, seed: int) -> Sequence[Mapping[str, Value]]:
-    from safeloc.models.guard_streams import simulate  # needed only where something is simulated
+    from safeloc.models.guard.simulate import simulate  # needed only where something is simulated
 
     return simulate(config, seed=seed)
 

@@ -8,11 +8,8 @@ from dataclasses import replace
 from pydantic import BaseModel
 
 from safeloc.language.spec import Property
-from safeloc.models import (
-    satellite,
-    satellite_selection,
-)
-from safeloc.models.satellite_parts.variables import SatelliteConfig
+from safeloc.models import satellite, satellite_selection
+from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.railway.pictures import Deviation, Picture, Standing, Standings, Stanford
@@ -46,7 +43,9 @@ def _selection(config: BaseModel) -> Target:
 
 
 def _selection_simulated(config: satellite_selection.SelectionConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.satellite_streams import simulate_selection  # numpy is loaded only where something is simulated
+    from safeloc.models.satellite.simulate import (
+        simulate_selection,  # numpy is loaded only where something is simulated
+    )
 
     return simulate_selection(config, seed=seed)
 
@@ -88,7 +87,7 @@ def _pictures(reported: Reported, config: SatelliteConfig) -> tuple[Picture, ...
 
 
 def _simulated(config: SatelliteConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
-    from safeloc.models.satellite_streams import simulate  # numpy is loaded only where something is simulated
+    from safeloc.models.satellite.simulate import simulate  # numpy is loaded only where something is simulated
 
     return simulate(config, seed=seed)
 

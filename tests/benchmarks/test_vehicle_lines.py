@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from benchmarks.vehicle_lines import MARKER_EVERY, TRAFFIC
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Program, localizer_program
 from safeloc.runtime.service.fleet import Fleet, Ways
 from safeloc.runtime.service.lines import LineCutter

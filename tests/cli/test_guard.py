@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from safeloc.models.guard_positions import FOLDER
+from safeloc.models.guard.positions import FOLDER
 from tests.cli.calling import Call
 
 pytest.importorskip("shapely")

@@ -22,8 +22,8 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.models import odometry
-from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.models.odometry_streams import simulate
+from safeloc.models.odometry.simulate import simulate
+from safeloc.models.odometry.variables import OdometryConfig
 from tests.data.door_controller import machine as door
 from tests.examples import EXAMPLES
 from tests.random_machines import Record, first_states, machines, streams

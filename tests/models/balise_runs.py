@@ -11,9 +11,9 @@ from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 from safeloc.models import balise
-from safeloc.models.balise_parts.groups import Group, announcement, telegram
-from safeloc.models.balise_parts.variables import BaliseConfig
-from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.models.balise.groups import Group, announcement, telegram
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.runtime.streams.steps import Cell
 
 PLAIN = BaliseConfig(

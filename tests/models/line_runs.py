@@ -16,9 +16,9 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Held
-from safeloc.models.line_configs import LineVehicle
-from safeloc.models.line_drive import Journey, Stream, streams
-from safeloc.models.line_faults import parse
+from safeloc.models.line_runs.configs import LineVehicle
+from safeloc.models.line_runs.drive import Journey, Stream, streams
+from safeloc.models.line_runs.faults import parse
 from safeloc.railway.map.elements import Balise, BaliseGroup
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import Place

@@ -11,7 +11,7 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
 from safeloc.language.system import without_ghosts
 from safeloc.models.localizer import LocalizerConfig, compose_machines
-from safeloc.models.localizer_streams import Journey, simulate
+from safeloc.models.localizer.simulation.simulate import Journey, simulate
 from safeloc.runtime.reported import Reported
 
 CONFIG = LocalizerConfig()

@@ -15,14 +15,12 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import word
-from safeloc.models import (
-    axle_counter_streams,
-    axle_head_streams,
-    axle_section_streams,
-    emitter_streams,
-    train_order_streams,
-)
+from safeloc.models.axle_counter import simulate as axle_counter_streams
+from safeloc.models.axle_head import simulate as axle_head_streams
+from safeloc.models.axle_section import simulate as axle_section_streams
 from safeloc.models.emitter import EmitterConfig
+from safeloc.models.emitter import simulate as emitter_streams
+from safeloc.models.train_order import simulate as train_order_streams
 from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of

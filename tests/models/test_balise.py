@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from safeloc.models.balise_parts.groups import announcement, telegram
-from safeloc.models.balise_parts.variables import BaliseConfig
-from safeloc.models.odometry_parts.error_law import ErrorLaw
+from safeloc.models.balise.groups import announcement, telegram
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.runtime.streams.steps import Cell
 from tests.models.balise_runs import (
     LATER,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 
 from safeloc.language.interpret import run
-from safeloc.models.balise_parts.groups import Group, announcement, groups_along, telegram
-from safeloc.models.balise_parts.variables import BaliseConfig
-from safeloc.models.balise_streams import simulate
+from safeloc.models.balise.groups import Group, announcement, groups_along, telegram
+from safeloc.models.balise.simulate import simulate
+from safeloc.models.balise.variables import BaliseConfig
 from safeloc.railway.map.imports.balise_table import read_balise_table
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.routes import Inventory, through_routes

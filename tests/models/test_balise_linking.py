@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.models.balise_parts.groups import Group, announcement, telegram
+from safeloc.models.balise.groups import Group, announcement, telegram
 from safeloc.runtime.streams.steps import Cell
 from tests.models.balise_runs import LATER, NEXT, drive, label, located, out, read_at, step, until
 

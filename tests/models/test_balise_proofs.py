@@ -16,10 +16,10 @@ from safeloc.language.system import lower
 from safeloc.language.terms import Substitution
 from safeloc.language.verdict import Proved, word
 from safeloc.models.balise import Balise, build
-from safeloc.models.balise_parts import variables as v
-from safeloc.models.balise_parts.telegram import PASSED
-from safeloc.models.balise_parts.variables import BaliseConfig, parts
-from safeloc.models.odometry_parts.error_law import EDDY_CURRENT, RADAR
+from safeloc.models.balise import variables as v
+from safeloc.models.balise.telegram import PASSED
+from safeloc.models.balise.variables import BaliseConfig, parts
+from safeloc.models.vocabulary.error_law import EDDY_CURRENT, RADAR
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove

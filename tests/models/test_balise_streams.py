@@ -17,8 +17,8 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.verdict import Held
 from safeloc.models import balise
-from safeloc.models.balise_parts.variables import BaliseConfig, parts
-from safeloc.models.balise_streams import GroupFault, RouteSet, line, simulate
+from safeloc.models.balise.simulate import GroupFault, RouteSet, line, simulate
+from safeloc.models.balise.variables import BaliseConfig, parts
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.properties.balise import properties
 from safeloc.runtime.streams.gzipped import name_of

@@ -11,12 +11,12 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import MM, NM, PPM
 from safeloc.models import fibre, guard, sections
 from safeloc.models.area import AreaConfig
-from safeloc.models.area_parts.slot import Reach, Slot
-from safeloc.models.fibre_parts.cycle import Cycle
-from safeloc.models.guard_parts import box, law
-from safeloc.models.guard_parts.variables import GuardConfig
-from safeloc.models.guard_parts.variables import Parts as GuardParts
-from safeloc.models.guard_parts.variables import parts as guard_parts
+from safeloc.models.area.slot import Reach, Slot
+from safeloc.models.fibre.cycle import Cycle
+from safeloc.models.guard import box, law
+from safeloc.models.guard.variables import GuardConfig
+from safeloc.models.guard.variables import Parts as GuardParts
+from safeloc.models.guard.variables import parts as guard_parts
 from safeloc.properties.fibre import properties as fibre_properties
 from safeloc.properties.guard import properties as guard_properties
 from safeloc.properties.sections import properties as section_properties

@@ -8,8 +8,8 @@ from safeloc.catalogue import load_target
 from safeloc.language.expr import TRUE
 from safeloc.language.verdict import Proved, Violated
 from safeloc.models import satellite
-from safeloc.models.satellite_parts import law
-from safeloc.models.satellite_parts.variables import SatelliteConfig
+from safeloc.models.satellite import law
+from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.dead_ends import lasts
 from safeloc.proof.provers.limits import Limits

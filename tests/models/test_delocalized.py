@@ -16,7 +16,7 @@ from safeloc.language.spec import observe
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Held, Proved, Violated
 from safeloc.models.delocalized import DelocalizedConfig, machine
-from safeloc.models.odometry_parts.variables import REASON
+from safeloc.models.vocabulary.reasons import REASON
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.properties.delocalized import properties

@@ -15,8 +15,8 @@ from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated
 from safeloc.models.fibre import Fibre, FibreConfig, build, parts
-from safeloc.models.fibre_parts.code import Symbol
-from safeloc.models.fibre_streams import Drive, Section, simulate, steady
+from safeloc.models.fibre.code import Symbol
+from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.properties.fibre import properties
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept

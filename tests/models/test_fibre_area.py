@@ -23,9 +23,9 @@ from safeloc.models.area import AreaConfig
 from safeloc.models.emitter import Emitter
 from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
-from safeloc.models.fibre_area_parts import report as report_model
-from safeloc.models.fibre_area_parts.entry import Entry, entry
-from safeloc.models.fibre_area_streams import REMARK, Journey, first_state, simulate_journey
+from safeloc.models.fibre_area import report as report_model
+from safeloc.models.fibre_area.entry import Entry, entry
+from safeloc.models.fibre_area.simulate import REMARK, Journey, first_state, simulate_journey
 from safeloc.models.sections import SectionsConfig, section
 from safeloc.models.verification import Verification, VerificationConfig
 from safeloc.proof.provers.limits import Limits

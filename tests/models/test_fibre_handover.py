@@ -14,11 +14,11 @@ from safeloc.language.monitor import check_all
 from safeloc.language.nodes import Value
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated, word
-from safeloc.models.fibre_area_parts import border as border_model
-from safeloc.models.fibre_area_parts.border import BorderConfig
-from safeloc.models.fibre_area_parts.speaker import speaker
+from safeloc.models.fibre.simulate import Stay, simulate_stay
 from safeloc.models.fibre_handover import FibreHandover, FibreHandoverConfig, compose_machines, joined
-from safeloc.models.fibre_streams import Stay, simulate_stay
+from safeloc.models.fibre_handover import border as border_model
+from safeloc.models.fibre_handover.border import BorderConfig
+from safeloc.models.fibre_handover.speaker import speaker
 from safeloc.models.verification import build, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove

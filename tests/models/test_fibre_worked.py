@@ -6,8 +6,8 @@ import pytest
 
 from safeloc.language.system import lower
 from safeloc.models.fibre import machine
-from safeloc.models.fibre_parts.variables import FibreConfig
-from safeloc.models.fibre_worked import RUNS
+from safeloc.models.fibre.variables import FibreConfig
+from safeloc.models.fibre.worked import RUNS
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped.making import STREAMS
 from tests.models.fibre_family import labels, mode_labels, replayed

@@ -17,10 +17,9 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, Proved
-from safeloc.models.guard import Guard, build
-from safeloc.models.guard_parts import box
-from safeloc.models.guard_parts.variables import FAULT, JUDGED, GuardConfig, parts
-from safeloc.models.guard_streams import FIRST_TRUTH, simulate
+from safeloc.models.guard import Guard, box, build
+from safeloc.models.guard.simulate import FIRST_TRUTH, simulate
+from safeloc.models.guard.variables import FAULT, JUDGED, GuardConfig, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.models.line_configs import LineVehicle
-from safeloc.models.line_drive import Journey, streams
-from safeloc.models.line_faults import FAULTS, MACHINES, parse
-from safeloc.models.line_streams import (
+from safeloc.models.line_runs.configs import LineVehicle
+from safeloc.models.line_runs.drive import Journey, streams
+from safeloc.models.line_runs.faults import FAULTS, MACHINES, parse
+from safeloc.models.line_runs.ways import (
     accuracies,
     groups,
     identities,
@@ -20,7 +20,7 @@ from safeloc.models.line_streams import (
     stop_places,
     switches_ahead,
 )
-from safeloc.models.stop_point_streams import StopPlace
+from safeloc.models.stop_point.simulate import StopPlace
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
 from safeloc.railway.map.elements import SpeedLimit
 from safeloc.railway.map.routes import Route, through_routes

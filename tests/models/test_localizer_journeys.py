@@ -12,11 +12,19 @@ import pytest
 from safeloc.language.interpret import holds, read_inputs, start, step
 from safeloc.language.nodes import Value
 from safeloc.language.system import environment
-from safeloc.models import localizer_streams
 from safeloc.models.localizer import compose_machines
-from safeloc.models.localizer_journeys import CASES, FREIGHT, NOMINAL, OFF_THE_FIBRE, Case, pairs, with_troubles
-from safeloc.models.localizer_picture import picture
-from safeloc.models.localizer_streams import Trouble, first_state, simulate
+from safeloc.models.localizer.picture import picture
+from safeloc.models.localizer.simulation import simulate as localizer_streams
+from safeloc.models.localizer.simulation.journeys import (
+    CASES,
+    FREIGHT,
+    NOMINAL,
+    OFF_THE_FIBRE,
+    Case,
+    pairs,
+    with_troubles,
+)
+from safeloc.models.localizer.simulation.simulate import Trouble, first_state, simulate
 from tests.models.localizer_runs import CONFIG, Told, run
 
 SOURCES = picture(CONFIG, lambda _: "").sources

@@ -9,9 +9,17 @@ from functools import cache
 import pytest
 
 from safeloc.language.nodes import Value
-from safeloc.models.balise_parts import variables as v
-from safeloc.models.localizer_journeys import ASIDE, FREIGHT, OFF_THE_FIBRE, SET_MM, SWITCH_MM, THROUGH
-from safeloc.models.localizer_streams import NM_PER_MM, Journey, Steps, Trouble, TroubleKind, motion_of, simulate
+from safeloc.models.balise import variables as v
+from safeloc.models.localizer.simulation.journeys import ASIDE, FREIGHT, OFF_THE_FIBRE, SET_MM, SWITCH_MM, THROUGH
+from safeloc.models.localizer.simulation.simulate import (
+    NM_PER_MM,
+    Journey,
+    Steps,
+    Trouble,
+    TroubleKind,
+    motion_of,
+    simulate,
+)
 from tests.models.localizer_runs import CONFIG, Told, run
 
 OTHER: TroubleKind = "other branch taken"

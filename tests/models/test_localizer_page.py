@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from safeloc.models.localizer_journeys import CASES
+from safeloc.models.localizer.simulation.journeys import CASES
 
 PAGE = Path(__file__).parents[2] / "docs" / "localizer.md"
 

@@ -17,12 +17,12 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Step
 from safeloc.language.verdict import Proved, word
-from safeloc.models import localizer_sections, train_ends
+from safeloc.models import localizer_sections
 from safeloc.models.area import AreaConfig, moves_clause, reports_clause
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer_sections import LocalizerSections, LocalizerSectionsConfig, compose_machines
-from safeloc.models.localizer_sections_streams import ENDS, FOLDER, SCENES, SECTION, first_state, simulate, write
-from safeloc.models.localizer_streams import NM_PER_MM
+from safeloc.models.localizer.simulation.simulate import NM_PER_MM
+from safeloc.models.localizer_sections import LocalizerSections, LocalizerSectionsConfig, compose_machines, train_ends
+from safeloc.models.localizer_sections.simulate import ENDS, FOLDER, SCENES, SECTION, first_state, simulate, write
 from safeloc.models.sections import SectionsConfig
 from safeloc.proof.provers.base import base
 from safeloc.proof.provers.limits import Limits

@@ -15,11 +15,11 @@ from safeloc.language.interpret import run
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import NM
 from safeloc.language.verdict import Proved
-from safeloc.models.balise_parts.variables import BaliseConfig
+from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.localizer import CHECKED, Localizer, LocalizerConfig, SourceName, compose_machines
 from safeloc.models.motion import MotionConfig, build, parts
-from safeloc.models.motion_streams import told
-from safeloc.models.odometry_parts.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
+from safeloc.models.motion.simulate import told
+from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
 from safeloc.proof.provers.base import base
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations

@@ -17,9 +17,9 @@ from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held
 from safeloc.models import odometry
-from safeloc.models.odometry_parts.error_law import ErrorLaw
-from safeloc.models.odometry_parts.variables import OdometryConfig, parts
-from safeloc.models.odometry_streams import simulate
+from safeloc.models.odometry.simulate import simulate
+from safeloc.models.odometry.variables import OdometryConfig, parts
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.proof.runs.driver import Driver
 from safeloc.properties.odometry import properties
 from safeloc.simulation.motion import Leg

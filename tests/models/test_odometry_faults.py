@@ -13,11 +13,11 @@ from safeloc.language.spec import observe
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models import odometry
-from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
-from safeloc.properties.odometry_faults import containment, properties
+from safeloc.properties.odometry.faults import containment, properties
 
 SAFE = OdometryConfig(single_fault_safe=True)
 

@@ -9,14 +9,14 @@ import pytest
 from safeloc.language.machine import Machine
 from safeloc.language.spec import observe, reachable
 from safeloc.language.verdict import Proved, word
-from safeloc.models.odometry_front_only import compose_comparison
-from safeloc.models.odometry_line_ahead import compose_line
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.front_only import compose_comparison
+from safeloc.models.odometry.line_ahead import compose_line
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.assumption import assumption_kept
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
-from safeloc.properties.odometry_front_only import line_properties, properties
+from safeloc.properties.odometry.front_only import line_properties, properties
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.models.fibre_parts.code import ALPHABET, PositionCode, make_code
+from safeloc.models.fibre.code import ALPHABET, PositionCode, make_code
 
 CODE = make_code(20)
 

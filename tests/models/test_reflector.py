@@ -14,11 +14,8 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated
-from safeloc.models.odometry_parts.error_law import ACCELEROMETER, ErrorLaw
 from safeloc.models.reflector import MODES, build, machine
-from safeloc.models.reflector_parts.step_inputs import completed
-from safeloc.models.reflector_parts.variables import ReflectorConfig, parts
-from safeloc.models.reflector_streams import (
+from safeloc.models.reflector.simulate import (
     FIGURE_1,
     FIGURE_2,
     Balise,
@@ -33,6 +30,9 @@ from safeloc.models.reflector_streams import (
     simulate,
     stopping,
 )
+from safeloc.models.reflector.step_inputs import completed
+from safeloc.models.reflector.variables import ReflectorConfig, parts
+from safeloc.models.vocabulary.error_law import ACCELEROMETER, ErrorLaw
 from safeloc.properties.reflector import properties
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Leg, Motion

@@ -5,9 +5,9 @@ from __future__ import annotations
 from safeloc.language.interpret import run
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
-from safeloc.models.reflector_parts.map_data import MODEL
-from safeloc.models.reflector_parts.step_inputs import completed
-from safeloc.models.reflector_parts.variables import ReflectorConfig
+from safeloc.models.reflector.step_inputs import completed
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.vocabulary.reflectors import MODEL
 from safeloc.sensing.along_track import Delay
 from safeloc.sensing.echoes import Echo
 from safeloc.sensing.figures import RadarConfig

@@ -12,18 +12,10 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.system import lower
 from safeloc.language.verdict import word
-from safeloc.models.odometry_parts import marker_reading
-from safeloc.models.reflector import ReflectorMachine, build
-from safeloc.models.reflector_parts import echo
-from safeloc.models.reflector_parts.echo import (
-    AMBIGUOUS,
-    NOT_SEARCHED,
-    OTHER_MODEL,
-    OUT_OF_WINDOW,
-    TOO_COARSE,
-    WEAK,
-)
-from safeloc.models.reflector_parts.variables import ReflectorConfig, parts
+from safeloc.models.odometry import marker_reading
+from safeloc.models.reflector import ReflectorMachine, build, echo
+from safeloc.models.reflector.echo import AMBIGUOUS, NOT_SEARCHED, OTHER_MODEL, OUT_OF_WINDOW, TOO_COARSE, WEAK
+from safeloc.models.reflector.variables import ReflectorConfig, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties

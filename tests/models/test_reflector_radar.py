@@ -11,12 +11,12 @@ import pytest
 from safeloc.codegen.compiled import compile_system
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.reflector import machine
-from safeloc.models.reflector_parts.step_inputs import completed
-from safeloc.models.reflector_parts.variables import ReflectorConfig
-from safeloc.models.reflector_streams import Balise as RouteBalise
-from safeloc.models.reflector_streams import Reflector as MapReflector
-from safeloc.models.reflector_streams import Route, board, simulate
-from safeloc.models.reflector_streams import Scene as RouteScene
+from safeloc.models.reflector.simulate import Balise as RouteBalise
+from safeloc.models.reflector.simulate import Reflector as MapReflector
+from safeloc.models.reflector.simulate import Route, board, simulate
+from safeloc.models.reflector.simulate import Scene as RouteScene
+from safeloc.models.reflector.step_inputs import completed
+from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.along_track import Delay
 from safeloc.sensing.figures import Installation, RadarConfig

@@ -15,8 +15,8 @@ from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, Proved
 from safeloc.models import route
-from safeloc.models.route_parts.variables import RouteConfig, parts
-from safeloc.models.route_streams import Steps, Way, answers, quiet, simulate, way
+from safeloc.models.route.simulate import Steps, Way, answers, quiet, simulate, way
+from safeloc.models.route.variables import RouteConfig, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.route import properties

@@ -15,19 +15,10 @@ from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, word
 from safeloc.models.satellite import Satellite, build, compose_machines
-from safeloc.models.satellite_parts.law import Trusted
-from safeloc.models.satellite_parts.variables import (
-    FIX,
-    MISSING,
-    REASON,
-    Parts,
-    Redundancy,
-    SatelliteConfig,
-    State,
-    parts,
-)
+from safeloc.models.satellite.law import Trusted
+from safeloc.models.satellite.simulate import STREET, first_of, simulate
+from safeloc.models.satellite.variables import FIX, MISSING, REASON, Parts, Redundancy, SatelliteConfig, State, parts
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.models.satellite_streams import STREET, first_of, simulate
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests

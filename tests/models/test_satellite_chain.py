@@ -13,8 +13,8 @@ from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
 from safeloc.language.verdict import Proved
 from safeloc.models.satellite import compose_machines
-from safeloc.models.satellite_chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
-from safeloc.models.satellite_parts.variables import FIX, MISSING, SatelliteConfig
+from safeloc.models.satellite.chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
+from safeloc.models.satellite.variables import FIX, MISSING, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.protection import protected
 from safeloc.railway.map.routes import through_routes

@@ -9,9 +9,8 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.language.interpret import run
-from safeloc.models.satellite_chain import ChainConfig
-from safeloc.models.satellite_parts.variables import FIX, SatelliteConfig
-from safeloc.models.satellite_streams import (
+from safeloc.models.satellite.chain import ChainConfig
+from safeloc.models.satellite.simulate import (
     FINE,
     FINE_RECEIVER,
     SHIPPED,
@@ -25,6 +24,7 @@ from safeloc.models.satellite_streams import (
     track,
     worked_line,
 )
+from safeloc.models.satellite.variables import FIX, SatelliteConfig
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.satellite.constellation import GALILEO, GPS

@@ -18,7 +18,7 @@ from safeloc.models.area import AreaConfig
 from safeloc.models.area import build as build_area
 from safeloc.models.area import parts as area_parts
 from safeloc.models.sections import Sections, SectionsConfig, compose_machines
-from safeloc.models.sections_streams import Scene, TrainRun, first_state, simulate
+from safeloc.models.sections.simulate import Scene, TrainRun, first_state, simulate
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.sections import properties

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.models.area import AreaConfig
-from safeloc.models.area_parts.separation import Following, headway_ms, separation_mm
+from safeloc.models.area.separation import Following, headway_ms, separation_mm
 from safeloc.models.sections import SectionsConfig
 from safeloc.report.machines import figures
 

@@ -16,8 +16,8 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated, word
 from safeloc.models.stop_point import MODES, StopPoint, build, machine
-from safeloc.models.stop_point_parts.variables import StopPointConfig, parts
-from safeloc.models.stop_point_streams import IN_PLACE, OVERRUN, SHORT, Stop, simulate_stop
+from safeloc.models.stop_point.simulate import IN_PLACE, OVERRUN, SHORT, Stop, simulate_stop
+from safeloc.models.stop_point.variables import StopPointConfig, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove

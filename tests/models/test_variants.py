@@ -7,8 +7,8 @@ import pytest
 from safeloc.language.system import lower
 from safeloc.language.verdict import word
 from safeloc.models.odometry import build
-from safeloc.models.odometry_parts.error_law import ACCELEROMETER, EDDY_CURRENT, OPTICAL
-from safeloc.models.odometry_parts.variables import OdometryConfig, parts
+from safeloc.models.odometry.variables import OdometryConfig, parts
+from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, OPTICAL
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.odometry import properties

@@ -12,7 +12,7 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Violated, word
-from safeloc.models.fibre_streams import Stay, simulate_stay
+from safeloc.models.fibre.simulate import Stay, simulate_stay
 from safeloc.models.verification import Verification, VerificationConfig, build, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove

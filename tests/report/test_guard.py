@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.models.guard_parts.variables import JUDGED
-from safeloc.models.guard_positions import csv_text, junction
+from safeloc.models.guard.positions import csv_text, junction
+from safeloc.models.guard.variables import JUDGED
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns
 from safeloc.railway.guard.figures import find_vehicle, guard_config

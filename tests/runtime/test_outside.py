@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.catalogue import load_target, read_config
 from safeloc.errors import InputError, StreamError, UnforeseenError
-from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.railway.guard.fields import Columns, delivery
 from safeloc.railway.guard.nmea import nmea_deliveries

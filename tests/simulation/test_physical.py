@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.models.odometry_parts.error_law import RADAR, WHEEL
+from safeloc.models.vocabulary.error_law import RADAR, WHEEL
 from safeloc.simulation.law_check import first_breach
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.physical import RadarConfig, WheelConfig, radar, radar_law, wheel, wheel_law

@@ -9,8 +9,8 @@ from safeloc.language.interpret import run
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace, shown
 from safeloc.models import odometry
-from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.models.odometry_streams import Steps, simulate
+from safeloc.models.odometry.simulate import Steps, simulate
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.reader_faults import ReaderFault, ReaderFaultKind, with_faults
 from safeloc.simulation.sensors import FOREIGN, Reading

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from safeloc.errors import InputError
-from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.models.odometry_streams import simulate
+from safeloc.models.odometry.simulate import simulate
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.border import Reason
 from safeloc.runtime.streams.cycles import cycles
 from safeloc.runtime.streams.record_files import read_records, write_records

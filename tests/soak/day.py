@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from random import Random
 
-from safeloc.models.odometry_parts.variables import OdometryConfig
-from safeloc.models.odometry_streams import simulate
+from safeloc.models.odometry.simulate import simulate
+from safeloc.models.odometry.variables import OdometryConfig
 
 PERIOD_MS = 1_000
 HOUR_MS = 3_600_000

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from safeloc.errors import InputError
-from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.audit.vehicle import SHIPPED
 from safeloc.simulation.motion import VehicleConfig
 from safeloc.simulation.vehicles import load_vehicle

@@ -16,7 +16,7 @@ from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.guard import build
-from safeloc.models.guard_parts.variables import FARTHEST_OFF_MM, FAULT, JUDGED, NM_PER_MM, GuardConfig, parts
+from safeloc.models.guard.variables import FARTHEST_OFF_MM, FAULT, JUDGED, NM_PER_MM, GuardConfig, parts
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.tracks import Match, Tracks, Window
 from safeloc.railway.map.places import Place

@@ -1,4 +1,4 @@
-"""One end of a train, cycle by cycle, as inputs of the fibre machine's step (models/fibre.py)."""
+"""One end of a train, cycle by cycle, as inputs of the fibre machine's step (models/fibre/)."""
 
 from __future__ import annotations
 

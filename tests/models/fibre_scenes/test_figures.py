@@ -10,13 +10,13 @@ import pytest
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.models import fibre
-from safeloc.models.fibre_parts.picture import loud
-from safeloc.models.fibre_scenes.figures import END_SCENES, EndScene
-from safeloc.models.fibre_scenes.recordings import recorded_end
+from safeloc.models.fibre.picture import loud
+from safeloc.models.fibre.scenes.figures import END_SCENES, EndScene
+from safeloc.models.fibre.scenes.recordings import recorded_end
 from safeloc.runtime.streams.steps import Cell, read_steps
 from tests.models.fibre_family import labels, mode_labels, replayed
 
-STREAMS = Path(fibre.__file__).parent / "streams"
+STREAMS = Path(fibre.__file__).parents[1] / "streams"
 MACHINE = fibre.machine()
 SYSTEM = without_ghosts(lower(MACHINE))
 GHOSTS = {var.name for var in MACHINE.ghost_inputs}
@@ -158,5 +158,5 @@ def test_a_shipped_recording_is_a_fresh_simulation() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in BY_NAME if name != "figure-2-rising"])
 def test_all_shipped_recordings_are_fresh_simulations(name: str) -> None:
-    """As `python -m safeloc.models.fibre_scenes` makes them."""
+    """As `python -m safeloc.models.fibre.scenes` makes them."""
     fresh_is_shipped(BY_NAME[name])

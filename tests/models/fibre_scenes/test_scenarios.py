@@ -13,15 +13,15 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 from safeloc.models import fibre_area
-from safeloc.models.fibre_parts.picture import loud
-from safeloc.models.fibre_scenes.figures import END_SCENES
-from safeloc.models.fibre_scenes.recordings import Recording, recorded_order, recorded_stay
-from safeloc.models.fibre_scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENES, SCENARIOS, SPLIT_S, VERIFIED_20_KM
+from safeloc.models.fibre.picture import loud
+from safeloc.models.fibre.scenes.figures import END_SCENES
+from safeloc.models.fibre.scenes.recordings import Recording, recorded_order, recorded_stay
+from safeloc.models.fibre.scenes.scenarios import AREA_SCENES, ENDS, ORDER_SCENES, SCENARIOS, SPLIT_S, VERIFIED_20_KM
 from safeloc.models.train_order import machine as order_machine
 from safeloc.railway.pictures import LoudFibre
 from safeloc.runtime.streams.steps import Cell, read_steps
 
-STREAMS = Path(fibre_area.__file__).parent / "streams"
+STREAMS = Path(fibre_area.__file__).parents[1] / "streams"
 NAMES = [one.name for one in SCENARIOS]
 LOST_FROM_S, LOST_TO_S = 95.5, 108.0
 
@@ -225,13 +225,13 @@ def fresh_is_shipped(made: Recording) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*NAMES, VERIFIED_20_KM.name])
 def test_shipped_stays_are_fresh_simulations(name: str) -> None:
-    """As `python -m safeloc.models.fibre_scenes` makes them."""
+    """As `python -m safeloc.models.fibre.scenes` makes them."""
     fresh_is_shipped(recorded_stay(next(one for one in AREA_SCENES if one.name == name)))
 
 
 @pytest.mark.slow
 def test_the_shipped_order_is_a_fresh_simulation() -> None:
-    """As `python -m safeloc.models.fibre_scenes` makes it."""
+    """As `python -m safeloc.models.fibre.scenes` makes it."""
     for one in ORDER_SCENES:
         fresh_is_shipped(recorded_order(one))
 

@@ -83,7 +83,7 @@ def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for name in (
         "language/spec.py",
         "proof/provers/base.py",
-        "models/odometry.py",
+        "models/odometry/__init__.py",
         "report/page.jinja",
         "proof/provers/__pycache__/base.pyc",
     ):
@@ -100,7 +100,7 @@ def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     [
         ("language/spec.py", True, True),
         ("proof/provers/base.py", True, True),
-        ("models/odometry.py", False, True),
+        ("models/odometry/__init__.py", False, True),
         ("report/page.jinja", False, True),
         ("proof/provers/__pycache__/base.pyc", False, False),
         ("proof/provers/new.py", True, True),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from safeloc.models.guard_parts.variables import GuardConfig
+from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.guard import Guard
 from safeloc.railway.guard.tracks import Tracks

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.models.guard_parts.variables import JUDGED
+from safeloc.models.guard.variables import JUDGED
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.guard import MODES, Judgement
 from safeloc.railway.guard.told import as_data

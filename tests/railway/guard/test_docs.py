@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.models.guard_parts.variables import JUDGED, GuardConfig
+from safeloc.models.guard.variables import JUDGED, GuardConfig
 
 pytest.importorskip("pyproj")
 ROOT = Path(__file__).parents[3]

@@ -8,7 +8,7 @@ from itertools import groupby, pairwise
 
 import pytest
 
-from safeloc.models.guard_positions import FAULTS, FOLDER, csv_text, junction, nmea_text, told
+from safeloc.models.guard.positions import FAULTS, FOLDER, csv_text, junction, nmea_text, told
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.fields import Columns
 from safeloc.railway.guard.figures import find_vehicle, guard_config

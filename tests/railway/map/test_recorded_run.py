@@ -17,7 +17,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.units import Enumeration
 from safeloc.models import odometry
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.railway.map.recorded_run import (
     Columns,
     OnRoute,

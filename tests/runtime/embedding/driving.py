@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 
 from safeloc.catalogue import load_target
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Program
 from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record
 from safeloc.shipped import ENTRIES

@@ -9,7 +9,7 @@ import pytest
 
 from safeloc.errors import InputError, SnapshotError
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Localizer, Program, localizer_program
 from safeloc.runtime.streams.records import ValueRecord
 from tests.runtime.embedding.driving import PERIOD_MS, drive

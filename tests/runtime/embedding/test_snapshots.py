@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from safeloc.errors import InputError, SnapshotError
 from safeloc.language.system import lower
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.snapshot import sealed
 from safeloc.runtime.streams.records import ValueRecord

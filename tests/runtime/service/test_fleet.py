@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.language.system import lower
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.controller import MOST_RECORDS
 from safeloc.runtime.service.fleet import Fleet, Ways

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.models.odometry_parts.variables import OdometryConfig
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller
 from safeloc.runtime.streams.records import TruthRecord
 from safeloc.shipped import ENTRIES

@@ -1,0 +1,189 @@
+"""Which of several positions counts: the intersection of all that are valid, or nothing (RFL-13, MRK-D3).
+
+Every way of locating states an interval that holds the front end, or nothing. Of those that state one, the position is
+what they have in common; the one with the smallest margin leads and gives the estimate. Where they exclude each other at
+least one of them is wrong, and nobody can say which: nothing is given out any more, and two that exclude each other are
+named. A position is given out again only when all that state one agree, and one of them has just accepted an absolute
+reference. What states nothing narrows nothing.
+
+    WITHHELD  nothing is given out
+    ODOMETRY, BALISE, ...  the position is given out; the source that the mode names leads
+
+The min safe front end is given out apart. It never advances by more than the distance estimated for the cycle (OCORA
+7244), even where a better source comes in and narrows the interval at a blow: it then lags behind the interval's own lower
+end until it has caught up. The distance estimated is what the odometer measured, or, where it measured nothing, the change
+of the estimated position, as far as a vehicle can run in a cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    FALSE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+)
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
+from safeloc.models.arbitration.cycle import Cycle
+from safeloc.models.arbitration.variables import SOURCES, ArbitrationConfig, Parts, Source, parts
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+
+__all__ = ["SOURCES", "Arbitration", "ArbitrationConfig", "Source", "build", "parts"]
+TRACE = ("RFL-13", "RFL-14")
+
+
+@dataclass(frozen=True, eq=False)
+class Arbitration:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+    cycle: Cycle
+
+
+# ------------------------------------------------------------------ the machine
+
+
+def build(own: Parts) -> Arbitration:
+    """The machine over the given variables."""
+    table = modes("WITHHELD", *(source.name.upper() for source in own.sources))
+    current = current_mode(table)
+    given = current.ne(table[0])
+    cycle = Cycle(own, current, table)
+    made = Machine(
+        name="arbitration",
+        modes=table,
+        inputs=[own.distance, *(var for source in own.sources for var in source.inputs)],
+        state={
+            own.position: 0, own.under: 0, own.over: 0, own.lag: 0, own.first: 0, own.second: 0, own.reason: NO_REFERENCE,
+            own.referred: False,
+        },
+        outputs={
+            "valid": given,
+            "position_mm": own.position,
+            "under_mm": own.under,
+            "over_mm": own.over,
+            "min_safe_front_mm": own.position - own.under - own.lag,
+            "max_safe_front_mm": own.position + own.over,
+            "lead": _named(own, current),
+            "reference_accepted": own.referred,
+            "contradicting_first": own.first,
+            "contradicting_second": own.second,
+            "reason": own.reason,
+        },
+        transitions=[*_given(own, cycle), *_withheld(own, cycle)],
+        ghosts={own.truth: ANY},
+        ghost_inputs=[own.next_truth],
+        ghost_moves={own.truth: own.next_truth},
+        assumption=all_of(source.valid.implies(source.holds(own.next_truth)) for source in own.sources),
+        lemmas=_lemmas(own, given),
+        definitions=_definitions(own, cycle),
+        mode_variable=current,
+        doc=(
+            "Gives out what all sources that state a position have in common, led by the one with the smallest margin, and "
+            "nothing when they exclude each other. Assumed: a source that states an interval states one that holds the "
+            "truth (each source's own proof discharges this). Where that does not hold, two that exclude each other are "
+            "noticed; one that is wrong and alone is not."
+        ),
+    )  # fmt: skip
+    return Arbitration(made, own, cycle)
+
+
+def _named(own: Parts, current: NumVar) -> Num:
+    """The leading source as a member of the sources' enumeration."""
+    found: Num = Lit(0, own.named)
+    for index, _ in enumerate(own.sources, 1):
+        found = ite(current.eq(Lit(index, current.unit)), Lit(index, own.named), found)
+    return found
+
+
+def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
+    """Transitions out of the modes in which a position is given out."""
+    lost, *given = cycle.table
+    nobody = Lit(0, own.named)
+
+    def drop(reason: Num, first: Num = nobody, second: Num = nobody) -> dict[Var, Expr]:
+        return {**_nothing(own), own.reason: reason, own.first: first, own.second: second}
+
+    clash, carried = cycle.any_valid & ~cycle.agree, tuple(given)
+    named = drop(CONTRADICTION, cycle.highest_low(), cycle.lowest_high())
+    lags = cycle.lag > own.config.lag_limit_mm
+    yield Transition("no source is left", carried, lost, ~cycle.any_valid, drop(cycle.why_withdrawn()), TRACE, 0)
+    yield Transition("sources contradict each other", carried, lost, clash, named, TRACE, 1)
+    yield Transition("tolerance exceeded", carried, lost, ~cycle.tolerable, drop(TOLERANCE), TRACE, 2)
+    yield Transition("distance and position disagree", carried, lost, lags, drop(SENSOR_FAILURE), TRACE, 3)
+    kept = _told(own, cycle, cycle.lag)
+    for source, target in zip(own.sources, given, strict=True):
+        others, leads = tuple(mode for mode in given if mode is not target), cycle.leads(source)
+        yield Transition(f"{source.name} goes on leading", target, target, leads, kept, TRACE, 4)
+        if others:
+            takes, stands_in = leads & cycle.leader_valid, leads & ~cycle.leader_valid
+            yield Transition(f"{source.name} takes over", others, target, takes, kept, TRACE, 4)
+            yield Transition(f"{source.name} stands in", others, target, stands_in, kept, TRACE, 4)
+
+
+def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
+    """Transitions out of the mode in which nothing is given out."""
+    lost, *given = cycle.table
+    begun = _told(own, cycle, as_num(0, MM))
+    for source, target in zip(own.sources, given, strict=True):
+        begins = cycle.usable & cycle.referred & cycle.leads(source)
+        yield Transition(f"{source.name} leads first", lost, target, begins, begun, TRACE, 0)
+    if len(own.sources) > 1:
+        clash = cycle.any_valid & ~cycle.agree & own.first.eq(Lit(0, own.named))
+        named: dict[Var, Expr] = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
+        yield Transition(
+            "contradiction while withheld", lost, lost, clash, {**_nothing(own), **named, own.reason: CONTRADICTION}, TRACE, 1
+        )  # fmt: skip
+    yield Transition("nothing to give out", lost, lost, set=_nothing(own), trace=TRACE, rank=2)
+
+
+def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
+    nobody = Lit(0, own.named)
+    return {
+        own.position: cycle.estimate,
+        own.under: cycle.estimate - cycle.low,
+        own.over: cycle.high - cycle.estimate,
+        own.lag: lag,
+        own.first: nobody,
+        own.second: nobody,
+        own.reason: LOCATED,
+        own.referred: cycle.referred,
+    }
+
+
+def _nothing(own: Parts) -> dict[Var, Expr]:
+    zero = as_num(0, MM)
+    return {own.position: zero, own.under: zero, own.over: zero, own.lag: zero, own.referred: FALSE}
+
+
+def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:
+    """Names for what the table speaks of."""
+    named: dict[str, Expr] = {
+        "some source is valid": cycle.any_valid, "all sources agree": cycle.agree, "interval tolerable": cycle.tolerable,
+        "lower end in common": cycle.low, "upper end in common": cycle.high, "estimate": cycle.estimate,
+        "distance estimated": cycle.estimated, "reference accepted now": cycle.referred,
+        "the leader is valid": cycle.leader_valid,
+    }  # fmt: skip
+    return named | {f"{source.name} leads now": cycle.leads(source) for source in own.sources}
+
+
+def _lemmas(own: Parts, given: Bool) -> dict[str, Bool]:
+    low, high = own.position - own.under, own.position + own.over
+    nothing = own.position.eq(0) & own.under.eq(0) & own.over.eq(0) & own.lag.eq(0)
+    return {
+        "the interval holds the truth": given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
+        "nothing while withheld": given | nothing,
+    }

@@ -1,0 +1,155 @@
+"""Configuration and variables of the arbitration machine: what each way of locating states, and what is kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    Bool,
+    BoolVar,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    between,
+    boolean,
+    choice,
+    enumeration,
+    exact_to,
+    maximum,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.units import MM, NM, Enumeration
+from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.vocabulary.reasons import REASON
+
+SOURCES = ("odometry", "balise", "reflector", "satellite", "fibre")
+
+
+class ArbitrationConfig(Config):
+    """Which ways of locating there are, and what is tolerable."""
+
+    sources: tuple[str, ...] = SOURCES
+    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
+    max_step_mm: int = quantity(4_459, "mm", 1, 200_000, "[D] 160 km/h in 100 ms, and a measuring step")
+    lag_limit_mm: int = quantity(
+        1_000_000, "mm", 0, 10_000_000, "[D] farther, odometer and sources contradict each other"
+    )
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+
+    @model_validator(mode="after")
+    def _known_sources(self) -> ArbitrationConfig:
+        unknown = [name for name in self.sources if name not in SOURCES]
+        if unknown or len(set(self.sources)) != len(self.sources) or not self.sources:
+            raise ValueError(f"sources {list(self.sources)} must be some of {list(SOURCES)}, each at most once.")
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """What one way of locating states in a cycle.
+
+    valid       it states an interval, and may: trusted, current, within its own limits
+    reference   it has accepted an absolute reference in this cycle
+    reason      why it states nothing
+    """
+
+    name: str
+    valid: BoolVar
+    position: NumVar
+    under: NumVar
+    over: NumVar
+    reference: BoolVar
+    reason: NumVar
+
+    @property
+    def inputs(self) -> tuple[Var, ...]:
+        """All of them, as inputs."""
+        return self.valid, self.position, self.under, self.over, self.reference, self.reason
+
+    @property
+    def low(self) -> Num:
+        """Min safe front end."""
+        return self.position - self.under
+
+    @property
+    def high(self) -> Num:
+        """Max safe front end."""
+        return self.position + self.over
+
+    @property
+    def margin(self) -> Num:
+        """The greater of both sides."""
+        return maximum(self.under, self.over)
+
+    def holds(self, truth: Num) -> Bool:
+        """The truth lies in its interval."""
+        return between(exact_to(self.low, NM), truth, exact_to(self.high, NM))
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    distance                input: the distance measured in the cycle
+    position, under, over   the common interval; 0 while nothing is given out
+    lag                     how far the min safe front end lies behind the interval's lower end
+    first, second           two sources that exclude each other; NONE: none
+    truth, next_truth       ghosts: the front end, nm
+    """
+
+    config: ArbitrationConfig
+    sources: tuple[Source, ...]
+    distance: Optional
+    position: NumVar
+    under: NumVar
+    over: NumVar
+    lag: NumVar
+    first: NumVar
+    second: NumVar
+    named: Enumeration
+    reason: NumVar
+    referred: BoolVar
+    truth: NumVar
+    next_truth: NumVar
+
+
+def parts(config: ArbitrationConfig) -> Parts:
+    """Fresh variables for one vehicle."""
+    limit, widest = config.position_limit_mm, 10 * config.tolerance_mm
+    reach = (limit + 2 * widest) * NM_PER_MM
+    named = enumeration(members("source", "NONE", *(name.upper() for name in config.sources)))
+    return Parts(
+        config,
+        tuple(_source(name, config) for name in config.sources),
+        optional("distance_mm", MM, -config.max_step_mm, config.max_step_mm),
+        number("position_mm", MM, -limit, limit),
+        number("under_mm", MM, 0, config.tolerance_mm),
+        number("over_mm", MM, 0, config.tolerance_mm),
+        number("lag_mm", MM, 0, config.lag_limit_mm),
+        choice("contradicting_first", named),
+        choice("contradicting_second", named),
+        named,
+        choice("reason", enumeration(REASON)),
+        boolean("reference_taken"),
+        number("truth_nm", NM, -reach, reach),
+        number("next_truth_nm", NM, -reach, reach),
+    )
+
+
+def _source(name: str, config: ArbitrationConfig) -> Source:
+    limit, widest = config.position_limit_mm, 10 * config.tolerance_mm
+    return Source(
+        name,
+        boolean(f"{name}_valid"),
+        number(f"{name}_position_mm", MM, -limit, limit),
+        number(f"{name}_under_mm", MM, 0, widest),
+        number(f"{name}_over_mm", MM, 0, widest),
+        boolean(f"{name}_reference"),
+        choice(f"{name}_reason", enumeration(REASON)),
+    )

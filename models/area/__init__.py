@@ -1,0 +1,355 @@
+"""A line area between axle counters: which trains are in it, where each may be, and where uncounted vehicles may be.
+
+Trains are counted in and out by axle counters at both ends of the area (ES fibre source, l. 479-546; FVA-2). Between,
+each is followed by reports of the fibre system that were verified. What is in the area without having been counted
+(at the start, or while a counter was disturbed) is called loose. It may be anywhere, until it was pushed out: no
+vehicle passes another, so a train that came in at the low end has every loose vehicle above it.
+
+    UNSWEPT   loose vehicles may be in [loose_low, loose_high]
+    SWEPT     every vehicle in the area was counted in
+
+Positions are mm along the line, from the low end to the high end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    abs_,
+    all_of,
+    any_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    minimum,
+)
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, UM
+from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
+from safeloc.models.area.variables import AreaConfig, Parts, parts
+
+__all__ = [
+    "Area",
+    "AreaConfig",
+    "Parts",
+    "build",
+    "machine",
+    "moves_clause",
+    "parts",
+    "report_law",
+    "reports_clause",
+    "um",
+]
+TRACE = ("FVA-9",)
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """The machine together with the terms it was built from."""
+
+    machine: Machine
+    own: Parts
+
+
+def machine(config: AreaConfig | None = None) -> Machine:
+    """The area machine (FVA-2, FVA-9)."""
+    return build(parts(config or AreaConfig())).machine
+
+
+def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
+    """The machine over the given variables; `kept`: slots whose reports an earlier machine vouches for, not assumed."""
+    table = modes("UNSWEPT", "SWEPT")
+    current = current_mode(table)
+    limit = own.config.limit_mm
+    ghosts, moves = _world(own)
+    state: dict[Var, Initial] = {own.low_end: ANY, own.high_end: ANY, own.loose_low: -limit, own.loose_high: limit}
+    for one in own.slots:
+        state |= one.state()
+    made = Machine(
+        name="area",
+        modes=table,
+        inputs=[own.healthy, own.clear, *(var for one in own.slots for var in one.inputs)],
+        state={**state, own.rejected: 0},
+        outputs=_outputs(own, current, table),
+        transitions=list(_table(own, table)),
+        ghosts=ghosts,
+        ghost_inputs=_choices(own),
+        ghost_moves=moves,
+        assumption=_on_the_line(own, own.next_loose_rear, own.next_loose_front),
+        clauses=_clauses(own, kept),
+        lemmas=_lemmas(own, current, table),
+        initially=_ends_in_order(own),
+        mode_variable=current,
+        doc=(
+            "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
+            "undisturbed every vehicle that comes in is counted and given a free slot, a train that is counted out has "
+            "left completely, and a clear area is empty; a trusted report holds the end of the train that leads, and both "
+            "if it is known to be whole; nothing exceeds the top speed; no vehicle passes another."
+        ),
+    )
+    return Area(made, own)
+
+
+def _ends_in_order(own: Parts) -> Bool:
+    """The low end before the high end, both at least a cycle's run from the ends of the world."""
+    inner = own.config.limit_mm - own.config.reach.cycle_mm
+    return all_of([own.low_end < own.high_end, own.low_end >= -inner, own.high_end <= inner])
+
+
+# ------------------------------------------------------------------ judging a cycle
+
+
+def _leaves(own: Parts, one: Slot) -> Bool:
+    """The train has left completely: counted out while undisturbed, and possible by its interval."""
+    low, high = one.run_on
+    at_low = one.event.eq(LEAVES_LOW) & (low <= own.low_end)
+    at_high = one.event.eq(LEAVES_HIGH) & (high >= own.high_end)
+    return own.healthy & one.present & (at_low | at_high)
+
+
+def _empty(own: Parts) -> Bool:
+    """Positive evidence of an empty area: clear counters, no train coming in, none seen inside."""
+    seen = any_of(one.enters | one.accepted for one in own.slots)
+    return own.healthy & own.clear & ~seen
+
+
+def _uncounted(own: Parts) -> Bool:
+    """Something may have come in without being counted: counters disturbed, or a train counted into a taken slot."""
+    return ~own.healthy | any_of(one.enters & one.present for one in own.slots)
+
+
+def _swept(own: Parts) -> tuple[Num, Num]:
+    """Where loose vehicles may be after the cycle: they run, but past no train that has them on one side."""
+    cycle, limit = own.config.reach.cycle_mm, own.config.limit_mm
+    low, high = maximum(own.loose_low - cycle, -limit), minimum(own.loose_high + cycle, limit)
+    for one in own.slots:
+        first, last = one.bounds(own.low_end, own.high_end)
+        gone = _leaves(own, one)
+        pushed_up = ite(gone & one.event.eq(LEAVES_HIGH), as_num(limit, MM), ite(gone, low, first))
+        pushed_down = ite(gone & one.event.eq(LEAVES_LOW), as_num(-limit, MM), ite(gone, high, last))
+        has_below = (one.present & one.below) | (~one.present & one.event.eq(ENTERS_LOW))
+        has_above = (one.present & one.above) | (~one.present & one.event.eq(ENTERS_HIGH))
+        low = ite(has_below, maximum(low, pushed_up), low)
+        high = ite(has_above, minimum(high, pushed_down), high)
+    return low, high
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    unswept, swept = table
+    limit = own.config.limit_mm
+    low, high = _swept(own)
+    none_left = (low > own.high_end) | (high < own.low_end) | (low > high)
+    anywhere: dict[Var, Expr] = {own.loose_low: as_num(-limit, MM), own.loose_high: as_num(limit, MM)}
+    forgotten: dict[Var, Expr] = {var: FALSE for one in own.slots for var in (one.below, one.above)}
+    followed = _followed(own)
+    emptied = {var: term for one in own.slots for var, term in one.nobody().items()}
+    judged: dict[Var, Expr] = {one.judged: one.verdict for one in own.slots}
+    nothing: dict[Var, Expr] = {**anywhere, own.rejected: as_num(0, COUNT)}
+    yield Transition(
+        "something came in uncounted", table, unswept, _uncounted(own), {**followed, **anywhere, **forgotten}, TRACE, 0
+    )
+    yield Transition("counters are clear", table, swept, _empty(own), {**emptied, **judged, **nothing}, TRACE, 1)
+    yield Transition("everything loose is pushed out", unswept, swept, none_left, {**followed, **anywhere}, TRACE, 2)
+    kept = {**followed, own.loose_low: low, own.loose_high: high}
+    yield Transition("follow trains, loose vehicles apart", unswept, unswept, TRUE, kept, TRACE, 3)
+    yield Transition("follow trains", swept, swept, TRUE, {**followed, **anywhere}, TRACE, 3)
+
+
+def _followed(own: Parts) -> dict[Var, Expr]:
+    """Every slot after the cycle; a rejected event is counted."""
+    updates: dict[Var, Expr] = {}
+    rejected = as_num(0, COUNT)
+    for one in own.slots:
+        updates |= _after(own, one)
+        strange = (one.leaves & ~_leaves(own, one)) | (one.enters & one.present)
+        rejected = rejected + ite(strange, as_num(1, COUNT), 0)
+    return {**updates, own.rejected: rejected}
+
+
+def _after(own: Parts, one: Slot) -> dict[Var, Expr]:
+    gone, limit = _leaves(own, one), own.config.count_limit
+    present = (one.present & ~gone) | one.enters
+    low, high = one.bounds(own.low_end, own.high_end)
+    taken = one.enters & one.present  # two trains in one slot: it covers both, wherever they are
+    zero, none = as_num(0, MM), as_num(0, COUNT)
+    far = own.config.limit_mm
+
+    def while_present(term: Num, otherwise: Num) -> Num:
+        return ite(present, term, otherwise)
+
+    return {
+        one.present: present,
+        one.low: while_present(ite(taken, as_num(-far, MM), low), zero),
+        one.high: while_present(ite(taken, as_num(far, MM), high), zero),
+        one.silent: while_present(ite(one.accepted | one.enters, none, minimum(one.silent + 1, limit)), none),
+        one.unconfirmed: while_present(
+            ite((one.accepted & one.integer) | one.enters, none, minimum(one.unconfirmed + 1, limit)), none
+        ),
+        one.below: present & ite(one.enters, one.event.eq(ENTERS_LOW), one.below),
+        one.above: present & ite(one.enters, one.event.eq(ENTERS_HIGH), one.above),
+        one.judged: one.verdict,
+    }
+
+
+def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:
+    outputs: dict[str, Expr] = {"swept": current.eq(table[1]), "events_rejected": own.rejected}
+    for one in own.slots:
+        name = f"train_{one.number}"
+        outputs |= {f"{name}_in_area": one.present, f"{name}_accepted": one.judged.eq(ACCEPTED)}
+    return outputs
+
+
+# ------------------------------------------------------------------ the environment, and what helps to prove
+
+
+def _choices(own: Parts) -> list[Var]:
+    return [
+        *(var for one in own.slots for var in (one.next_rear, one.next_front)),
+        own.next_loose,
+        own.next_loose_rear,
+        own.next_loose_front,
+    ]
+
+
+def _stays(own: Parts, one: Slot) -> Bool:
+    """Ghost: the train is in the area after the cycle, as the undisturbed counters have it."""
+    return (one.there | one.enters) & ~(own.healthy & one.leaves) & ~(own.healthy & own.clear & ~one.enters)
+
+
+def _world(own: Parts) -> tuple[dict[Var, Initial], dict[Var, Expr]]:
+    first: dict[Var, Initial] = {own.loose: ANY, own.loose_rear: ANY, own.loose_front: ANY}
+    moves: dict[Var, Expr] = {
+        own.loose: own.next_loose,
+        own.loose_rear: own.next_loose_rear,
+        own.loose_front: own.next_loose_front,
+    }
+    for one in own.slots:
+        first |= {one.there: False, one.true_rear: ANY, one.true_front: ANY}
+        moves |= {one.there: _stays(own, one), one.true_rear: one.next_rear, one.true_front: one.next_front}
+    return first, moves
+
+
+def um(term: Num) -> Num:
+    """A length in mm as um."""
+    return exact_to(term, UM)
+
+
+def moves_clause(one: Slot) -> str:
+    """The name of the clause that its train moves as a train does."""
+    return f"train {one.number} moves as one"
+
+
+def reports_clause(one: Slot) -> str:
+    """The name of the clause that its train's reports are true."""
+    return f"reports of train {one.number} are true"
+
+
+def _clauses(own: Parts, kept: Sequence[Slot]) -> dict[str, Bool]:
+    """What is assumed of trains, by name; of uncounted vehicles: `_loose_law`."""
+    moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
+    counted = {f"train {one.number} is counted": _counting_law(own, one) for one in own.slots}
+    reports = {reports_clause(one): report_law(one) for one in own.slots if one not in kept}
+    return {**moves, **counted, **reports, "uncounted vehicles": _loose_law(own)}
+
+
+def _on_the_line(own: Parts, *places: Num) -> Bool:
+    far = own.config.limit_mm * 1_000
+    return all_of(between(-far, place, far) for place in places)
+
+
+def _movement_law(own: Parts, one: Slot) -> Bool:
+    """A train is on the line, and where it is there its ends run no faster than the top speed."""
+    step, known = own.config.reach.cycle_mm * 1_000, one.there | one.enters
+    rear, front = one.next_rear, one.next_front
+    runs = (abs_(front - one.true_front) <= step) & (abs_(rear - one.true_rear) <= step)
+    return all_of([_on_the_line(own, rear, front), known.implies(rear <= front), one.there.implies(runs)])
+
+
+def _counting_law(own: Parts, one: Slot) -> Bool:
+    """What undisturbed counters tell of a train."""
+    step = own.config.reach.cycle_mm * 1_000
+    rear, front = one.next_rear, one.next_front
+    at_low, at_high = front <= um(own.low_end) + step, rear >= um(own.high_end) - step
+    out_low, out_high = front < um(own.low_end), rear > um(own.high_end)
+    return all_of(
+        [
+            one.enters.implies(~one.there),
+            one.event.eq(ENTERS_LOW).implies(at_low),
+            one.event.eq(ENTERS_HIGH).implies(at_high),
+            (one.there & own.healthy & one.event.eq(LEAVES_LOW)).implies(out_low),
+            (one.there & own.healthy & one.event.eq(LEAVES_HIGH)).implies(out_high),
+        ]
+    )
+
+
+def report_law(one: Slot) -> Bool:
+    """What a trusted, complete and recent report says of the train is true, of the ends that it holds."""
+    recent = one.age <= one.reach.report_age_limit_ms
+    seen = one.there & one.trusted & one.front.present & one.rear.present & recent
+    return all_of(
+        [
+            (seen & one.holds_high).implies(one.next_front <= um(one.highest)),
+            (seen & one.holds_low).implies(one.next_rear >= um(one.lowest)),
+        ]
+    )
+
+
+def _loose_law(own: Parts) -> Bool:
+    """What was never counted in: it runs, passes no train, and comes in only while a counter is disturbed."""
+    step = own.config.reach.cycle_mm * 1_000
+    rear, front = own.next_loose_rear, own.next_loose_front
+    runs = (abs_(front - own.loose_front) <= step) & (abs_(rear - own.loose_rear) <= step)
+    inside = (front >= um(own.low_end)) & (rear <= um(own.high_end))
+    sides = [own.next_loose.implies(_beside(own, one) | _uncounted(own)) for one in own.slots]
+    return all_of(
+        [
+            own.next_loose.implies(own.loose | ~own.healthy),
+            own.next_loose.implies((rear <= front) & inside),
+            (own.next_loose & own.loose).implies(runs),
+            (own.next_loose & own.healthy).implies(~own.clear),
+            *sides,
+        ]
+    )
+
+
+def _beside(own: Parts, one: Slot) -> Bool:
+    """A loose vehicle stays above a train that came in at the low end, and below one from the high end."""
+    rear, front = own.next_loose_rear, own.next_loose_front
+    below = one.below | one.event.eq(ENTERS_LOW)
+    above = one.above | one.event.eq(ENTERS_HIGH)
+    return (below.implies(rear >= one.next_front)) & (above.implies(front <= one.next_rear))
+
+
+def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    swept = current.eq(table[1])
+    lemmas: dict[str, Bool] = {
+        "ends in order": _ends_in_order(own),
+        "nothing loose once swept": swept.implies(~own.loose),
+        "loose vehicles within": own.loose.implies(
+            (um(own.loose_low) <= own.loose_rear) & (own.loose_front <= um(own.loose_high))
+        ),
+    }
+    for one in own.slots:
+        inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high)) & (one.true_rear <= one.true_front)
+        lemmas[f"train {one.number} within"] = one.there.implies(one.present & inside)
+        lemmas[f"train {one.number} has sides only while present"] = (one.below | one.above).implies(one.present)
+        lemmas[f"train {one.number} has one side"] = ~(one.below & one.above)
+        pushed = (one.below.implies(one.low <= own.loose_low)) & (one.above.implies(own.loose_high <= one.high))
+        lemmas[f"train {one.number} has pushed"] = swept | pushed
+        lemmas[f"train {one.number} is in order"] = one.present.implies(one.low <= one.high)
+        lemmas[f"train {one.number} pushes only while there"] = (own.loose & (one.below | one.above)).implies(one.there)
+    return lemmas

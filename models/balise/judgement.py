@@ -1,0 +1,363 @@
+"""What one cycle means to the balise machine: the telegram judged, linking supervised, the interval after it.
+
+Every term is built once and shared by all transitions, the assumption and the properties.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import (
+    FALSE,
+    Bool,
+    Expr,
+    Num,
+    Var,
+    abs_,
+    all_of,
+    any_of,
+    as_num,
+    exact_to,
+    ite,
+    maximum,
+    minimum,
+)
+from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.balise import variables as v
+from safeloc.models.balise.linking import NO_REACTION, NOT_LOCATED, NOTHING, SERVICE_BRAKE, TRAIN_TRIP, Record
+from safeloc.models.balise.telegram import UNKNOWN, UNLINKED
+from safeloc.models.vocabulary.first_of import first_of
+from safeloc.models.vocabulary.interval import Interval
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """One announced group against this cycle's telegram.
+
+    seen    the telegram is this group's
+    opened  the max safe front end has reached the first place where the group can be read
+    closed  the min safe front end had passed the last such place before the cycle
+    over    it has passed it now
+    """
+
+    record: Record
+    seen: Bool
+    accuracy: Num
+    opened: Bool
+    closed: Bool
+    over: Bool
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """One cycle, judged. `located` and `candidate` tell in which kind of mode the machine is."""
+
+    own: v.Parts
+    located: Bool
+    candidate: Bool
+
+    # ------------------------------------------------------------------ the odometer alone
+
+    @cached_property
+    def before(self) -> Interval:
+        """The interval before the cycle."""
+        return self.own.held.interval
+
+    @cached_property
+    def run_on(self) -> Interval:
+        """The interval after the cycle, telegrams apart."""
+        return self.own.odometer.run_on(self.before)
+
+    @cached_property
+    def backwards(self) -> Bool:
+        """The vehicle runs backwards."""
+        return self.own.heading.after(self.own.odometer.distance)[0]
+
+    def usable(self, interval: Interval) -> Bool:
+        """An interval may be reported."""
+        return interval.usable(self.own.config.tolerance_mm, self.own.config.position_limit_mm)
+
+    # ------------------------------------------------------------------ the telegram and the announced groups
+
+    @cached_property
+    def credible(self) -> Bool:
+        """What was read is a group's own, undamaged and recent, and read while running forwards."""
+        read = self.own.read
+        return all_of([read.well_formed, ~read.corrupted, ~read.stale, ~self.backwards])
+
+    @cached_property
+    def sightings(self) -> tuple[Sighting, ...]:
+        """Every announced group against the telegram, nearest first; at most one of them is seen."""
+        found: list[Sighting] = []
+        for record in self.own.linking.slots:
+            matches = self.credible & self.located & record.held & record.group.eq(self.own.read.group.value)
+            accuracy = record.accuracy_or(self.own.national.accuracy)
+            first, last = self.own.config.reader.window(record.place, accuracy)
+            found.append(
+                Sighting(
+                    record,
+                    matches & ~any_of(one.seen for one in found),
+                    accuracy,
+                    maximum(self.before.high, self.run_on.high) >= first,
+                    self.before.low > last,
+                    maximum(self.before.low, self.run_on.low) > last,
+                )
+            )
+        return tuple(found)
+
+    @cached_property
+    def announced(self) -> Bool:
+        """The telegram is of an announced group."""
+        return any_of(one.seen for one in self.sightings)
+
+    def _of_seen(self, *terms: Num, default: Num) -> Num:
+        seen = (one.seen for one in self.sightings)
+        return first_of(*zip(seen, terms, strict=True), default=default)
+
+    @cached_property
+    def place(self) -> Num:
+        """Where the map has the group, mm: linking, else what came with the telegram."""
+        return self._of_seen(*(one.record.place for one in self.sightings), default=self.own.read.place.value)
+
+    @cached_property
+    def accuracy(self) -> Num:
+        """The location accuracy of the group, mm: linking, else national value, else default."""
+        return self._of_seen(*(one.accuracy for one in self.sightings), default=self.own.national.accuracy)
+
+    @cached_property
+    def orientation(self) -> Num:
+        """The orientation in which the group must be passed."""
+        expected = (one.record.orientation for one in self.sightings)
+        return self._of_seen(*expected, default=self.own.read.expected_along)
+
+    @cached_property
+    def fix(self) -> Interval:
+        """Where the telegram puts the front end at the end of the cycle."""
+        odometer = self.own.odometer
+        return self.own.config.reader.fix(
+            self.own.read, self.place, self.accuracy, odometer.distance, odometer.admitted
+        )
+
+    @cached_property
+    def agrees(self) -> Bool:
+        """The fix and the interval can both be true: they share at least what the odometer's constant takes up."""
+        return self.run_on.meets(self.fix, self.own.config.reader.constant_nm)
+
+    @cached_property
+    def inside(self) -> Bool:
+        """The announced group that was read is read inside its expectation window."""
+        return any_of(one.seen & one.opened & ~one.closed for one in self.sightings)
+
+    @cached_property
+    def matches(self) -> Bool:
+        """The place that came with the telegram, if one did, is the announced one within the accuracy."""
+        apart = abs_(self.own.read.place.value - self.place)
+        return ~self.own.read.place.present | (apart <= self.accuracy)
+
+    @cached_property
+    def free(self) -> Bool:
+        """The telegram is of a group that linking does not speak of, and such a group may serve."""
+        if not self.own.config.free_references:
+            return FALSE
+        unlinked = self.own.read.link.value.eq(UNLINKED)
+        unsupervised = ~self.own.linking.slots[0].held
+        return self.located & ~self.announced & (unlinked | unsupervised)
+
+    # ------------------------------------------------------------------ the verdict on the telegram
+
+    @cached_property
+    def verdict(self) -> Num:
+        """What becomes of the telegram."""
+        read, memory = self.own.read, self.own.memory
+        return first_of(
+            (read.silent, v.NONE),
+            (~read.well_formed, v.MALFORMED),
+            (read.corrupted, v.CORRUPTED),
+            (read.stale, v.STALE),
+            (self.backwards, v.REVERSING),
+            (self.announced, self._of_announced),
+            (read.group.value.eq(memory.group), v.REPEATED),
+            (self.located & read.group.value.eq(memory.given_up), v.TOO_LATE),
+            (self.free, self._of_free),
+            (self.located & read.link.value.eq(UNLINKED), v.UNLINKED),
+            (self.located, v.NOT_ANNOUNCED),
+            default=self._of_first,
+        )
+
+    @cached_property
+    def _of_announced(self) -> Num:
+        read = self.own.read
+        return first_of(
+            (~read.complete, v.INCOMPLETE),
+            (read.against(self.orientation), v.WRONG_DIRECTION),
+            (~self.matches, v.MISMATCH),
+            (any_of(one.seen & ~one.opened for one in self.sightings), v.TOO_EARLY),
+            (any_of(one.seen & one.closed for one in self.sightings), v.TOO_LATE),
+            (~self.agrees, v.CONTRADICTED),
+            default=v.ACCEPTED,
+        )
+
+    @cached_property
+    def _unfit(self) -> list[tuple[Bool, Num]]:
+        """What speaks against a group without linking, wherever the vehicle is."""
+        read = self.own.read
+        return [
+            (~read.complete, v.INCOMPLETE),
+            (~read.place.present, v.NO_PLACE),
+            (read.link.value.eq(UNLINKED) & read.total.value.eq(1), v.SINGLE),
+            (read.against(self.orientation), v.WRONG_DIRECTION),
+        ]
+
+    @cached_property
+    def _of_free(self) -> Num:
+        return first_of(*self._unfit, (~self.agrees, v.OUT_OF_PLACE), default=v.ACCEPTED)
+
+    @cached_property
+    def _of_first(self) -> Num:
+        """While nothing is reported: a first group is a candidate, another one that agrees with it is accepted."""
+        confirmed = self.candidate & self.usable(self.run_on) & self.agrees
+        trusted = v.ACCEPTED if self.own.config.trust_first_group else v.CANDIDATE
+        return first_of(*self._unfit, (~self.usable(self.fix), v.TOO_COARSE), (confirmed, v.ACCEPTED), default=trusted)
+
+    @cached_property
+    def accepted(self) -> Bool:
+        """The telegram passed every check."""
+        return self.verdict.eq(v.ACCEPTED)
+
+    # ------------------------------------------------------------------ linking supervision
+
+    @cached_property
+    def missed(self) -> Bool:
+        """The expected group's window closes without it, or any other announced one, having been read."""
+        expected = self.sightings[0]
+        return self.located & ~self.announced & expected.record.held & expected.over
+
+    @cached_property
+    def done(self) -> list[Bool]:
+        """For every announced group: it is the last one that is done with, found or not."""
+        return [one.seen | (self.missed if index == 0 else FALSE) for index, one in enumerate(self.sightings)]
+
+    @cached_property
+    def given_up(self) -> list[Bool]:
+        """For every announced group: its expectation ends in this cycle without it being accepted."""
+        result = []
+        for index, one in enumerate(self.sightings):
+            skipped = any_of(later.seen for later in self.sightings[index + 1 :])
+            missed = self.missed if index == 0 else FALSE
+            result.append(skipped | missed | (one.seen & ~self.accepted))
+        return result
+
+    @cached_property
+    def ended(self) -> Num:
+        """How many announced groups are given up in this cycle."""
+        total: Num = as_num(0, COUNT)
+        for gone in self.given_up:
+            total = total + ite(gone, as_num(1, COUNT), as_num(0, COUNT))
+        return total
+
+    @cached_property
+    def reaction(self) -> Num:
+        """The strongest of the given-up groups' reactions; a trip where the direction is wrong (3.16.2.3.2); at least
+        the service brake after two groups in a row (3.16.2.7.1.1)."""
+        both = list(zip(self.given_up, self.sightings, strict=True))
+        trips = [gone & one.record.reaction.eq(TRAIN_TRIP) for gone, one in both]
+        brakes = [gone & one.record.reaction.eq(SERVICE_BRAKE) for gone, one in both]
+        wrong_way = self.announced & self.verdict.eq(v.WRONG_DIRECTION)
+        twice = (self.ended > 0) & (self.own.memory.missed + self.ended >= 2)
+        return ite(any_of([*trips, wrong_way]), TRAIN_TRIP, ite(any_of([*brakes, twice]), SERVICE_BRAKE, NO_REACTION))
+
+    @cached_property
+    def left(self) -> list[Record]:
+        """The announced groups that are not done with."""
+        return self.own.linking.advanced(self.done)
+
+    @cached_property
+    def announcement(self) -> Num:
+        """What becomes of this cycle's announcement, in a mode that reports a position."""
+        record = self.own.linking.offered.record
+        _, last = self.own.config.reader.window(record.place, record.accuracy_or(self.own.national.accuracy))
+        return self.own.linking.verdict(self.left, self.run_on.low > last)
+
+    # ------------------------------------------------------------------ updates
+
+    @cached_property
+    def narrowed(self) -> Interval:
+        """The interval after an accepted telegram: what it and the run-on interval have in common."""
+        return self.run_on.narrowed(self.fix)
+
+    def listen(self) -> dict[Var, Expr]:
+        """Updates of every cycle, whatever the mode."""
+        own = self.own
+        heard = own.odometer.listen() | own.heading.after(own.odometer.distance)[1] | own.national.listen()
+        return {**heard, own.memory.verdict: self.verdict}
+
+    def supervise(self) -> dict[Var, Expr]:
+        """Updates of linking in a mode that reports a position."""
+        memory, linking = self.own.memory, self.own.linking
+        nearest_last = reversed(list(zip(self.given_up, self.sightings, strict=True)))
+        given_up = first_of(*((gone, one.record.group) for gone, one in nearest_last), default=memory.given_up)
+        in_row = minimum(memory.missed + self.ended, 2)
+        return {
+            **linking.become(linking.after(self.left, self.announcement)),
+            linking.judged: self.announcement,
+            memory.given_up: given_up,
+            memory.missed: ite(self.announced & self.accepted, as_num(0, COUNT), in_row),
+            memory.ended: self.ended,
+            memory.reaction: self.reaction,
+        }
+
+    def remember(self) -> dict[Var, Expr]:
+        """Updates by a telegram that counts: the group, and what it says of the next reflector."""
+        own, memory = self.own, self.own.memory
+        here = self.place
+        return {
+            memory.group: own.read.group.value,
+            memory.place: here,
+            memory.accuracy: self.accuracy,
+            memory.run: abs_(own.read.since.value_or(as_num(0, MM))),
+            memory.measured: own.read.since.present,
+            memory.direction: self.direction,
+            **own.reflector.become(own.read.reflector.present, here + own.read.reflector.value),
+            **own.search.become(own.read.search.present, here + own.read.search.value),
+        }
+
+    @cached_property
+    def direction(self) -> Num:
+        """ALONG once a group was passed in the orientation expected, or a second group lies surely beyond the first."""
+        read, memory = self.own.read, self.own.memory
+        oriented = read.passed.ne(UNKNOWN) & self.orientation.ne(UNKNOWN)
+        beyond = memory.group.ne(0) & (
+            self.fix.low > exact_to(memory.place + self.own.config.antenna_mm, NM) + self.run_on.over
+        )
+        return ite(oriented | beyond, v.ALONG, memory.direction)
+
+    def carry_on(self) -> dict[Var, Expr]:
+        """Updates of what an earlier telegram said, in a cycle without one that counts."""
+        run = minimum(self.own.memory.run + abs_(self.own.odometer.distance), v.FARTHEST_MM)
+        told = {**self.own.reflector.keep(self.run_on.low), **self.own.search.keep(self.run_on.low)}
+        measured = self.own.memory.measured & self.own.odometer.admitted
+        return {**told, self.own.memory.run: run, self.own.memory.measured: measured}
+
+    def unsupervised(self) -> dict[Var, Expr]:
+        """Updates of linking in a mode that reports nothing: no group is announced, so none can be missed."""
+        own, memory, zero = self.own, self.own.memory, as_num(0, COUNT)
+        return {
+            **own.linking.forget(),
+            own.linking.judged: ite(own.linking.offered.silent, NOTHING, NOT_LOCATED),
+            **dict.fromkeys((memory.given_up, memory.missed, memory.ended), zero),
+            memory.reaction: NO_REACTION,
+        }
+
+    def forget(self) -> dict[Var, Expr]:
+        """Updates after which there is no interval, and nothing of groups is remembered."""
+        own, memory = self.own, self.own.memory
+        nowhere = Interval(*(as_num(0, NM) for _ in range(3)))
+        told = {**own.reflector.become(FALSE, own.reflector.place), **own.search.become(FALSE, own.search.place)}
+        group: dict[Var, Expr] = {
+            memory.group: as_num(0, COUNT),
+            memory.run: as_num(0, MM),
+            memory.measured: FALSE,
+            memory.direction: v.DIRECTION_UNKNOWN,
+        }
+        return {**own.held.become(nowhere), **group, **told}

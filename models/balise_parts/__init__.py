@@ -1,1 +1,0 @@
-"""What the balise machine is made of."""

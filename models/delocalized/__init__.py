@@ -1,0 +1,88 @@
+"""The delocalized state: what a vehicle does with a position it may no longer use (MRK-D1, MRK-D2).
+
+It stands behind any way of locating. When the source reports nothing, or less than the tolerance asks for, the
+vehicle is delocalized in the same step: the first reason is latched, the host is told to be restrictive, and no
+position is passed on. It is left only when the source is valid AND an absolute reference passed its checks.
+"""
+
+from __future__ import annotations
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
+from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, REASON, TOLERANCE
+
+
+class DelocalizedConfig(Config):
+    """What the supervising machine depends on."""
+
+    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+
+
+def machine(config: DelocalizedConfig | None = None) -> Machine:
+    """The delocalized machine (MRK-D1, MRK-D2)."""
+    config = config or DelocalizedConfig()
+    limit, tolerance = config.position_limit_mm, config.tolerance_mm
+    reasons = enumeration(REASON)
+    valid, reference = boolean("source_valid"), boolean("reference_accepted")
+    cause = choice("source_reason", reasons)
+    seen = number("source_position_mm", MM, -limit, limit)
+    seen_over = number("source_over_mm", MM, 0, 10 * tolerance)
+    seen_under = number("source_under_mm", MM, 0, 10 * tolerance)
+    position = number("passed_position_mm", MM, -limit, limit)
+    over, under = number("passed_over_mm", MM, 0, tolerance), number("passed_under_mm", MM, 0, tolerance)
+    reason = choice("latched_reason", reasons)
+    reach = (limit + 20 * tolerance) * NM_PER_MM
+    truth, next_truth = number("truth_nm", NM, -reach, reach), number("next_truth_nm", NM, -reach, reach)
+
+    table = modes("DELOCALIZED", "LOCALIZED")
+    delocalized, localized = table
+    current = current_mode(table)
+    tolerable = (seen_over <= tolerance) & (seen_under <= tolerance)
+    usable = valid & tolerable
+    stated = ite(valid, TOLERANCE, ite(cause.eq(LOCATED), NO_REFERENCE, cause))
+    nothing: dict[Var, Expr | int] = {position: 0, over: 0, under: 0}
+    passed: dict[Var, Expr | int] = {position: seen, over: seen_over, under: seen_under, reason: LOCATED}
+    return Machine(
+        name="delocalized",
+        modes=table,
+        inputs=[valid, reference, cause, seen, seen_over, seen_under],
+        state={position: 0, over: 0, under: 0, reason: NO_REFERENCE},
+        outputs={
+            "restrictive": current.eq(delocalized),
+            "position_mm": position,
+            "over_mm": over,
+            "under_mm": under,
+            "reason": reason,
+        },
+        transitions=[
+            Transition(
+                "position lost", localized, delocalized, ~usable, {**nothing, reason: stated}, ("MRK-D1", "MRK-D2"), 0
+            ),
+            Transition("position passed on", localized, localized, set=passed, trace=("MRK-D1",), rank=1),
+            Transition("reference accepted", delocalized, localized, usable & reference, passed, ("MRK-D1",), 1),
+            Transition("stay restrictive", delocalized, delocalized, set=nothing, trace=("MRK-D2",), rank=2),
+        ],
+        ghosts={truth: ANY},
+        ghost_inputs=[next_truth],
+        ghost_moves={truth: next_truth},
+        assumption=valid.implies(_holds(seen, seen_under, seen_over, next_truth)),
+        lemmas={
+            "a passed position holds the truth": current.eq(localized).implies(_holds(position, under, over, truth))
+        },
+        mode_variable=current,
+        doc=(
+            "Stands behind a way of locating. Passes its position on while it is valid and within tolerance; otherwise "
+            "the vehicle is delocalized in the same step, with the first reason latched and the host told to be "
+            "restrictive, until an absolute reference passed its checks. Assumed: a valid source interval holds the "
+            "truth (the source's own proof discharges this)."
+        ),
+    )
+
+
+def _holds(position: NumVar, under: NumVar, over: NumVar, truth: NumVar) -> Bool:
+    centre = exact_to(position, NM)
+    return between(centre - exact_to(under, NM), truth, centre + exact_to(over, NM))

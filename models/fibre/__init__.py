@@ -1,0 +1,260 @@
+"""Where one end of a train is, from localization sections in a fibre beside the track (FWG-1 to FWG-15).
+
+In a localization section the backscatter's amplitude is higher or lower than beside it. When the amplitude leaves
+normal, a position signal So arises; when it is normal again, the section was passed, or left where it was entered. The
+place follows from which section it was, not from any time (l. 22-32 of the source).
+
+    WAITING   no signal yet: the count is undefined
+    COUNTING  signals are counted from the first one on, down where the train runs back; which sections they are is not known
+    LOCATED   the count tells the section: from a reference, or from a word of the position code
+    FAULTED   error signal F: what was seen and what the map has do not agree; nothing is located until a reference
+
+While located, every section is expected where the map has it, of its kind (raised or lowered) and of its length (short
+or long). A section that does not come, one that should not be there, one of another kind or length, and an additional
+localization (time of flight, reflecting points) that tells another place all raise F in the same cycle.
+
+The two ends of a train are two such machines; the sections between them are all active at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    abs_,
+    all_of,
+    as_num,
+    between,
+    ceil_to,
+    exact_to,
+    ite,
+)
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.fibre import variables as v
+from safeloc.models.fibre.cycle import Cycle
+from safeloc.models.fibre.variables import NM_PER_MM, FibreConfig, Parts, parts
+
+__all__ = ["Fibre", "FibreConfig", "build", "machine", "parts"]
+SEEN = ("FWG-1", "FWG-2", "FWG-3", "FWG-8", "FWG-11", "FWG-12", "FWG-13", "FWG-14")
+COUNTS = ("FWG-9",)
+CODE = ("FWG-10", "FWG-15")
+CHECKED = ("FWG-4", "FWG-5", "FWG-6", "FWG-7")
+
+
+@dataclass(frozen=True, eq=False)
+class Fibre:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+    cycle: Cycle
+
+
+def machine(config: FibreConfig | None = None) -> Machine:
+    """The machine of one end of a train (FWG-1)."""
+    return build(parts(config or FibreConfig())).machine
+
+
+def build(own: Parts, name: str = "fibre") -> Fibre:
+    """The machine over the given variables, for one end of a train."""
+    table = modes("WAITING", "COUNTING", "LOCATED", "FAULTED")
+    current = current_mode(table)
+    cycle = Cycle(own)
+    made = Machine(
+        name=name,
+        modes=table,
+        inputs=own.inputs,
+        state=own.state(),
+        outputs=_outputs(own, current, table),
+        transitions=list(_table(own, cycle, table)),
+        ghosts=own.ghosts(),
+        ghost_inputs=[own.step, own.next_base, own.next_count, own.next_real],
+        ghost_moves={
+            own.truth: own.truth + own.step,
+            own.true_base: own.next_base,
+            own.true_count: own.next_count,
+            own.real: own.next_real,
+        },
+        assumption=_assumption(own, cycle, current, table),
+        lemmas=_lemmas(own, current, table),
+        definitions={
+            "position signal So": cycle.enters, "normal again": cycle.leaves, "signal fits the map": cycle.fits,
+            "error F": cycle.error, "section overdue": cycle.overdue, "run in the section": cycle.inside,
+            "interval without an edge": cycle.place,
+        },
+        mode_variable=current,
+        doc=(
+            "Place of one end of a train from localization sections in a fibre. Assumed of the detector: the run of a "
+            "cycle is true within rate and floor; an edge of a section that fits the map in kind and place was passed "
+            "there, within the edge's tolerance, in that cycle; a section's kind and length are read truly; a reference "
+            "and the map's answer to a word are true. Of the map's code: sections so near each other differ. Any section "
+            "may be missed, and false ones may come."
+        ),
+    )  # fmt: skip
+    return Fibre(made, own, cycle)
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    waiting, counting, located, faulted = table
+    normal = cycle.band.eq(v.NORMAL)
+    lost = {**cycle.nowhere(), own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
+    at: dict[Var, Expr] = {own.base: own.reference_place, own.since: as_num(0, MM), own.drift: as_num(0, NM)}
+    known: dict[Var, Expr] = {own.count: own.reference_count, own.counted: FALSE, own.why: v.LOCATED}
+    referred = {**cycle.heard(), **cycle.no_word(), **at, **known}
+    yield Transition("reference accepted", table, located, own.reference & normal, referred, COUNTS, 0)
+    yield Transition("pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide, lost, SEEN, 1)
+    yield from _located(own, cycle, located, faulted)
+    yield from _counting(own, cycle, waiting, counting, located)
+    started = {**cycle.nowhere(), **cycle.enter(cycle.one), own.why: v.ONLY_COUNTING}
+    yield Transition("first signal", waiting, counting, cycle.enters, started, (*SEEN, *COUNTS), 3)
+    yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), trace=SEEN, rank=6)
+    yield Transition("error stays", faulted, faulted, set=cycle.heard(), trace=CHECKED, rank=6)
+
+
+def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[Transition]:
+    """The count tells the section."""
+    _, near, far, _, long = own.next_to(cycle.forwards)
+    error = {**cycle.nowhere(), own.why: cycle.flaw, own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL)}
+    entered = {**cycle.enter(own.count + cycle.one), own.base: near, own.far: far, own.long: long}
+    passed = {**cycle.edge(v.PASSED), own.base: own.far}
+    turned = {**cycle.edge(v.TURNED_BACK), own.count: _uncounted(own)}
+
+    def row(
+        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
+    ) -> Transition:
+        return Transition(name, located, target, when, updates, trace, rank)
+
+    yield row("error", faulted, cycle.error, error, (*CHECKED, *CODE, *COUNTS), 2)
+    yield row("section counted", located, cycle.enters, entered, (*SEEN, *COUNTS), 3)
+    yield row("section passed", located, cycle.leaves & ~cycle.turned_back, passed, (*SEEN, *CODE), 3)
+    yield row("section left again", located, cycle.leaves & cycle.turned_back, turned, (*SEEN, *COUNTS), 3)
+    yield row("run on", located, TRUE, cycle.run_on(), CHECKED, 6)
+
+
+def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Lit) -> Iterator[Transition]:
+    """Which section it is, is not known yet."""
+    turns = own.counted & cycle.forwards.iff(~own.upwards)
+    edge = cycle.edge(v.PASSED)
+    anew = {**cycle.nowhere(), own.why: v.NO_END_OF_SECTION}
+    spelt: dict[Var, Expr] = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
+    entered = {**cycle.enter(own.count + cycle.one), **spelt}
+    back = {**cycle.edge(v.TURNED_BACK), **cycle.no_word(), own.count: _uncounted(own)}
+    found: dict[Var, Expr] = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
+    whole = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
+
+    def row(
+        name: str, target: Lit, when: Bool, updates: dict[Var, Expr], trace: tuple[str, ...], rank: int
+    ) -> Transition:
+        return Transition(name, counting, target, when, updates, trace, rank)
+
+    yield row("no end of the section", waiting, cycle.endless | (cycle.enters & cycle.full), anew, SEEN, 2)
+    yield row("signal counted", counting, cycle.enters, entered, (*SEEN, *COUNTS), 3)
+    yield row("symbol read", counting, cycle.read, {**edge, **cycle.spell()}, CODE, 3)
+    yield row("section left again, uncounted", counting, cycle.leaves & cycle.turned_back, back, COUNTS, 3)
+    yield row("symbol not read", counting, cycle.leaves & ~cycle.turned_back, {**edge, **cycle.no_word()}, CODE, 4)
+    yield row("word found", located, whole, {**cycle.run_on(), **cycle.no_word(), **found}, CODE, 5)
+    yield row("count on", counting, TRUE, cycle.run_on(), COUNTS, 6)
+
+
+def _uncounted(own: Parts) -> Num:
+    """The count without the section that was left where it was entered."""
+    return own.count + ite(own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
+
+
+def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:
+    located = current.eq(table[2])
+    counts = current.one_of(table[1], table[2]) & own.counted
+    margin = own.config.edge_tolerance_mm + ceil_to(own.drift, MM)
+    zero = as_num(0, MM)
+    return {
+        "valid": located,
+        "position_mm": ite(located, own.base + own.since, zero),
+        "over_mm": ite(located, margin, zero),
+        "under_mm": ite(located, margin, zero),
+        "error": current.eq(table[3]),
+        "position_signal": own.signal.eq(v.POSITION_SIGNAL),
+        "section_event": own.signal,
+        "in_section": own.band.ne(v.NORMAL),
+        "count_known": counts,
+        "count": ite(counts | located, own.count, as_num(0, COUNT)),
+        "forwards": own.forwards,
+        "word": own.word,
+        "word_length": own.read,
+        "reason": own.why,
+    }
+
+
+# ------------------------------------------------------------------ the environment, and what helps to prove
+
+
+def _assumption(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> Bool:
+    """The detector's bounds, and the law of the code."""
+    located, after = current.eq(table[2]), own.truth + own.step
+    law = between(-cycle.charge, own.step - exact_to(ite(own.run.present, own.run.value, 0), NM), cycle.charge)
+    edge = cycle.enters | cycle.leaves
+    at_edge = abs_(after - own.next_base) <= own.config.edge_tolerance_mm * NM_PER_MM + cycle.fresh
+    _, near, _, _, _ = own.next_to(cycle.forwards)
+    by_map = ite(cycle.enters, near, ite(cycle.turned_back, own.base, own.far))
+    referred = own.reference & cycle.band.eq(v.NORMAL)
+    at_reference = abs_(after - exact_to(own.reference_place, NM)) <= own.config.edge_tolerance_mm * NM_PER_MM
+    found = current.eq(table[1]) & own.answer & (own.read >= own.config.window)
+    return all_of(
+        [
+            law,
+            between(own.truth.low, after, own.truth.high),
+            edge.implies(at_edge),
+            (~edge).implies(own.next_base.eq(own.true_base)),
+            (located & edge & ~cycle.error).implies(own.next_base.eq(exact_to(by_map, NM))),
+            referred.implies(at_reference & own.next_count.eq(own.reference_count)),
+            found.implies(own.true_base.eq(exact_to(own.answer_place, NM)) & own.next_count.eq(own.answer_count)),
+            _code_law(own, cycle, current.eq(table[1]), located),
+        ]
+    )
+
+
+def _code_law(own: Parts, cycle: Cycle, counting: Bool, located: Bool) -> Bool:
+    """A real section whose number is the count looks as the map has it; a near other one does not."""
+    ahead = own.true_count - own.count
+    other = ahead.ne(0) & (abs_(ahead) <= own.config.reach)
+    read_long = cycle.reads_long.iff(own.long)
+    passed = located & own.real & cycle.read
+    law = [(passed & other).implies(~read_long), (passed & ahead.eq(0)).implies(read_long)]
+    return all_of([*law, _true_count(own, cycle, counting | located)])
+
+
+def _true_count(own: Parts, cycle: Cycle, follows: Bool) -> Bool:
+    """Real sections are passed one at a time, seen or not; a false one is not passed; one left again was not either."""
+    entered = own.next_count - own.true_count
+    seen = ite(own.next_real, entered.eq(cycle.one), entered.eq(0))
+    back = entered.eq(ite(own.upwards, as_num(-1, COUNT), as_num(1, COUNT)))
+    left = follows & cycle.leaves & cycle.turned_back & own.real
+    unseen = (abs_(entered) <= 1) & own.next_real.iff(own.real)
+    return own.reference | own.answer | ite(cycle.enters, seen, ite(left, back, unseen))
+
+
+def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    counting, located = current.eq(table[1]), current.eq(table[2])
+    off = own.truth - own.true_base - exact_to(own.since, NM)
+    tolerance = own.config.edge_tolerance_mm * NM_PER_MM
+    within = between(-own.drift - tolerance, off, own.drift + tolerance)
+    inside = own.band.ne(v.NORMAL) & current.one_of(table[1], table[2])
+    return {
+        "a section can be uncounted": inside.implies(abs_(_uncounted(own)) <= own.config.section_limit),
+        "the run since the last edge is true": counting.implies(within),
+        "the interval holds the truth": located.implies(
+            between(-own.drift - tolerance, own.truth - exact_to(own.base + own.since, NM), own.drift + tolerance)
+        ),
+    }

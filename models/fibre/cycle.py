@@ -1,0 +1,270 @@
+"""What one cycle means to the fibre machine: section edges, the run, and everything that does not agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    abs_,
+    any_of,
+    as_num,
+    ceil_to,
+    exact_to,
+    floor_div,
+    ite,
+)
+from safeloc.language.units import COUNT, MM, NM, PPM
+from safeloc.models.fibre import variables as v
+from safeloc.models.fibre.variables import NM_PER_MM, Parts
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """Terms over the inputs of a cycle and the state before it."""
+
+    own: Parts
+
+    # -------------------------------------------------------------- edges
+
+    @cached_property
+    def band(self) -> Num:
+        """The amplitude's band after the cycle: with hysteresis, and back to normal before the other band."""
+        own, config, value = self.own, self.own.config, self.own.amplitude.value
+        from_normal = ite(value >= config.change_cdb, v.RAISED, ite(value <= -config.change_cdb, v.LOWERED, v.NORMAL))
+        still = own.band.eq(v.RAISED) & (value > config.return_cdb) | own.band.eq(v.LOWERED) & (
+            value < -config.return_cdb
+        )
+        after = ite(own.band.eq(v.NORMAL), from_normal, ite(still, own.band, v.NORMAL))
+        return ite(own.amplitude.present, after, own.band)
+
+    @cached_property
+    def enters(self) -> Bool:
+        """The amplitude leaves normal: a position signal So."""
+        return self.own.band.eq(v.NORMAL) & self.band.ne(v.NORMAL)
+
+    @cached_property
+    def leaves(self) -> Bool:
+        """The amplitude is normal again: no second section."""
+        return self.own.band.ne(v.NORMAL) & self.band.eq(v.NORMAL)
+
+    @cached_property
+    def forwards(self) -> Bool:
+        """Direction of running; the last one where the run tells none."""
+        run = self.own.run
+        return ite(run.present & run.value.ne(0), run.value > 0, self.own.forwards)
+
+    # -------------------------------------------------------------- the run
+
+    @cached_property
+    def charge(self) -> Num:
+        """What the run of this cycle may be wrong by, nm; all of the highest speed where it did not come."""
+        own, config = self.own, self.own.config
+        rate = abs_(own.run.value) * Lit(config.rate_ppm, PPM)
+        moved = ite(own.run.value.eq(0), as_num(0, NM), rate + config.floor_mm * NM_PER_MM)
+        return ite(own.run.present, moved, Lit(config.max_step_mm * NM_PER_MM, NM))
+
+    @cached_property
+    def since(self) -> Num:
+        """Run since the last edge, after the cycle."""
+        return self.own.since + ite(self.own.run.present, self.own.run.value, 0)
+
+    @cached_property
+    def drift(self) -> Num:
+        """What that run may be wrong by."""
+        return self.own.drift + self.charge
+
+    @cached_property
+    def slack(self) -> Num:
+        """The same in mm, rounded up."""
+        return ceil_to(self.drift, MM)
+
+    @cached_property
+    def fresh(self) -> Num:
+        """Where an edge was passed within the cycle: the run of the whole cycle is charged."""
+        own = self.own
+        return ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
+
+    @cached_property
+    def place(self) -> Num:
+        """Middle of the interval after the cycle, without an edge."""
+        return self.own.base + self.since
+
+    @cached_property
+    def silent(self) -> Bool:
+        """The pattern was not followed for too long."""
+        return ~self.own.run.present & (self.own.gap >= self.own.config.gap_limit_cycles)
+
+    @cached_property
+    def too_wide(self) -> Bool:
+        """The interval would pass the tolerance, or leave the world."""
+        config = self.own.config
+        margin = self.drift > (config.tolerance_mm - config.edge_tolerance_mm) * NM_PER_MM
+        return margin | (abs_(self.since) > config.position_limit_mm)
+
+    # -------------------------------------------------------------- the section being passed
+
+    @cached_property
+    def inside(self) -> Num:
+        """Run in the section so far, positive in the direction of entry."""
+        return ite(self.own.upwards, self.since, -self.since)
+
+    def _reads(self, length: int) -> Bool:
+        tolerance = self.own.config.read_tolerance_mm + self.slack
+        return abs_(self.inside - length) <= tolerance
+
+    @cached_property
+    def reads_long(self) -> Bool:
+        """The section left in this cycle was a long one, and can have been nothing else."""
+        return self._reads(self.own.config.long_mm) & ~self._reads(self.own.config.short_mm)
+
+    @cached_property
+    def reads_short(self) -> Bool:
+        """The section left in this cycle was a short one, and can have been nothing else."""
+        others = self._reads(self.own.config.long_mm) | self._reads(0)
+        return self._reads(self.own.config.short_mm) & ~others
+
+    @cached_property
+    def turned_back(self) -> Bool:
+        """The section was left on the side it was entered, and in no other way."""
+        return self._reads(0) & ~self._reads(self.own.config.short_mm)
+
+    @cached_property
+    def read(self) -> Bool:
+        """The section was passed, and its length read."""
+        return self.leaves & (self.reads_long | self.reads_short)
+
+    @cached_property
+    def endless(self) -> Bool:
+        """Changed for longer than any section."""
+        config = self.own.config
+        return self.own.band.ne(v.NORMAL) & (abs_(self.since) - self.slack > config.long_mm + config.read_tolerance_mm)
+
+    # -------------------------------------------------------------- what does not agree
+
+    @cached_property
+    def fits(self) -> Bool:
+        """The signal is that of the section that the map has next, of its kind and where it can be."""
+        known, near, _, rises, _ = self.own.next_to(self.forwards)
+        config = self.own.config
+        window = config.read_tolerance_mm + config.max_step_mm + self.slack
+        return known & rises.iff(self.band.eq(v.RAISED)) & (abs_(self.place - near) <= window) & ~self.full
+
+    @cached_property
+    def full(self) -> Bool:
+        """There are no more numbers."""
+        return abs_(self.own.count + self.one) > self.own.config.section_limit
+
+    @cached_property
+    def overdue(self) -> Bool:
+        """The whole interval is beyond an edge of the map, and no signal came."""
+        own, reach = self.own, self.own.config.read_tolerance_mm + self.slack
+        beyond = own.ahead.known & (self.place - reach > own.ahead.near)
+        behind = own.behind.known & (self.place + reach < own.behind.near)
+        return own.band.eq(v.NORMAL) & ~self.enters & (beyond | behind)
+
+    @cached_property
+    def wrong_length(self) -> Bool:
+        """The section left is not the one that the map has there, or cannot be read."""
+        passed = self.read & self.reads_long.iff(self.own.long)
+        return self.leaves & ~self.turned_back & ~passed
+
+    @cached_property
+    def compared(self) -> tuple[Num, Num]:
+        """The place that an additional localization is compared with, and what it may be off by besides."""
+        _, near, _, _, _ = self.own.next_to(self.forwards)
+        return ite(self.enters, near, self.place), ite(self.enters, 0, self.slack)
+
+    @cached_property
+    def flight_differs(self) -> Bool:
+        """The time of flight tells another place."""
+        place, slack = self.compared
+        seen = self.own.flight
+        return seen.present & (abs_(seen.value - place) > self.own.config.flight_threshold_mm + slack)
+
+    @cached_property
+    def reflection_differs(self) -> Bool:
+        """The pattern coincides with a reflecting point of another place."""
+        place, slack = self.compared
+        seen = self.own.reflection
+        return seen.present & (abs_(seen.value - place) > self.own.config.reflection_threshold_mm + slack)
+
+    @cached_property
+    def flaws(self) -> list[tuple[Bool, Lit]]:
+        """Every disagreement with its reason; the first one counts."""
+        return [
+            (self.enters & ~self.fits, v.FALSE_SECTION),
+            (self.overdue, v.MISSED_SECTION),
+            (self.wrong_length, v.WRONG_LENGTH),
+            (self.endless, v.NO_END_OF_SECTION),
+            (self.flight_differs, v.FLIGHT_DIFFERS),
+            (self.reflection_differs, v.REFLECTION_DIFFERS),
+        ]
+
+    @cached_property
+    def error(self) -> Bool:
+        """The error signal F."""
+        return any_of(flaw for flaw, _ in self.flaws)
+
+    @cached_property
+    def flaw(self) -> Num:
+        """Its reason."""
+        reason: Num = v.LOCATED
+        for flaw, why in reversed(self.flaws):
+            reason = ite(flaw, why, reason)
+        return reason
+
+    # -------------------------------------------------------------- updates
+
+    @cached_property
+    def one(self) -> Num:
+        """One section, with the sign of the direction."""
+        return ite(self.forwards, as_num(1, COUNT), as_num(-1, COUNT))
+
+    def heard(self) -> dict[Var, Expr]:
+        """Updates of every cycle."""
+        own = self.own
+        gap = ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
+        return {own.band: self.band, own.forwards: self.forwards, own.gap: gap, own.signal: v.NO_SIGNAL}
+
+    def run_on(self) -> dict[Var, Expr]:
+        """Updates of a cycle without an edge."""
+        return {**self.heard(), self.own.since: self.since, self.own.drift: self.drift}
+
+    def edge(self, signal: Lit) -> dict[Var, Expr]:
+        """Updates of a cycle with an edge: the run begins anew."""
+        own = self.own
+        return {**self.heard(), own.since: as_num(0, MM), own.drift: self.fresh, own.signal: signal}
+
+    def enter(self, count: Num) -> dict[Var, Expr]:
+        """A position signal is counted."""
+        own = self.own
+        return {**self.edge(v.POSITION_SIGNAL), own.count: count, own.counted: TRUE, own.upwards: self.forwards}
+
+    def spell(self) -> dict[Var, Expr]:
+        """The symbol of the section just passed joins the word."""
+        own = self.own
+        symbol = ite(own.band.eq(v.RAISED), as_num(2, COUNT), as_num(0, COUNT)) + ite(
+            self.reads_long, as_num(1, COUNT), 0
+        )
+        oldest = v.SYMBOLS ** (own.config.window - 1)
+        kept = own.word - floor_div(own.word, oldest) * oldest
+        read = ite(own.read >= own.config.window, own.read, own.read + 1)
+        return {own.word: kept * v.SYMBOLS + symbol, own.read: read}
+
+    def no_word(self) -> dict[Var, Expr]:
+        """No symbols are read."""
+        return {self.own.word: as_num(0, COUNT), self.own.read: as_num(0, COUNT)}
+
+    def nowhere(self) -> dict[Var, Expr]:
+        """Nothing is known of place and count."""
+        own, zero = self.own, as_num(0, MM)
+        cleared: dict[Var, Expr] = {own.base: zero, own.since: zero, own.far: zero, own.drift: as_num(0, NM)}
+        return {**self.heard(), **cleared, **self.no_word(), own.count: as_num(0, COUNT), own.counted: FALSE}

@@ -1,0 +1,60 @@
+"""What a host's map answers to the fibre machine: the next sections of the count it tells, and a word it has read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from safeloc.language.nodes import Value
+from safeloc.models.fibre.code import PositionCode, Symbol, Word
+from safeloc.models.fibre.scenes.scene import Section
+from safeloc.models.fibre.variables import SYMBOLS, FibreConfig
+from safeloc.runtime.streams.steps import Cell
+
+NOWHERE = Section(0, 0, Symbol(False, False))
+
+
+class MapHost:
+    """The sections in order, each where an end is when its amplitude changes: `shift_mm` beyond the section's edge."""
+
+    def __init__(self, config: FibreConfig, sections: Sequence[Section], shift_mm: int) -> None:
+        self._window = config.window
+        self.sections = [
+            Section(one.low_mm + shift_mm, one.high_mm + shift_mm, one.symbol, one.by_material) for one in sections
+        ]
+        symbols = tuple(one.symbol for one in sections)
+        coded = len(symbols) >= config.window
+        self._places = PositionCode(symbols, config.window, config.reach).places if coded else {}
+
+    def below(self, place_mm: int) -> int:
+        """How many sections lie wholly below a place."""
+        return sum(one.high_mm < place_mm for one in self.sections)
+
+    def answer(self, outputs: Mapping[str, Value]) -> dict[str, Cell]:
+        """Inputs of the next step, from what the machine told in the last one."""
+        count = int(outputs["count"])
+        return self._record("ahead", count + 1, True) | self._record("behind", count, False) | self._word(outputs)
+
+    def _record(self, name: str, number: int, forwards: bool) -> dict[str, Cell]:
+        known = 1 <= number <= len(self.sections)
+        one = self.sections[number - 1] if known else NOWHERE
+        near, far = (one.low_mm, one.high_mm) if forwards else (one.high_mm, one.low_mm)
+        return {
+            f"{name}_known": known, f"{name}_near_mm": near, f"{name}_far_mm": far,
+            f"{name}_rises": one.symbol.rises, f"{name}_long": one.symbol.long,
+        }  # fmt: skip
+
+    def _word(self, outputs: Mapping[str, Value]) -> dict[str, Cell]:
+        read = int(outputs["word_length"]) == self._window
+        found = self._places.get(_spelt(int(outputs["word"]), self._window)) if read else None
+        if found is None:
+            return {"word_found": False, "word_count": 0, "word_position_mm": 0}
+        last, direction = found
+        one = self.sections[last - 1]
+        place, count = (one.high_mm, last) if direction > 0 else (one.low_mm, last - 1)
+        return {"word_found": True, "word_count": count, "word_position_mm": place}
+
+
+def _spelt(word: int, window: int) -> Word:
+    """The symbols of a word, oldest first."""
+    digits = [word // SYMBOLS**power % SYMBOLS for power in reversed(range(window))]
+    return tuple(Symbol(digit >= SYMBOLS // 2, digit % 2 == 1) for digit in digits)

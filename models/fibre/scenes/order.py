@@ -1,0 +1,112 @@
+"""Whose a pattern is: the machine that orders trains, over the patterns of a scene and its axle counters' events."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.system import lower, without_ghosts
+from safeloc.models.fibre.scenes.counters import Ends, events
+from safeloc.models.fibre.scenes.scene import MM_PER_M, Moment
+from safeloc.models.train_order import TrainOrderConfig, machine
+from safeloc.runtime.streams.steps import Cell
+from safeloc.sensing.fibre.features import TrainSeen
+
+Steps = list[dict[str, Cell]]
+UM_PER_MM = 1_000
+ORDER = TrainOrderConfig()
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """Inputs of each step, and whose each train's pattern is after it (None: nobody's)."""
+
+    steps: Steps
+    patterns: list[list[TrainSeen | None]]
+
+
+Places = Sequence[tuple[float, float]]
+
+
+def places_of(moments: Sequence[Moment], train: int) -> Places:
+    """Where a train of the scene is in each moment, m."""
+    return [(moment.truth[train].low_m, moment.truth[train].high_m) for moment in moments]
+
+
+def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) -> Ordered:
+    """The trains that the counters tell of, by where they are, numbered from 1 on in the order given."""
+    code = _on_board()
+    told = [events(ends, places) for places in trains]
+    state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
+    inside = [False] * len(trains)
+    for number, moment in enumerate(moments):
+        now = [one[number] for one in told]
+        was = any(inside)
+        inside = [
+            (one or event.startswith("ENTERS")) and not event.startswith("LEAVES")
+            for one, event in zip(inside, now, strict=True)
+        ]
+        seen = [one for one in moment.trains if _inside(one, ends)]
+        step = _counted(now, clear=not was and not any(inside)) | _seen(seen)
+        state, _ = code.step(state, code.read(step))
+        owners = [code.named_outputs(state)[f"train_of_pattern_{rank}"] for rank in range(1, ORDER.trains + 1)]
+        steps.append(step)
+        patterns.append([_owned(seen, owners, train) for train in range(1, len(trains) + 1)])
+    return Ordered(steps, patterns)
+
+
+def _inside(one: TrainSeen, ends: Ends) -> bool:
+    """Some of the pattern is surely between the counters, as far as the middle of its bounds tells."""
+    low = one.low is not None and one.low.path_mm.low + one.low.path_mm.high >= 2 * ends.high_mm
+    high = one.high is not None and one.high.path_mm.low + one.high.path_mm.high <= 2 * ends.low_mm
+    return not low and not high
+
+
+def _counted(now: Sequence[str], *, clear: bool) -> dict[str, Cell]:
+    def train(event: str) -> int:
+        return now.index(event) + 1 if event in now else 0
+
+    return {
+        "enters_low": train("ENTERS_LOW"), "enters_high": train("ENTERS_HIGH"), "leaves_low": "LEAVES_LOW" in now,
+        "leaves_high": "LEAVES_HIGH" in now, "counters_clear": clear, "counter_fault": False,
+    }  # fmt: skip
+
+
+def _seen(patterns: Sequence[TrainSeen]) -> dict[str, Cell]:
+    made: dict[str, Cell] = {"patterns": min(len(patterns), ORDER.trains + 1)}
+    for rank in range(1, ORDER.trains + 1):
+        one = patterns[rank - 1] if rank <= len(patterns) else None
+        made[f"pattern_{rank}_low_mm"] = 0 if one is None or one.low is None else one.low.path_mm.low
+        made[f"pattern_{rank}_high_mm"] = 0 if one is None or one.high is None else one.high.path_mm.high
+    return made
+
+
+def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> TrainSeen | None:
+    return next((one for one, owner in zip(seen, owners, strict=False) if owner == train), None)
+
+
+def truth_of(trains: Sequence[Places], steps: Steps) -> Steps:
+    """Ghost inputs: each train's middle, and which train each pattern of the steps holds."""
+    made = Steps()
+    for now, told in zip(zip(*trains, strict=True), steps, strict=True):
+        middles = [round(MM_PER_M * UM_PER_MM * (low + high) / 2) for low, high in now]
+        step: dict[str, Cell] = {f"next_train_{n}_place_um": _at(middles, n) for n in range(1, ORDER.trains + 1)}
+        made.append(step | {f"pattern_{n}_owner": _held(middles, told, n) for n in range(1, ORDER.trains + 1)})
+    return made
+
+
+def _held(middles: Sequence[int], told: Mapping[str, Cell], pattern: int) -> int:
+    low, high = (int(told[f"pattern_{pattern}_{side}_mm"]) * UM_PER_MM for side in ("low", "high"))
+    return next((number for number, middle in enumerate(middles, 1) if low <= middle <= high), 1)
+
+
+def _at(places: Sequence[int], number: int) -> int:
+    return places[number - 1] if number <= len(places) else 0
+
+
+@cache
+def _on_board() -> Compiled:
+    """The machine that orders trains without its environment, compiled once."""
+    return compile_system(without_ghosts(lower(machine(ORDER))))

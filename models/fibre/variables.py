@@ -1,0 +1,245 @@
+"""What the fibre machine hears and keeps of one end of a train, and its configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    Bool,
+    BoolVar,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    boolean,
+    choice,
+    enumeration,
+    ite,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import COUNT, MM, NM, Unit
+
+CDB = Unit("cdB")
+BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")
+NORMAL, RAISED, LOWERED = BAND
+SIGNAL = members("section_event", "NONE", "POSITION_SIGNAL", "PASSED", "TURNED_BACK")
+NO_SIGNAL, POSITION_SIGNAL, PASSED, TURNED_BACK = SIGNAL
+WHY = members(
+    "fibre_reason",
+    "LOCATED", "NO_SIGNAL_YET", "COUNTING", "SILENT", "TOO_WIDE", "FALSE_SECTION", "MISSED_SECTION", "WRONG_LENGTH",
+    "NO_END_OF_SECTION", "FLIGHT_DIFFERS", "REFLECTION_DIFFERS",
+)  # fmt: skip
+(
+    LOCATED, NO_SIGNAL_YET, ONLY_COUNTING, SILENT, TOO_WIDE, FALSE_SECTION, MISSED_SECTION, WRONG_LENGTH,
+    NO_END_OF_SECTION, FLIGHT_DIFFERS, REFLECTION_DIFFERS,
+) = WHY  # fmt: skip
+SYMBOLS = 4
+NM_PER_MM = 1_000_000
+MS_PER_S = 1_000
+
+
+class FibreConfig(Config):
+    """What the detector's features are good for, and how the sections are made."""
+
+    period_ms: int = quantity(500, "ms", 10, 10_000, "[D] the detector's block")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+    section_limit: int = quantity(10_000, "sections", 1, 1_000_000, "[D] more than any line has")
+    change_cdb: int = quantity(700, "cdB", 1, 4_000, "[D] a section changes 12 dB, coupling 2 dB a standard deviation")
+    return_cdb: int = quantity(400, "cdB", 0, 4_000, "[D] less than that is normal again")
+    short_mm: int = quantity(150_000, "mm", 1_000, 1_000_000, "[D] above twice what an edge is known to")
+    long_mm: int = quantity(400_000, "mm", 2_000, 10_000_000, "[D] told from the short one at 45 m/s, runs as measured")
+    edge_tolerance_mm: int = quantity(30_000, "mm", 1, 1_000_000, "[D] gauge, pulse and window; [S] l. 160: 5 to 10 m")
+    rate_ppm: int = quantity(60_000, "ppm", 0, 200_000, "[D] measured over simulation (docs/fibre.md); bogies: 5 000")
+    floor_mm: int = quantity(2_000, "mm", 0, 10_000, "[D] measured: of the run of one cycle")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+    gap_limit_cycles: int = quantity(4, "cycles", 0, 1_000, "[M] 2 s without the pattern")
+    tolerance_mm: int = quantity(
+        400_000, "mm", 1, 100_000_000, "[D] a kilometre between sections at 15 m/s, and silence"
+    )
+    flight_threshold_mm: int = quantity(60_000, "mm", 1, 10_000_000, "[D] index and slack over 40 km, and the edge")
+    reflection_threshold_mm: int = quantity(40_000, "mm", 1, 10_000_000, "[D] the point's own place, and the edge")
+    window: int = quantity(5, "sections", 2, 20, "[D] fibre.code: 5 tell 12 sections apart, 6 tell 24, 8 tell 40")
+    reach: int = quantity(2, "sections", 1, 10, "[D] the code's law: so near, no two are alike")
+
+    @model_validator(mode="after")
+    def _can_tell(self) -> FibreConfig:
+        if self.return_cdb >= self.change_cdb:
+            raise ValueError(f"return_cdb ({self.return_cdb}) lies below change_cdb ({self.change_cdb}): hysteresis.")
+        least = 2 * self.read_tolerance_mm
+        if self.short_mm <= least or self.long_mm - self.short_mm <= least:
+            raise ValueError(
+                f"a length is read within {self.read_tolerance_mm} mm: nothing, short_mm ({self.short_mm}) and long_mm "
+                f"({self.long_mm}) have to be farther apart than {least} mm."
+            )
+        return self
+
+    @property
+    def read_tolerance_mm(self) -> int:
+        """Both edges of a section."""
+        return 2 * self.edge_tolerance_mm
+
+    @property
+    def max_step_mm(self) -> int:
+        """The farthest run of one cycle, rounded up."""
+        return -(-self.max_speed_mm_s * self.period_ms // MS_PER_S)
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """The map's section next to the front, ahead or behind: the edge that is met first, the other one, and its symbol."""
+
+    known: BoolVar
+    near: NumVar
+    far: NumVar
+    rises: BoolVar
+    long: BoolVar
+
+    @property
+    def variables(self) -> list[Var | Optional]:
+        """All of them."""
+        return [self.known, self.near, self.far, self.rises, self.long]
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    amplitude        the pattern's amplitude at this end, over its normal
+    run              the end's run in this cycle along the line, from the pattern alone
+    flight           position by the time of flight (1/2 T V, cable map applied)
+    reflection       place of the reflecting point that the pattern coincides with
+    ahead, behind    the map's sections number count + 1 and count
+    reference        an accepted reference: number of sections below it, and its place
+    answer           the map's answer to the word read: number of sections below, and place of the edge passed last
+    band             amplitude: normal, or changed by a section; count: sections below the front, or signals so far
+    counted          some signal was counted; forwards: the last direction of running
+    base, since      place of the last edge (while located), and the run since; drift: what that run may be wrong by
+    upwards, far, long   of the section being passed: entered upwards; its other edge; its length by the map
+    word, read       the last symbols read, and how many of them
+    truth, true_base ghosts: where the end and the last edge are, nm
+    true_count, real ghosts: sections really below the end; the section being passed is a real one
+    """
+
+    config: FibreConfig
+    amplitude: Optional
+    run: Optional
+    flight: Optional
+    reflection: Optional
+    ahead: Record
+    behind: Record
+    reference: BoolVar
+    reference_count: NumVar
+    reference_place: NumVar
+    answer: BoolVar
+    answer_count: NumVar
+    answer_place: NumVar
+    band: NumVar
+    count: NumVar
+    counted: BoolVar
+    forwards: BoolVar
+    base: NumVar
+    since: NumVar
+    drift: NumVar
+    gap: NumVar
+    upwards: BoolVar
+    far: NumVar
+    long: BoolVar
+    word: NumVar
+    read: NumVar
+    signal: NumVar
+    why: NumVar
+    truth: NumVar
+    step: NumVar
+    true_base: NumVar
+    next_base: NumVar
+    true_count: NumVar
+    next_count: NumVar
+    real: BoolVar
+    next_real: BoolVar
+
+    @property
+    def inputs(self) -> list[Var | Optional]:
+        """What is heard in a cycle."""
+        heard: list[Var | Optional] = [self.amplitude, self.run, self.flight, self.reflection]
+        asked: list[Var | Optional] = [self.answer, self.answer_count, self.answer_place]
+        reference: list[Var | Optional] = [self.reference, self.reference_count, self.reference_place]
+        return [*heard, *self.ahead.variables, *self.behind.variables, *reference, *asked]
+
+    def state(self) -> dict[Var, Initial]:
+        """State variables with initial values."""
+        numbers = (self.count, self.base, self.since, self.drift, self.gap, self.far, self.word, self.read)
+        state: dict[Var, Initial] = dict.fromkeys(numbers, 0)
+        state |= dict.fromkeys((self.counted, self.upwards, self.long), False)
+        return {**state, self.forwards: True, self.band: NORMAL, self.signal: NO_SIGNAL, self.why: NO_SIGNAL_YET}
+
+    def ghosts(self) -> dict[Var, Initial]:
+        """Variables of the world."""
+        return {self.truth: ANY, self.true_base: ANY, self.true_count: ANY, self.real: ANY}
+
+    def next_to(self, forwards: Bool) -> tuple[Bool, Num, Num, Bool, Bool]:
+        """The map's section that is met in this direction: known, near and far edge, rises, long."""
+        a, b = self.ahead, self.behind
+        return (
+            ite(forwards, a.known, b.known), ite(forwards, a.near, b.near), ite(forwards, a.far, b.far),
+            ite(forwards, a.rises, b.rises), ite(forwards, a.long, b.long),
+        )  # fmt: skip
+
+
+def parts(config: FibreConfig) -> Parts:
+    """Fresh variables for one end of a train."""
+    limit, step = config.position_limit_mm, config.max_step_mm
+    far, drift = 2 * limit, 2 * config.tolerance_mm * NM_PER_MM
+    return Parts(
+        config=config,
+        amplitude=optional("amplitude_cdb", CDB, -10_000, 10_000),
+        run=optional("run_mm", MM, -step, step),
+        flight=optional("flight_position_mm", MM, -limit, limit),
+        reflection=optional("reflecting_point_mm", MM, -limit, limit),
+        ahead=_record("ahead", limit),
+        behind=_record("behind", limit),
+        reference=boolean("reference_accepted"),
+        reference_count=number("reference_count", COUNT, 0, config.section_limit),
+        reference_place=number("reference_position_mm", MM, -limit, limit),
+        answer=boolean("word_found"),
+        answer_count=number("word_count", COUNT, 0, config.section_limit),
+        answer_place=number("word_position_mm", MM, -limit, limit),
+        band=choice("band", enumeration(BAND)),
+        count=number("sections_counted", COUNT, -config.section_limit, config.section_limit),
+        counted=boolean("signal_counted"),
+        forwards=boolean("runs_forwards"),
+        base=number("edge_mm", MM, -limit, limit),
+        since=number("run_since_edge_mm", MM, -far, far),
+        drift=number("drift_nm", NM, 0, drift),
+        gap=number("silent_cycles", COUNT, 0, config.gap_limit_cycles),
+        upwards=boolean("entered_upwards"),
+        far=number("far_edge_mm", MM, -limit, limit),
+        long=boolean("long_by_map"),
+        word=number("word_read", COUNT, 0, SYMBOLS**config.window - 1),
+        read=number("symbols_read", COUNT, 0, config.window),
+        signal=choice("event", enumeration(SIGNAL)),
+        why=choice("why", enumeration(WHY)),
+        truth=number("truth_nm", NM, -4 * far * NM_PER_MM, 4 * far * NM_PER_MM),
+        step=number("true_run_nm", NM, -2 * step * NM_PER_MM, 2 * step * NM_PER_MM),
+        true_base=number("true_edge_nm", NM, -4 * far * NM_PER_MM, 4 * far * NM_PER_MM),
+        next_base=number("next_true_edge_nm", NM, -4 * far * NM_PER_MM, 4 * far * NM_PER_MM),
+        true_count=number("true_count", COUNT, -2 * config.section_limit, 2 * config.section_limit),
+        next_count=number("next_true_count", COUNT, -2 * config.section_limit, 2 * config.section_limit),
+        real=boolean("section_is_real"),
+        next_real=boolean("next_section_is_real"),
+    )
+
+
+def _record(name: str, limit: int) -> Record:
+    return Record(
+        boolean(f"{name}_known"),
+        number(f"{name}_near_mm", MM, -limit, limit),
+        number(f"{name}_far_mm", MM, -limit, limit),
+        boolean(f"{name}_rises"),
+        boolean(f"{name}_long"),
+    )

@@ -1,0 +1,35 @@
+"""Runs of the fibre machine that the figures of the source do not show, worked out as features."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.models.fibre.code import Symbol
+from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
+from safeloc.models.fibre.variables import FibreConfig
+from safeloc.proof.runs.worked import Steps, WorkedRun
+
+
+def _endless(config: FibreConfig) -> Steps:
+    """Along 2 km where the amplitude stays raised, with nothing known before."""
+    stretch = [Section(100_000, 2_100_000, Symbol(rises=True, long=True))]
+    return simulate(config, seed=3, drive=Drive(steady(cycles=70), referred=False), sections=stretch)
+
+
+def _endless_where_located(config: FibreConfig) -> Steps:
+    """Past a section of the map from a known place, the amplitude staying raised behind its end."""
+    stretch = [Section(100_000, 100_000 + config.long_mm, Symbol(rises=True, long=True))]
+    drive = Drive(steady(cycles=60), stuck_mm=(100_000, 2_000_000))
+    return simulate(config, seed=3, drive=drive, sections=stretch)
+
+
+RUNS: Mapping[str, WorkedRun[FibreConfig]] = {
+    "fibre-no-end-of-section": WorkedRun(
+        "The amplitude stays changed for longer than any section: what was counted is given up, and nothing is known.",
+        _endless,
+    ),
+    "fibre-section-without-end": WorkedRun(
+        "A known section does not end where the map has its end: the error signal F is out, and no place is told.",
+        _endless_where_located,
+    ),
+}

@@ -1,0 +1,231 @@
+"""A train in a line area, from backscatter to virtual sections, as one step (FWG-1 to FVA-18).
+
+    front, rear   fibre machines of the train's ends: position code, count, error F      models.fibre
+    emitter       function check of the fibre chain                                      models.emitter
+    entry         the train is counted in; its reference comes, or is overdue            fibre_area.entry
+    verification  both ends against the entry record, over the whole stay                models.verification
+    report        which ends of the pattern are the train's                              fibre_area.report
+    area          where every train of the area may be, and uncounted vehicles           models.area
+    section_n     virtual sections: FREE, OCCUPIED, AMBIGUOUS, UNKNOWN                   models.sections
+
+The machines act in this order within one step, so that whatever does not agree withholds, revokes and keeps sections
+from becoming clear in the very cycle in which it shows. "Front" is the end towards growing positions, whichever way the
+train runs; the other one is the rear. The train is slot 1 of the area; the reports of other trains (slots 2 on) are
+inputs, as another such composition gives them.
+
+Inputs of a cycle, by name. What is not listed is wired:
+
+    front.*, rear.*                as models.fibre: amplitude_cdb, run_mm, flight_position_mm, reflecting_point_mm,
+                                   ahead_*, behind_*, reference_accepted, reference_count, reference_position_mm,
+                                   word_found, word_count, word_position_mm
+    emitter.heard_pattern, emitter.heard_place_mm, emitter.test_requested
+    entry.event                    the axle counters at the area's ends: this train enters or has left
+    entry.reference_comes          NOBODY, AXLE_COUNTER or NEIGHBOUR: whose record for this train comes in this cycle
+    verification.record_*          that record: sound, axles, length, speed, place of the front, age
+    verification.associated        a pattern belongs to this train, by order on the track (models.train_order)
+    verification.fibre_axles, fibre_length_mm, fibre_speed_mm_s       what the detector tells of the pattern
+    verification.control_*         what train control tells of the train
+    report.reading_age_ms          how old the readings of this cycle are
+    area.counters_healthy, area.counters_clear                        both counters of the area
+    area.train_k_*  (k from 2)     event, rear_mm, front_mm, report_age_ms, trusted, integer, downwards
+
+Outputs, by name: `verification.trusted`, `.position_mm`, `.over_mm`, `.under_mm`, `.revoked`, `.reason`, `.verified_*`,
+`.handover_*` (the train, and what the neighbour takes over); `front.error`, `rear.error` (F) with their reasons;
+`emitter.failed`; `report.*`; `section_n.clear` and its evidence. What each machine keeps is told by its own outputs.
+
+The axle counter itself is no part of the step: it works ten times as often, and sends a record when a train has passed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, ceil_to, floor_to, ite
+from safeloc.language.units import MM, UM
+from safeloc.models import area as area_model
+from safeloc.models import emitter as emitter_model
+from safeloc.models import fibre as fibre_model
+from safeloc.models import verification as verification_model
+from safeloc.models.area import Area, AreaConfig
+from safeloc.models.emitter import Emitter, EmitterConfig
+from safeloc.models.fibre import Fibre, FibreConfig
+from safeloc.models.fibre_area import report as report_model
+from safeloc.models.fibre_area.entry import Entry, entry
+from safeloc.models.fibre_area.report import Report
+from safeloc.models.sections import Section, SectionsConfig, section, section_wires
+from safeloc.models.verification import Verification, VerificationConfig
+
+
+class FibreAreaConfig(Config):
+    """What the machines of the step depend on; all of them have one cycle."""
+
+    fibre: FibreConfig = FibreConfig()
+    emitter: EmitterConfig = EmitterConfig()
+    verification: VerificationConfig = VerificationConfig()
+    sections: SectionsConfig = SectionsConfig(area=AreaConfig(trains=1, period_ms=500))
+    record_wait_cycles: int = quantity(240, "cycles", 1, 100_000, "[D] 2 min: 740 m at 22 km/h past the counter")
+
+    @model_validator(mode="after")
+    def _one_cycle(self) -> FibreAreaConfig:
+        periods = {
+            "fibre": self.fibre.period_ms,
+            "verification": self.verification.period_ms,
+            "sections.area": self.sections.area.period_ms,
+        }
+        if len(set(periods.values())) > 1:
+            raise ValueError(f"period_ms differs: {periods}; the machines act in one step, give all of them one cycle.")
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class FibreArea:
+    """The machines, and the composition of them."""
+
+    config: FibreAreaConfig
+    front: Fibre
+    rear: Fibre
+    emitter: Emitter
+    entry: Entry
+    verification: Verification
+    report: Report
+    area: Area
+    sections: tuple[Section, ...]
+    composition: Composition
+
+
+def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
+    """All machines of one train and its area in one step (FVA-1, FVA-9)."""
+    config = config or FibreAreaConfig()
+    area_parts = area_model.parts(config.sections.area)
+    front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
+    pattern_limit_um = front.own.truth.high // 1_000 + 1
+    machines = (
+        front,
+        rear,
+        emitter_model.build(emitter_model.parts(config.emitter)),
+        entry(config.record_wait_cycles),
+        verification_model.build(verification_model.parts(config.verification), place_kept=True),
+        report_model.build(report_model.parts(config.sections.area.reach, pattern_limit_um)),
+        area_model.build(area_parts, kept=area_parts.slots[:1]),
+    )
+    cuts = tuple(section(config.sections, f"section_{n}") for n in range(1, config.sections.sections + 1))
+    return joined(config, *machines, cuts)
+
+
+def joined(
+    config: FibreAreaConfig,
+    front: Fibre,
+    rear: Fibre,
+    emitter: Emitter,
+    entry_: Entry,
+    verification: Verification,
+    report: Report,
+    area: Area,
+    sections: tuple[Section, ...],
+) -> FibreArea:
+    """The given machines, wired."""
+    wires: dict[Var, Expr] = {
+        **_verification_wires(verification, front, rear, emitter, entry_),
+        **_report_wires(config, report, front, rear, verification),
+        **_area_wires(area, report, entry_),
+    }
+    for one in sections:
+        wires |= section_wires(area, one)
+    machines = [front.machine, rear.machine, emitter.machine, entry_.machine, verification.machine, report.machine]
+    whole = compose("fibre_area", [*machines, area.machine, *(one.machine for one in sections)], wires)
+    return FibreArea(config, front, rear, emitter, entry_, verification, report, area, sections, whole)
+
+
+def ends(fibre: Fibre) -> tuple[Num, Num]:
+    """Bounds of one end of the train, as its machine reports them."""
+    position, over, under = (fibre.machine.output(f"{name}_mm") for name in ("position", "over", "under"))
+    return position - under, position + over
+
+
+def _verification_wires(
+    verification: Verification, front: Fibre, rear: Fibre, emitter: Emitter, entry_: Entry
+) -> dict[Var, Expr]:
+    """The front's interval, while both ends are located; F of either; the emitter; the reference when it is due."""
+    own, config = verification.own, verification.own.config
+    located = front.machine.flag("valid") & rear.machine.flag("valid")
+    (front_low, front_high), (rear_low, rear_high) = ends(front), ends(rear)
+    near, far = front_low - rear_high, front_high - rear_low
+    position, over, under = (front.machine.output(f"{name}_mm") for name in ("position", "over", "under"))
+    usable = all_of(
+        [
+            located,
+            between(-config.position_limit_mm, position, config.position_limit_mm),
+            (over <= config.margin_limit_mm) & (under <= config.margin_limit_mm),
+            *(
+                between(var.value.low, term, var.value.high)
+                for var, term in ((own.ends_low, near), (own.ends_high, far))
+            ),
+        ]
+    )
+    wires: dict[Var, Expr] = {
+        own.located: located,
+        own.place.present: usable,
+        own.ends_low.present: usable,
+        own.ends_high.present: usable,
+        own.fibre_error: front.machine.flag("error") | rear.machine.flag("error"),
+        own.chain_tested: emitter.machine.flag("chain_tested"),
+        own.chain_failed: emitter.machine.flag("failed"),
+        own.due: entry_.due,
+        own.source: entry_.source,
+        own.leaves: entry_.leaves,
+        own.next_truth: front.own.truth,
+    }
+    told = {own.place.value: position, own.place_over: over, own.place_under: under}
+    told |= {own.ends_low.value: near, own.ends_high.value: far}
+    return {**wires, **{var: _if(usable, term) for var, term in told.items()}}
+
+
+def _report_wires(
+    config: FibreAreaConfig, report: Report, front: Fibre, rear: Fibre, verification: Verification
+) -> dict[Var, Expr]:
+    """Both ends of the pattern, and whether its axles were counted and matched in this cycle."""
+    own, verified, limit = report.own, verification.own, config.sections.area.limit_mm
+    low, high = ends(rear)[0], ends(front)[1]
+    trusted = verification.machine.flag("trusted")
+    located = front.machine.flag("valid") & rear.machine.flag("valid")
+    usable = located & between(-limit, low, limit) & between(-limit, high, limit)
+    run = front.own.run
+    known = verification.machine.mode.one_of(*verification.machine.modes[1:3])
+    return {
+        own.trusted: trusted,
+        own.counted: trusted & verified.by_count & verified.age.eq(0),
+        own.usable: usable,
+        own.low: _if(usable, low),
+        own.high: _if(usable, high),
+        own.upwards: verified.associated & run.present & (run.value > 0),
+        own.downwards: verified.associated & run.present & (run.value < 0),
+        own.pattern_rear: floor_to(rear.own.truth, UM),
+        own.pattern_front: ceil_to(front.own.truth, UM),
+        own.has_all: known & verified.axles.eq(verified.kept_count),
+    }
+
+
+def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
+    """The report of slot 1, its event, and where the train really is."""
+    slot, own, told = area.own.slots[0], report.own, report.machine.flag("told")
+    return {
+        slot.event: entry_.event,
+        slot.rear.present: told,
+        slot.front.present: told,
+        slot.rear.value: report.machine.output("low_mm"),
+        slot.front.value: report.machine.output("high_mm"),
+        slot.age: own.age,
+        slot.trusted: told,
+        slot.integer: report.machine.flag("integer"),
+        slot.downwards: report.machine.flag("downwards"),
+        slot.next_rear: own.next_rear,
+        slot.next_front: own.next_front,
+    }
+
+
+def _if(usable: Bool, term: Num) -> Num:
+    return ite(usable, term, as_num(0, MM))

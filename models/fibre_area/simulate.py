@@ -1,0 +1,211 @@
+"""Simulated stays of a train in a line area, as steps of the whole, the train itself included.
+
+Features, not backscatter: what a detector within its stated bounds tells of both ends, when it counts axles, what the
+axle counter and the emitter tell. One train runs from the low end to the high end; what goes wrong is named.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from safeloc.language.nodes import Value
+from safeloc.models.fibre.simulate import Drive, Section, line, simulate
+from safeloc.models.fibre_area import FibreAreaConfig
+from safeloc.runtime.streams.steps import Cell
+
+Steps = list[dict[str, Cell]]
+NM_PER_UM = 1_000
+UM_PER_MM = 1_000
+MS_PER_S = 1_000
+REMARK = "truth_mm"
+PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
+
+
+@dataclass(frozen=True)
+class Journey:
+    """One train and what is heard of it. Cycles count from 0; the train's front enters at the low end in cycle `enters`.
+
+    speeds_mm_s  the speed from a cycle on, reached by traction or brakes; negative: back towards the low end
+    spacing_mm   of the line's sections, the first of which lies so far inside the area
+    swept        the counters tell before the train enters that the area is empty
+    silent       (from, to) cycles in which the pattern is not heard
+    record       cycle in which the axle counter's record comes; None: never
+    referred     the counter gives both ends a reference as they pass; otherwise the position code has to tell them
+    counted_every  how often the fibre counts the axles, cycles
+    split        cycle in which the last four axles are left behind: the pattern goes on without them
+    emitter_dead (from, to) cycles in which no test pattern comes
+    front_missed, rear_missed  numbers of the sections that the machine of that end does not notice
+    front_stuck, rear_stuck  from where to where the amplitude at that end stays raised, mm
+    """
+
+    cycles: int = 150
+    enters: int = 0
+    speeds_mm_s: tuple[tuple[int, int], ...] = ((0, 40_000),)
+    spacing_mm: int = 1_000_000
+    swept: bool = False
+    silent: tuple[int, int] | None = None
+    length_mm: int = 205_000
+    axles: int = 40
+    area_mm: tuple[int, int] = (0, 2_000_000)
+    cuts_mm: tuple[tuple[int, int], ...] = ((500_000, 1_000_000),)
+    record: int | None = 14
+    referred: bool = True
+    counted_every: int = 3
+    split: int | None = None
+    emitter_dead: tuple[int, int] | None = None
+    front_missed: tuple[int, ...] = ()
+    rear_missed: tuple[int, ...] = ()
+    front_stuck: tuple[int, int] | None = None
+    rear_stuck: tuple[int, int] | None = None
+
+
+def _speeds(config: FibreAreaConfig, journey: Journey) -> tuple[int, ...]:
+    """The speed of every cycle, mm/s."""
+    ability = min(config.verification.traction_mm_s2, config.verification.brake_mm_s2)
+    most, wanted, speeds = ability * config.verification.period_ms // MS_PER_S, dict(journey.speeds_mm_s), list[int]()
+    target = now = wanted.get(0, 0)
+    for cycle in range(journey.cycles):
+        target = wanted.get(cycle, target)
+        now += max(-most, min(most, target - now))
+        speeds.append(now)
+    return tuple(speeds)
+
+
+def _start_mm(config: FibreAreaConfig, journey: Journey) -> int:
+    """Where the front is before the first cycle, so that it comes to the low end in time."""
+    run = sum(_speeds(config, journey)[: journey.enters]) * config.fibre.period_ms // MS_PER_S
+    return journey.area_mm[0] - run
+
+
+def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
+    """What is open at the start: the area's ends and cuts, and where the train is."""
+    low, front = journey.area_mm[0], _start_mm(config, journey) * UM_PER_MM
+    rear = front - journey.length_mm * UM_PER_MM
+    first: dict[str, Value] = {
+        "area.low_end_mm": low, "area.high_end_mm": journey.area_mm[1], "area.loose_there": False,
+        "area.loose_rear_um": low, "area.loose_front_um": low,
+        "area.train_1_true_rear_um": rear, "area.train_1_true_front_um": front,
+        "front.truth_nm": front * NM_PER_UM, "rear.truth_nm": rear * NM_PER_UM,
+    }  # fmt: skip
+    first |= {f"{end}.{ghost}": 0 for end in ("front", "rear") for ghost in ("true_edge_nm", "true_count")}
+    first |= {f"{end}.section_is_real": False for end in ("front", "rear")}
+    for number, (start, end) in enumerate(journey.cuts_mm, 1):
+        first |= {f"section_{number}.from_mm": start, f"section_{number}.to_mm": end}
+    return first
+
+
+def simulate_journey(config: FibreAreaConfig, *, seed: int, journey: Journey | None = None) -> Steps:
+    """The steps of one stay, and the remark `truth_mm`: where the front is."""
+    journey = journey or Journey()
+    ends = _ends(config, journey, seed)
+    world = _World(config, journey)
+    return [world.step(cycle, front, rear) for cycle, (front, rear) in enumerate(zip(*ends, strict=True))]
+
+
+def _ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tuple[Steps, Steps]:
+    """Both ends as the fibre machines hear them."""
+    sections: list[Section] = line(config.fibre, spacing_mm=journey.spacing_mm)
+    start = _start_mm(config, journey)
+    drive = Drive(_speeds(config, journey), referred=journey.referred, start_mm=start)
+    front = replace(drive, missed=journey.front_missed, stuck_mm=journey.front_stuck)
+    rear = replace(drive, missed=journey.rear_missed, stuck_mm=journey.rear_stuck, start_mm=start - journey.length_mm)
+    found = [simulate(config.fibre, seed=seed + n, drive=one, sections=sections) for n, one in enumerate((front, rear))]
+    return found[0], found[1]
+
+
+class _World:
+    """The train, the counters and the emitter."""
+
+    def __init__(self, config: FibreAreaConfig, journey: Journey) -> None:
+        self._config, self._journey = config, journey
+        self._since, self._left = 0, False
+        self._lost_um = 0
+        self._speeds = _speeds(config, journey)
+
+    def step(self, cycle: int, front: dict[str, Cell], rear: dict[str, Cell]) -> dict[str, Cell]:
+        """One cycle."""
+        high = _cell(front, REMARK)
+        low = _cell(rear, REMARK)
+        inputs: dict[str, Cell] = {}
+        for name, end in (("front", front), ("rear", rear)):
+            hidden = {REMARK, *(PATTERN if self._silent(cycle) else ())}
+            inputs |= {f"{name}.{key}": value for key, value in end.items() if key not in hidden}
+        inputs |= self._emitter(cycle) | self._entry(cycle, low, high)
+        inputs |= self._record(cycle, high) | self._seen(cycle, high - low)
+        return inputs | self._truth(cycle, low, high) | {REMARK: high}
+
+    def _emitter(self, cycle: int) -> dict[str, Cell]:
+        """Asked for its pattern in the first cycle, and heard then and whenever it is due."""
+        emitter, dead = self._config.emitter, self._journey.emitter_dead
+        silent = dead is not None and dead[0] <= cycle < dead[1]
+        self._since += 1
+        heard = not silent and (cycle == 1 or self._since >= emitter.due_cycles - 1)
+        self._since = 0 if heard else min(self._since, emitter.due_cycles)
+        step: dict[str, Cell] = {"emitter.test_requested": cycle == 0, "emitter.next_chain_works": not silent}
+        if heard:
+            step |= {"emitter.heard_pattern": emitter.pattern, "emitter.heard_place_mm": emitter.place_mm}
+        return step
+
+    def _silent(self, cycle: int) -> bool:
+        silent = self._journey.silent
+        return silent is not None and silent[0] <= cycle < silent[1]
+
+    def _entry(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
+        begins, ends = self._journey.area_mm
+        entered = not self._left and cycle > self._journey.enters
+        gone = {"LEAVES_HIGH": entered and low_mm > ends, "LEAVES_LOW": entered and high_mm < begins}
+        self._left = self._left or any(gone.values())
+        event = next((name for name, leaves in gone.items() if leaves), "NONE")
+        event = "ENTERS_LOW" if cycle == self._journey.enters else event
+        comes = "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY"
+        return {"entry.event": event, "entry.reference_comes": comes}
+
+    def _record(self, cycle: int, front_mm: int) -> dict[str, Cell]:
+        """The counter's record, good in the cycle in which it comes."""
+        journey, speed = self._journey, self._speeds[cycle]
+        return {
+            "verification.record_sound": True, "verification.record_axles": journey.axles,
+            "verification.record_length_low_mm": journey.length_mm - 4_000,
+            "verification.record_length_high_mm": journey.length_mm + 4_000,
+            "verification.record_speed_low_mm_s": speed - 300, "verification.record_speed_high_mm_s": speed + 300,
+            "verification.record_place_low_mm": front_mm - 5_000, "verification.record_place_high_mm": front_mm + 5_000,
+            "verification.record_age_cycles": 0,
+        }  # fmt: skip
+
+    def _seen(self, cycle: int, length_mm: int) -> dict[str, Cell]:
+        """What the detector tells of the pattern."""
+        journey = self._journey
+        step: dict[str, Cell] = {
+            "verification.associated": not self._left and not self._silent(cycle),
+            "verification.next_true_axles": self._axles(cycle), "verification.next_true_length_um": length_mm * UM_PER_MM,
+            "report.reading_age_ms": 0,
+        }  # fmt: skip
+        if not self._silent(cycle):
+            step["verification.fibre_speed_mm_s"] = self._speeds[cycle]
+        if cycle % journey.counted_every == 0 and not self._silent(cycle):
+            step |= {"verification.fibre_axles": self._axles(cycle), "verification.fibre_length_mm": length_mm}
+        return step
+
+    def _axles(self, cycle: int) -> int:
+        split = self._journey.split
+        return self._journey.axles - (4 if split is not None and cycle >= split else 0)
+
+    def _truth(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
+        """The train itself: a part left behind stands where it was, and is the train's rear."""
+        split = self._journey.split
+        whole = split is None or cycle < split
+        self._lost_um = low_mm * UM_PER_MM if whole else self._lost_um
+        low, high = self._journey.area_mm
+        return {
+            "report.next_rear_is_the_trains": whole, "report.next_front_is_the_trains": True,
+            "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,
+            "area.counters_healthy": True,
+            "area.counters_clear": self._journey.swept and cycle < self._journey.enters,
+            "area.next_loose_there": False, "area.next_loose_rear_um": low, "area.next_loose_front_um": high,
+        }  # fmt: skip
+
+
+def _cell(step: dict[str, Cell], name: str) -> int:
+    value = step[name]
+    assert isinstance(value, int)
+    return value

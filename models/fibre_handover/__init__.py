@@ -1,0 +1,107 @@
+"""A train between two neighbouring areas, each with its own verification, in one step (FVA-D1; figures, 003 item 14).
+
+    giving  the verification of the area that the train comes from            models.verification
+    border  the record that goes over, or is lost                             fibre_handover.border
+    taking  the verification of the area that the train runs into             models.verification
+    speaker whose position is given out                                       fibre_handover.speaker
+
+The taking area has no axle counter at the border: its reference is the record that the giving area verified against,
+sent while that area trusts the train. A record that does not arrive is a reference that was due and did not come.
+
+Inputs of a cycle: all of models.verification for `giving` and for `taking`, without the latter's record (count and
+length, wired) and without when it is due and from whom (wired); `border.record_arrives`, `border.train_gone`.
+Outputs: `speaker.given`, `.position_mm`, `.over_mm`, `.under_mm`, and those of the other machines by their names.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Expr, Num, Var
+from safeloc.models.fibre_handover.border import Border, BorderConfig
+from safeloc.models.fibre_handover.border import build as build_border
+from safeloc.models.fibre_handover.border import parts as border_parts
+from safeloc.models.fibre_handover.speaker import Speaker, speaker
+from safeloc.models.verification import Verification, VerificationConfig, build, parts
+
+
+class FibreHandoverConfig(Config):
+    """Both areas verify by the same tolerances."""
+
+    verification: VerificationConfig = VerificationConfig()
+    border: BorderConfig = BorderConfig()
+
+    @model_validator(mode="after")
+    def _one_line(self) -> FibreHandoverConfig:
+        places = (self.verification.position_limit_mm, self.border.position_limit_mm)
+        if places[0] > places[1]:
+            raise ValueError(
+                f"verification.position_limit_mm ({places[0]}) is beyond border.position_limit_mm ({places[1]})."
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class FibreHandover:
+    """The machines, and the composition of them."""
+
+    config: FibreHandoverConfig
+    giving: Verification
+    border: Border
+    taking: Verification
+    speaker: Speaker
+    composition: Composition
+
+
+def interval(verified: Verification) -> tuple[Num, Num]:
+    """Bounds of the front, as a verification gives them out."""
+    position, over, under = (verified.machine.output(f"{name}_mm") for name in ("position", "over", "under"))
+    return position - under, position + over
+
+
+def compose_machines(config: FibreHandoverConfig | None = None) -> FibreHandover:
+    """Both verifications with the border between them."""
+    config = config or FibreHandoverConfig()
+    giving, taking = (build(parts(config.verification), name=name) for name in ("giving", "taking"))
+    far = config.border.position_limit_mm + config.verification.margin_limit_mm
+    return joined(config, giving, build_border(border_parts(config.border, far)), taking, speaker(far))
+
+
+def joined(
+    config: FibreHandoverConfig, giving: Verification, between: Border, taking: Verification, voice: Speaker
+) -> FibreHandover:
+    """The given machines, wired. Both verifications speak of one and the same train."""
+    wires: dict[Var, Expr] = {
+        between.own.trusted: giving.machine.flag("trusted"),
+        between.own.doubted: giving.machine.flag("untrusted"),
+        between.own.high: interval(giving)[1],
+        **_taking_wires(giving, between, taking),
+        voice.begins: between.own.begins,
+        voice.ends: between.own.ends,
+    }
+    for side, verified in ((voice.giving, giving), (voice.taking, taking)):
+        low, high = interval(verified)
+        wires |= {side.trusted: verified.machine.flag("trusted"), side.low: low, side.high: high}
+    machines = [giving.machine, between.machine, taking.machine, voice.machine]
+    return FibreHandover(config, giving, between, taking, voice, compose("fibre_handover", machines, wires))
+
+
+def _taking_wires(giving: Verification, between: Border, taking: Verification) -> dict[Var, Expr]:
+    """The reference is what the giving area verified against, and still trusts; ghosts: it is the same train."""
+    own, said = taking.own, giving.machine
+    return {
+        own.due: between.own.due,
+        own.source: between.own.source,
+        own.sound: between.own.sound & said.flag("handover_trusted"),
+        own.record_count: said.output("handover_axles"),
+        own.record_low: said.output("handover_length_low_mm"),
+        own.record_high: said.output("handover_length_high_mm"),
+        own.leaves: between.own.gone,
+        own.next_truth: giving.own.truth,
+        own.next_axles: giving.own.axles,
+        own.next_length: giving.own.length,
+    }

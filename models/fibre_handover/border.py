@@ -1,0 +1,152 @@
+"""The border between two areas: the record that goes over with a train, or is lost (FVA-D1).
+
+Both areas see a shared stretch of line around their border. The train runs from the giving area into the taking one.
+
+    BEFORE   the train has not come to the shared stretch, or nothing tells that it has
+    OFFERED  it has: its record is sent in every cycle in which the giving area trusts it, until it arrives
+    TAKEN    the record arrived
+    LOST     the record did not arrive in time, or the giving area found something wrong before it did
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    NumVar,
+    Var,
+    as_num,
+    boolean,
+    choice,
+    enumeration,
+    ite,
+    number,
+)
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
+from safeloc.models.verification.variables import FROM, NEIGHBOUR, NOBODY
+
+TRACE = ("FVA-D1", "FVA-2", "FVA-11")
+
+
+class BorderConfig(Config):
+    """How long a record may be on its way."""
+
+    wait_cycles: int = quantity(6, "cycles", 1, 10_000, "[D] 3 s; the shared stretch is longer than the run in them")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    begins, ends     the shared stretch: fixed, any two places
+    trusted, doubted, high  the giving area's verification: trusted, a mismatch; the farthest that the front can be
+    arrives          the record that is sent arrives in this cycle
+    gone             the train has left the giving area, or is given up there
+    waited           cycles since the record was first sent
+    due, source, sound  what the taking area's verification is told
+    """
+
+    begins: NumVar
+    ends: NumVar
+    trusted: BoolVar
+    doubted: BoolVar
+    high: NumVar
+    arrives: BoolVar
+    gone: BoolVar
+    waited: NumVar
+    due: BoolVar
+    source: NumVar
+    sound: BoolVar
+
+    def state(self) -> dict[Var, Initial]:
+        """State variables with initial values."""
+        kept: dict[Var, Initial] = {self.begins: ANY, self.ends: ANY, self.waited: 0}
+        return {**kept, self.due: False, self.source: NOBODY, self.sound: False}
+
+    @property
+    def here(self) -> Bool:
+        """The giving area trusts the train, and it may have come to the shared stretch."""
+        return self.trusted & (self.high >= self.begins)
+
+    def told(self, due: Bool, source: Expr, sound: Bool) -> dict[Var, Expr]:
+        """Updates: what the taking area is told."""
+        return {self.due: due, self.source: source, self.sound: sound}
+
+    def table(self, modes_: tuple[Lit, ...]) -> Iterator[Transition]:
+        """All rows."""
+        before, offered, taken, lost = modes_
+        none = as_num(0, COUNT)
+        quiet = {**self.told(FALSE, NOBODY, FALSE), self.waited: none}
+        over = {**self.told(TRUE, NEIGHBOUR, TRUE), self.waited: none}
+        missing = {**self.told(TRUE, NOBODY, FALSE), self.waited: none}
+        sent = {**quiet, self.waited: ite(self.waited < self.waited.high, self.waited + 1, self.waited)}
+        late = self.waited >= self.waited.high
+        yield Transition("train is gone", modes_, before, self.gone, quiet, TRACE, 0)
+        yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, TRACE, 1)
+        yield Transition("trust lost on the way", offered, lost, self.doubted & ~self.trusted, missing, TRACE, 1)
+        yield Transition("record lost on the way", offered, lost, late, missing, TRACE, 2)
+        yield Transition("record is sent", before, offered, self.here, sent, TRACE, 3)
+        yield Transition("record is sent again", offered, offered, TRUE, sent, TRACE, 3)
+        for mode, name in ((before, "not there yet"), (taken, "taken over"), (lost, "hand-over is lost")):
+            yield Transition(name, mode, mode, TRUE, quiet, TRACE, 4)
+
+
+@dataclass(frozen=True, eq=False)
+class Border:
+    """The machine together with its variables."""
+
+    machine: Machine
+    own: Parts
+
+
+def parts(config: BorderConfig, far_mm: int) -> Parts:
+    """Fresh variables for one train, on a line within `far_mm` to either side."""
+    begins, ends, high = (number(f"{n}_mm", MM, -far_mm, far_mm) for n in ("shared_from", "shared_to", "front_high"))
+    return Parts(
+        begins,
+        ends,
+        boolean("giving_trusts"),
+        boolean("giving_distrusts"),
+        high,
+        boolean("record_arrives"),
+        boolean("train_gone"),
+        number("sent_cycles", COUNT, 0, config.wait_cycles),
+        boolean("due"),
+        choice("from", enumeration(FROM)),
+        boolean("record_sound"),
+    )
+
+
+def build(own: Parts) -> Border:
+    """The machine over the given variables."""
+    table = modes("BEFORE", "OFFERED", "TAKEN", "LOST")
+    current = current_mode(table)
+    machine = Machine(
+        name="border",
+        modes=table,
+        inputs=[own.trusted, own.doubted, own.high, own.arrives, own.gone],
+        state=own.state(),
+        outputs={
+            "reference_due": own.due,
+            "reference_from": own.source,
+            "reference_sound": own.sound,
+            "handover_lost": current.eq(table[3]),
+            "sent_cycles_ago": own.waited,
+        },
+        transitions=list(own.table(table)),
+        initially=own.begins <= own.ends,
+        lemmas={"the shared stretch is in order": own.begins <= own.ends},
+        mode_variable=current,
+        doc="Hand-over of a train's record between two neighbouring areas that share a stretch of line.",
+    )
+    return Border(machine, own)

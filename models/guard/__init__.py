@@ -1,0 +1,208 @@
+"""The guard of a receiver: of the positions that a receiver reports, only what map and motion allow (MRK-D6).
+
+A receiver's position may serve as marker information, but its own quality flags do not bound its error. So a fix is
+judged by the map (is it on the track, and is it clear on which), by what a vehicle can do (can it be there by now, at
+that speed) and by how often in a row the receiver has agreed with both. Flags are not read at all.
+
+    WITHDRAWN   nothing is held: the receiver's word is all there is, and it is not enough
+    RECOVERING  one or more fixes in a row agree among themselves; nothing is passed on
+    PASSING     a fix that agrees with what is held is passed on and narrows it
+    PROBATION   the receiver said something implausible: nothing is passed on and nothing narrows, until as many fixes
+                in a row agree as are asked for
+
+What is held is an interval of places along the way and one of speeds. Without a fix that passes, both grow by all that
+the vehicle can do; what is wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along the way, speeds um/s, negative against the way's direction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM, UM_S
+from safeloc.models.guard import law
+from safeloc.models.guard.box import Box, Held, become, begun, tolerable, usable
+from safeloc.models.guard.judgement import Judged, judge
+from safeloc.models.guard.variables import NOTHING, PASSED, UNCONFIRMED, GuardConfig, Parts, parts
+
+TRACE = ("MRK-D6",)
+
+
+def machine(config: GuardConfig | None = None) -> Machine:
+    """The guard's machine (MRK-D6)."""
+    return build(parts(config or GuardConfig())).machine
+
+
+@dataclass(frozen=True, eq=False)
+class Guard:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+    judged: Judged
+
+    @property
+    def holding(self) -> Bool:
+        """An interval is held that has the truth in it."""
+        return self.machine.mode.one_of(*self.machine.modes[2:])
+
+
+def build(own: Parts) -> Guard:
+    """The machine over the given variables."""
+    table = modes("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
+    current, judged = current_mode(table), judge(own)
+    holding, recovering = current.one_of(*table[2:]), current.eq(table[1])
+    made = Machine(
+        name="guard",
+        modes=table,
+        inputs=[own.advance, own.fault, own.fix, own.offset, own.age, own.ambiguous, own.elsewhere, own.speed],
+        state=_state(own),
+        outputs=_outputs(own, holding),
+        transitions=[*_held(own, judged, table), *_free(own, judged, table)],
+        ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0},
+        ghost_inputs=[own.next_truth, own.next_speed],
+        ghost_moves=law.moves(own, holding),
+        assumption=law.assumption(own, judged, holding, recovering),
+        lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]))},
+        definitions=_definitions(judged),
+        mode_variable=current,
+        doc=(
+            "Passes on of a receiver's positions what map and motion allow, each with the interval along the way that "
+            "the vehicle is in. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes that in a "
+            "row keep every gate, the one that completes the number asked for, and every further one, is no farther from "
+            "the vehicle than it is charged. Nothing is assumed of any other fix, nor of the receiver's quality flags. A "
+            "receiver that errs along the track, slowly enough for a vehicle, for that many fixes, is not noticed."
+        ),
+    )
+    return Guard(made, own, judged)
+
+
+def _state(own: Parts) -> dict[Var, Initial]:
+    box = (own.low, own.high, own.slow, own.fast)
+    anchor = (own.anchor_low, own.anchor_high, own.anchor_steps)
+    zero: dict[Var, Initial] = dict.fromkeys((*box, *anchor, own.agreed), 0)
+    return {**zero, own.judged: NOTHING}
+
+
+def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    """How long the row of agreeing fixes is in each mode."""
+    lost, recovering, passing, probation = table
+    full = own.config.confirmations
+    return {
+        "no row while withdrawn": current.eq(lost).iff(own.agreed.eq(0) & ~current.eq(probation)),
+        "a row begun while recovering": current.eq(recovering).implies(between(1, own.agreed, full - 1)),
+        "a full row while passing": current.eq(passing).iff(own.agreed.eq(full)),
+    }
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions while an interval is held that has the truth in it."""
+    lost, _, passing, probation = table
+    both, config = (passing, probation), own.config
+    narrow, coasted = cycle.with_fix, cycle.coasted
+    full, none = as_num(config.confirmations, COUNT), as_num(0, COUNT)
+    kept = usable(config, coasted.box)
+
+    def coast(agreed: Num, judged: Num) -> dict[Var, Expr]:
+        return {**become(own, coasted), own.agreed: agreed, own.judged: judged}
+
+    passed = {**become(own, narrow), own.agreed: full, own.judged: PASSED}
+    yield Transition("fix passed on", passing, passing, cycle.agrees, passed, TRACE, 0)
+    yield Transition("receiver believed again", probation, passing, cycle.agrees & cycle.confirmed, passed, TRACE, 0)
+    lose = {**become(own, _nothing()), own.agreed: none, own.judged: _withheld(cycle)}
+    yield Transition("window given up", both, lost, ~kept, lose, TRACE, 1)
+    doubt = coast(none, cycle.verdict)
+    yield Transition("implausible fix", both, probation, cycle.implausible, doubt, TRACE, 2)
+    agreeing = coast(cycle.more, as_num(UNCONFIRMED, own.judged.unit))
+    yield Transition("fix agrees on probation", probation, probation, cycle.agrees, agreeing, TRACE, 4)
+    for mode in both:
+        yield Transition(
+            f"coast while {mode.label.lower()}",
+            mode,
+            mode,
+            set=coast(own.agreed, _withheld(cycle)),
+            trace=TRACE,
+            rank=5,
+        )
+
+
+def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions while nothing is known of the truth: fixes are compared with each other only."""
+    lost, recovering, passing, _ = table
+    fresh, config = cycle.fresh, own.config
+    none, one = as_num(0, COUNT), as_num(1, COUNT)
+    empty = {**become(own, _nothing()), own.agreed: none}
+    candidate = {**become(own, fresh), own.judged: UNCONFIRMED}
+    full = {**become(own, fresh), own.agreed: as_num(config.confirmations, COUNT), own.judged: PASSED}
+    agrees = cycle.agrees & cycle.begins
+    yield Transition("receiver believed", recovering, passing, agrees & cycle.confirmed, full, TRACE, 6)
+    yield Transition("fix agrees", recovering, recovering, agrees, {**candidate, own.agreed: cycle.more}, TRACE, 7)
+    begin = {**candidate, own.agreed: one}
+    yield Transition("first fix", lost, recovering, cycle.begins, begin, TRACE, 7)
+    anew = {**become(own, fresh), own.judged: cycle.verdict, own.agreed: one}
+    yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, TRACE, 8)
+    unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
+    yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, TRACE, 9)
+    waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}
+    yield Transition("carry what agrees", recovering, recovering, set=waiting, trace=TRACE, rank=10)
+    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.alone}, trace=TRACE, rank=10)
+
+
+def _carried(own: Parts, box: Box) -> dict[Var, Expr]:
+    """The box of the last fix, moved; it is no anchor."""
+    return become(own, begun(box))
+
+
+def _nothing() -> Held:
+    zero, rest = as_num(0, NM), as_num(0, UM_S)
+    return begun(Box(zero, zero, rest, rest))
+
+
+def _withheld(cycle: Judged) -> Num:
+    """The reason where a fix that keeps its gates is withheld all the same."""
+    return ite(cycle.agrees, UNCONFIRMED, cycle.verdict)
+
+
+def _definitions(cycle: Judged) -> dict[str, Expr]:
+    """Names for what the table speaks of."""
+    return {
+        "delivery judged": cycle.verdict,
+        "delivery judged alone": cycle.alone,
+        "fix agrees": cycle.agrees,
+        "as many agree as asked for": cycle.confirmed,
+        "fix implausible": cycle.implausible,
+        "low without it": cycle.coasted.box.low,
+        "high without it": cycle.coasted.box.high,
+        "slow without it": cycle.coasted.box.slow,
+        "fast without it": cycle.coasted.box.fast,
+        "low with it": cycle.with_fix.box.low,
+        "high with it": cycle.with_fix.box.high,
+        "slow with it": cycle.with_fix.box.slow,
+        "fast with it": cycle.with_fix.box.fast,
+    }
+
+
+# ------------------------------------------------------------------ what is reported
+
+
+def _outputs(own: Parts, holding: Bool) -> dict[str, Expr]:
+    valid = holding & tolerable(own.config, Box(own.low, own.high, own.slow, own.fast))
+    low, high = floor_to(own.low, MM), ceil_to(own.high, MM)
+    middle = floor_div(low + high, 2)
+    return {
+        "valid": valid,
+        "passed": own.judged.eq(PASSED),
+        "position_mm": ite(valid, middle, 0),
+        "under_mm": ite(valid, middle - low, 0),
+        "over_mm": ite(valid, high - middle, 0),
+        "window_from_mm": ite(holding, low, 0),
+        "window_to_mm": ite(holding, high, 0),
+        "holding": holding,
+        "agreed_fixes": own.agreed,
+        "reason": own.judged,
+    }

@@ -1,0 +1,169 @@
+"""Where a vehicle is along its way and how fast, as an interval each: moved by what it can do, narrowed by a fix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    all_of,
+    as_num,
+    ceil_div,
+    exact_to,
+    floor_div,
+    ite,
+    maximum,
+    minimum,
+    with_unit,
+)
+from safeloc.language.units import COUNT, MS, NM, UM_S
+from safeloc.models.guard.variables import NM_PER_MM, GuardConfig, Parts, reach_nm
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Place from `low` to `high` (nm), speed from `slow` to `fast` (um/s, negative against the way's direction)."""
+
+    low: Num
+    high: Num
+    slow: Num
+    fast: Num
+
+    @property
+    def possible(self) -> Bool:
+        """Some place and some speed are left."""
+        return (self.low <= self.high) & (self.slow <= self.fast)
+
+    @property
+    def width(self) -> Num:
+        """Of the place, nm."""
+        return self.high - self.low
+
+    def holds(self, place: Num, speed: Num) -> Bool:
+        """Whether a place and a speed lie in it."""
+        return (self.low <= place) & (place <= self.high) & (self.slow <= speed) & (speed <= self.fast)
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """Where the vehicle was some steps ago."""
+
+    low: Num
+    high: Num
+    steps: Num
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A box, and the anchor that its speed is told from."""
+
+    box: Box
+    anchor: Anchor
+
+
+def held(own: Parts) -> Held:
+    """What the state variables hold before the step."""
+    return Held(Box(own.low, own.high, own.slow, own.fast), Anchor(own.anchor_low, own.anchor_high, own.anchor_steps))
+
+
+def moved(own: Parts, box: Box) -> Box:
+    """After the step, if nothing is delivered in it: whatever a vehicle can do (no more, no less)."""
+    config = own.config
+    period, way = Lit(config.period_ms, MS), as_num(config.way_nm, NM)
+    gain, change, most = config.speed_rise_um_s, config.speed_change_um_s, config.max_speed_mm_s * 1_000
+    faster = box.fast + ite(box.slow >= 0, as_num(gain, UM_S), change)
+    slower = box.slow - ite(box.fast <= 0, as_num(gain, UM_S), change)
+    return Box(
+        ite(own.advance, box.low + exact_to(box.slow * period, NM) - way, box.low),
+        ite(own.advance, box.high + exact_to(box.fast * period, NM) + way, box.high),
+        ite(own.advance, maximum(slower, -most), box.slow),
+        ite(own.advance, minimum(faster, most), box.fast),
+    )
+
+
+def half_nm(own: Parts) -> Num:
+    """The error a fix is charged on either side: its own, more the farther off the track, and its age at full speed."""
+    config = own.config
+    aged = exact_to(Lit(config.max_speed_mm_s * 1_000, UM_S) * own.age, NM)
+    off = with_unit(own.offset * (config.offset_charge_permille * NM_PER_MM // 1_000), NM)
+    return as_num(config.fix_error_mm * NM_PER_MM, NM) + off + aged
+
+
+def of_fix(own: Parts) -> Box:
+    """What a fix says by itself; its speed has no direction."""
+    place, half, fast = exact_to(own.fix.value, NM), half_nm(own), as_num(own.config.max_speed_mm_s * 1_000, UM_S)
+    most = ite(own.speed.present, minimum(_speed(own) + own.config.speed_error_mm_s * 1_000, fast), fast)
+    return Box(place - half, place + half, -most, most)
+
+
+def narrowed(own: Parts, box: Box) -> Box:
+    """What the box and the fix have in common. The receiver's speed counts in the direction that the box knows."""
+    fix, error = of_fix(own), own.config.speed_error_mm_s * 1_000
+    least = ite(own.speed.present, _speed(own) - error, as_num(-error, UM_S))
+    slow, fast = maximum(box.slow, fix.slow), minimum(box.fast, fix.fast)
+    return Box(
+        maximum(box.low, fix.low),
+        minimum(box.high, fix.high),
+        ite(box.slow >= 0, maximum(slow, least), slow),
+        ite(box.fast <= 0, minimum(fast, -least), fast),
+    )
+
+
+def _speed(own: Parts) -> Num:
+    return exact_to(own.speed.value, UM_S)
+
+
+def told(own: Parts, box: Box, anchor: Anchor) -> Held:
+    """The box with its speed told from the distance since the anchor, once in a window; then it is the new anchor."""
+    config = own.config
+    steps = anchor.steps + ite(own.advance, as_num(1, COUNT), 0)
+    due, duration = due_now(own), config.window_steps * config.period_ms
+    lag = as_num(config.lag_nm(config.window_steps), NM)
+    most = with_unit(floor_div(box.high - anchor.low + lag, duration), UM_S)
+    least = with_unit(ceil_div(box.low - anchor.high - lag, duration), UM_S)
+    slow, fast = maximum(box.slow, least), minimum(box.fast, most)
+    return Held(
+        Box(box.low, box.high, ite(due, slow, box.slow), ite(due, fast, box.fast)),
+        Anchor(ite(due, box.low, anchor.low), ite(due, box.high, anchor.high), ite(due, as_num(0, COUNT), steps)),
+    )
+
+
+def due_now(own: Parts) -> Bool:
+    """The window since the anchor is complete with this step."""
+    return own.advance & own.anchor_steps.eq(own.config.window_steps - 1)
+
+
+def usable(config: GuardConfig, box: Box) -> Bool:
+    """It can be held: not wider than the window's limit, on the line, and not empty."""
+    reach = reach_nm(config)
+    return all_of(
+        [
+            box.possible,
+            box.width <= 2 * config.window_limit_mm * NM_PER_MM,
+            box.low >= -reach,
+            box.high <= reach,
+        ]
+    )
+
+
+def tolerable(config: GuardConfig, box: Box) -> Bool:
+    """Either side is within the tolerance, also when rounded outward to whole mm."""
+    return box.width <= (2 * config.tolerance_mm - 3) * NM_PER_MM
+
+
+def become(own: Parts, now: Held) -> dict[Var, Expr]:
+    """Updates that make the state hold it."""
+    box, anchor = now.box, now.anchor
+    return {
+        own.low: box.low, own.high: box.high, own.slow: box.slow, own.fast: box.fast,
+        own.anchor_low: anchor.low, own.anchor_high: anchor.high, own.anchor_steps: anchor.steps,
+    }  # fmt: skip
+
+
+def begun(box: Box) -> Held:
+    """A box that nothing is known before."""
+    return Held(box, Anchor(box.low, box.high, as_num(0, COUNT)))

@@ -1,0 +1,106 @@
+"""Simulated deliveries of a receiver on a vehicle that obeys the guard's law, with the truth beside them.
+
+Fixes come every few steps, wrong along the track by as much as they are charged, most often at the ends of it. Faults come
+in spells: positions off the track, jumps along it for fewer fixes than are asked for, silence, and what is no fix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from random import Random
+
+from safeloc.language.nodes import Value
+from safeloc.models.guard.variables import FAULT, NM_PER_MM, GuardConfig
+
+FIX_EVERY_MS = 400
+SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous")
+OFF_BY_MM, JUMP_MM = 150_000, 180_000
+NO_FIX = next(number for number, fault in enumerate(FAULT) if fault.label == "NO_FIX")
+
+
+@dataclass
+class _Vehicle:
+    """Where it really is: nm, um/s, and the acceleration it keeps for some steps."""
+
+    place_nm: int
+    speed_um_s: int
+    change_um_s: int = 0
+    steps: int = 0
+
+
+FIRST_TRUTH: Mapping[str, Value] = {"truth_nm": 0, "true_speed_um_s": 0}
+"""Where the vehicle is before the first step, at rest."""
+
+
+def simulate(config: GuardConfig | None = None, *, seed: int, seconds: int = 240) -> list[dict[str, Value]]:
+    """Steps with the inputs of the machine and its ghosts', from rest at 0; the first spell is sound."""
+    config = config or GuardConfig()
+    random, vehicle = Random(seed), _Vehicle(0, 0)
+    every = max(1, FIX_EVERY_MS // config.period_ms)
+    spells = _spells(config, random)
+    made = []
+    spell = next(spells)
+    for number in range(seconds * 1_000 // config.period_ms):
+        _move(vehicle, config, random)
+        step = _quiet(vehicle)
+        if number % every == 0:
+            spell = spell if spell.fixes else next(spells)
+            spell.fixes -= 1
+            step |= _delivered(vehicle, config, random, spell)
+        made.append(step)
+    return made
+
+
+@dataclass
+class _Spell:
+    """What the receiver does for some fixes."""
+
+    kind: str
+    fixes: int
+    jump_mm: int
+
+
+def _spells(config: GuardConfig, random: Random) -> Iterator[_Spell]:
+    """Sound spells and others by turns; a jump along the track lasts fewer fixes than are asked for."""
+    while True:
+        yield _Spell("sound", random.randint(3 * config.confirmations, 12 * config.confirmations), 0)
+        kind = random.choice(SPELLS[1:])
+        longest = config.confirmations - 1 if kind == "jump" else 4 * config.confirmations
+        yield _Spell(kind, random.randint(1, longest), random.choice((-JUMP_MM, JUMP_MM)))
+
+
+def _move(vehicle: _Vehicle, config: GuardConfig, random: Random) -> None:
+    """A step of the vehicle: at rest, or towards some speed within what it can do."""
+    if not vehicle.steps:
+        vehicle.change_um_s = random.choice((-config.speed_change_um_s, 0, config.speed_rise_um_s))
+        vehicle.steps = random.randint(1, 10_000 // config.period_ms)
+    vehicle.steps -= 1
+    most = config.max_speed_mm_s * 1_000
+    after = min(max(vehicle.speed_um_s + vehicle.change_um_s, 0), most)
+    vehicle.place_nm += (vehicle.speed_um_s + after) * config.period_ms // 2
+    vehicle.speed_um_s = after
+
+
+def _quiet(vehicle: _Vehicle) -> dict[str, Value]:
+    return {
+        "advance": True, "fault": 0, "fix_offset_mm": 0, "fix_age_ms": 0, "fix_ambiguous": False, "fix_elsewhere": False,
+        "next_truth_nm": vehicle.place_nm, "next_speed_um_s": vehicle.speed_um_s,
+    }  # fmt: skip
+
+
+def _delivered(vehicle: _Vehicle, config: GuardConfig, random: Random, spell: _Spell) -> dict[str, Value]:
+    """What the receiver says of where the vehicle is."""
+    if spell.kind in ("silence", "no fix"):
+        return {} if spell.kind == "silence" else {"fault": NO_FIX}
+    offset = random.choice((0, random.randint(0, config.offset_limit_mm), config.offset_limit_mm))
+    charged = config.fix_error_mm + offset * config.offset_charge_permille // 1_000
+    error = random.choice((-charged, charged, random.randint(-charged, charged))) * NM_PER_MM
+    place = (vehicle.place_nm + error) // NM_PER_MM + (0 if error > 0 else 1)
+    said: dict[str, Value] = {"fix_mm": place, "fix_offset_mm": offset, "fix_ambiguous": spell.kind == "ambiguous"}
+    match spell.kind:
+        case "off track":
+            said |= {"fix_offset_mm": OFF_BY_MM}
+        case "jump":
+            said |= {"fix_mm": place + spell.jump_mm}
+    return said | ({"fix_speed_mm_s": vehicle.speed_um_s // 1_000} if random.random() < 0.5 else {})

@@ -1,0 +1,162 @@
+"""The machines' configurations for one vehicle: its figures for the audit, and how it moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import ValidationError
+
+from safeloc.config import Config
+from safeloc.errors import InputError
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.route.variables import RouteConfig
+from safeloc.models.stop_point.variables import StopPointConfig
+from safeloc.models.turn_off import TurnOffConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.simulation.motion import VehicleConfig
+
+SPEED_SHARE = 0.9
+"""How much of the speed gate a vehicle uses; the rest is for what the odometer measures too much."""
+
+
+@dataclass(frozen=True)
+class LineVehicle:
+    """A vehicle on a line.
+
+    layout       its figures for the audit; None: every machine has its defaults
+    trust_first  the first balise group of a run is vouched for (a line with one group on a route needs that, or nothing
+                 is ever reported by the machines that locate on groups alone)
+    """
+
+    name: str = "default figures"
+    motion: VehicleConfig = VehicleConfig()
+    layout: LayoutConfig | None = None
+    trust_first: bool = False
+
+    @property
+    def national_mm(self) -> int:
+        """The location accuracy of groups without an own figure."""
+        return (self.layout or LayoutConfig()).balise_accuracy_mm
+
+    @property
+    def detection_mm(self) -> int:
+        """The detection accuracy of a balise."""
+        return (self.layout or LayoutConfig()).detection_accuracy_mm
+
+    @property
+    def radar_error_mm(self) -> int:
+        """The error of a measured reflector, without that of the map."""
+        return max(1, (self.layout or LayoutConfig()).radar_error_mm)
+
+    @property
+    def antenna_mm(self) -> int:
+        """How far the balise antenna is behind the front end."""
+        return (self.layout or LayoutConfig()).antenna_offset_mm
+
+    def odometry(self) -> OdometryConfig:
+        """Both units of a device have the law that the vehicle's odometry has."""
+        if self.layout is None:
+            return OdometryConfig(trust_first_marker=self.trust_first)
+        return OdometryConfig(
+            first_unit=self._law("wheel"),
+            second_unit=self._law("radar"),
+            tolerance_mm=self.layout.tolerance_mm,
+            vehicle_length_mm=self.motion.length_mm,
+            max_speed_mm_s=self._gate_mm_s,
+            max_acceleration_mm_s2=self._gate_mm_s2,
+            trust_first_marker=self.trust_first,
+        )
+
+    def balise(self) -> BaliseConfig:
+        """Antenna, accuracies and law of the vehicle."""
+        if self.layout is None:
+            return BaliseConfig(trust_first_group=self.trust_first)
+        return BaliseConfig(
+            odometer=self._law("wheel"),
+            tolerance_mm=self.layout.tolerance_mm,
+            max_speed_mm_s=self._gate_mm_s,
+            max_acceleration_mm_s2=self._gate_mm_s2,
+            antenna_mm=self.layout.antenna_offset_mm,
+            detection_mm=self.layout.detection_accuracy_mm,
+            default_accuracy_mm=self.layout.balise_accuracy_mm,
+            trust_first_group=self.trust_first,
+        )
+
+    def reflector(self) -> ReflectorConfig:
+        """Radar, map accuracy and law of the vehicle."""
+        if self.layout is None:
+            return ReflectorConfig()
+        return ReflectorConfig(
+            odometer=self._law("wheel"),
+            tolerance_mm=self.layout.tolerance_mm,
+            max_speed_mm_s=self._gate_mm_s,
+            radar_offset_mm=self.layout.sensor_offset_mm,
+            range_limit_mm=min(2_000_000, 2 * self.layout.radar_range_mm),
+            near_range_mm=max(1, self.layout.radar_blind_mm),
+            map_accuracy_mm=self.layout.map_accuracy_mm,
+            balise_accuracy_mm=min(63_000, self.national_mm + self.detection_mm),
+            reference_distance_mm=self.layout.prescribed_distance_mm or 0,
+        )
+
+    def stop_point(self, stops: int) -> StopPointConfig:
+        """For platforms of so many stop points."""
+        number = max(StopPointConfig().stop_points, stops)
+        if self.layout is None:
+            return StopPointConfig(stop_points=number)
+        return StopPointConfig(
+            stop_points=number,
+            tolerance_mm=self.layout.tolerance_mm,
+            max_speed_mm_s=self._gate_mm_s,
+            brake_mm_s2=self.motion.brake_mm_s2,
+        )
+
+    def route(self, routes: int, longest_mm: int) -> RouteConfig:
+        """For so many routes, of which the longest is so long."""
+        number, longest = max(RouteConfig().routes, routes), max(RouteConfig().length_limit_mm, longest_mm)
+        if self.layout is None:
+            return RouteConfig(routes=number, length_limit_mm=longest)
+        spare = self.layout.tolerance_mm - self.layout.odometry_constant_mm
+        return RouteConfig(
+            odometer=self._law("wheel"),
+            routes=number,
+            length_limit_mm=longest,
+            tolerance_mm=self.layout.tolerance_mm,
+            max_speed_mm_s=self._gate_mm_s,
+            max_acceleration_mm_s2=self._gate_mm_s2,
+            range_limit_mm=min(2_000_000, 2 * self.layout.radar_range_mm),
+            start_error_mm=max(1, min(RouteConfig().start_error_mm, spare // 2)),
+        )
+
+    def turn_off(self) -> TurnOffConfig:
+        """The defaults: nothing of it depends on the vehicle's figures."""
+        return TurnOffConfig()
+
+    def _law(self, kind: str) -> ErrorLaw:
+        assert self.layout is not None
+        figures = {"constant_mm": self.layout.odometry_constant_mm, "rate_ppm": self.layout.odometry_rate_ppm}
+        return ErrorLaw.model_validate({"kind": kind, **figures})
+
+    @property
+    def _gate_mm_s(self) -> int:
+        return int(self.motion.max_speed_mm_s / SPEED_SHARE) + 1
+
+    @property
+    def _gate_mm_s2(self) -> int:
+        return max(2_500, 2 * self.motion.acceleration_mm_s2, 2 * self.motion.brake_mm_s2)
+
+
+def fitting(vehicle: LineVehicle, machine: str, *figures: int) -> Config:
+    """The configuration of a machine for a vehicle. InputError where the vehicle's figures do not suit the machine."""
+    make = getattr(vehicle, machine)
+    try:
+        config = make(*figures)
+    except ValidationError as error:
+        wrong = error.errors(include_url=False)[0]
+        field = ".".join(str(part) for part in wrong["loc"])
+        message = wrong["msg"].removeprefix("Value error, ")
+        raise InputError(f"vehicle {vehicle.name} does not suit machine {machine}: {field} {message}.") from error
+    assert isinstance(config, Config)
+    return config

@@ -1,0 +1,171 @@
+"""Where a named fault strikes on a route: at which group or reflector, in which cycles, in the words of each simulator."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from safeloc.errors import InputError
+from safeloc.models.balise.simulate import GroupFault, GroupFaultKind
+from safeloc.models.line_runs.faults import Asked
+from safeloc.models.line_runs.ways import MODELS, balise_groups, identities, reflectors
+from safeloc.models.reflector.simulate import Disturbance
+from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.routes import Route
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.reader_faults import ReaderFault, ReaderFaultKind
+from safeloc.simulation.sensors import NM_PER_MM, Fault, FaultKind
+
+OF_GROUP: dict[str, GroupFaultKind] = {
+    "group-missed": "missed",
+    "group-corrupted": "corrupted",
+    "group-incomplete": "incomplete",
+    "group-reversed": "wrong way",
+    "group-early": "early",
+    "group-late": "late",
+    "group-stale": "stale",
+    "group-malformed": "malformed",
+    "group-repeated": "duplicate",
+    "group-foreign": "other identity",
+}
+OF_READER: dict[str, ReaderFaultKind] = {
+    "group-missed": "missed",
+    "group-repeated": "repeated",
+    "group-foreign": "foreign",
+}
+OF_DISTANCE: dict[str, FaultKind] = {
+    "distance-missing": "drop-out",
+    "distance-jump": "jump",
+    "wheel-slide": "slide",
+    "wheel-slip": "slip",
+    "wheel-stuck": "stuck",
+}
+OF_RADAR = {
+    "frames-missing": "pause",
+    "reflector-hidden": "blind",
+    "echoes-weak": "weak",
+    "echoes-shifted": "shift",
+    "decoy": "decoy",
+}
+SHIFT_MM, DECOY_MM = 20_000, 30_000
+WITHIN = re.compile(r"(\d+)-(\d+)")
+
+
+@dataclass(frozen=True)
+class Struck:
+    """A fault at its place on one route.
+
+    at, identity, place_mm  of the group or the reflector: its name on the map, its number on board, its place
+    begin, end              cycles from `begin` up to, not including, `end`
+    model                   a model that is not that of any reflector of the line
+    """
+
+    name: str
+    outcome: dict[str, str]
+    begin: int
+    end: int
+    at: str = ""
+    identity: int = 0
+    place_mm: int = 0
+    model: str = "NONE"
+
+    def of_group(self) -> list[GroupFault]:
+        """For the balise simulation."""
+        return [GroupFault(self.identity, OF_GROUP[self.name])] if self.name in OF_GROUP else []
+
+    def of_reader(self) -> list[ReaderFault]:
+        """For the front reader of the odometry simulation."""
+        kind = OF_READER.get(self.name)
+        return [] if kind is None else [ReaderFault("front_marker", kind, self.begin, self.end)]
+
+    def of_distance(self, sensor: str, max_step_mm: int) -> list[Fault]:
+        """For a distance sensor of that name. A jump is beyond what the vehicle can run in a cycle, and within the
+        input's range: farther ones would be stopped at the border."""
+        kind = OF_DISTANCE.get(self.name)
+        return [] if kind is None else [Fault(sensor, kind, self.begin, self.end, max_step_mm + 500)]
+
+    def of_radar(self) -> list[Disturbance]:
+        """For the reflector simulation."""
+        if self.name not in OF_RADAR:
+            return []
+        by_mm = {"echoes-shifted": SHIFT_MM, "decoy": DECOY_MM}.get(self.name, 0)
+        return [Disturbance(OF_RADAR[self.name], self.begin, self.end, by_mm, self.model)]
+
+
+def placed(asked: Asked, route: Route, motion: Motion) -> Struck | None:
+    """The fault on this route; None where the group or reflector that it names is not on it.
+
+    Without a place: at the last group or reflector, or in the middle fifth. InputError for a place off the route, or a
+    group or reflector that the line does not have.
+    """
+    match asked.fault.where:
+        case "group":
+            return _at_group(asked, route, motion)
+        case "reflector":
+            return _at_reflector(asked, route, motion)
+        case "stretch":
+            return _on_stretch(asked, route, motion)
+        case "stop" | "run":
+            return Struck(asked.fault.name, dict(asked.fault.outcomes), 0, len(motion.position_nm))
+
+
+def _at_group(asked: Asked, route: Route, motion: Motion) -> Struck | None:
+    met = [(one.position_mm, group) for one, group in balise_groups(route)]
+    found = _named(asked, met, [group.id for group in route.topology.line.balise_groups])
+    if found is None:
+        return None
+    place, group = found
+    assert isinstance(group, BaliseGroup)
+    begin = _reached(motion, place)
+    number = identities(route.topology.line)[group.id]
+    return Struck(asked.fault.name, dict(asked.fault.outcomes), begin, begin + 1, group.id, number, place)
+
+
+def _at_reflector(asked: Asked, route: Route, motion: Motion) -> Struck | None:
+    line = route.topology.line
+    found = _named(asked, reflectors(route), [one.id for one in line.reflectors])
+    if found is None:
+        return None
+    place, one = found
+    assert isinstance(one, Reflector)
+    view = one.view_from_mm // 2 if asked.fault.name == "echoes-shifted" else one.view_from_mm
+    begin, end = _reached(motion, place - view), _reached(motion, place)
+    free = [model for model in MODELS if model not in {other.model for other in line.reflectors}]
+    if asked.fault.name in ("model-misread", "decoy") and not free:
+        raise InputError(
+            f"fault {asked.fault.name} needs a model that the line has not, and it has {', '.join(MODELS)}."
+        )
+    model = free[0] if free else "NONE"
+    return Struck(asked.fault.name, dict(asked.fault.outcomes), begin, max(end, begin + 1), one.id, 0, place, model)
+
+
+def _named(
+    asked: Asked, met: Sequence[tuple[int, BaliseGroup | Reflector]], known: Sequence[str]
+) -> tuple[int, BaliseGroup | Reflector] | None:
+    if not asked.at:
+        return met[-1] if met else None
+    if asked.at not in known:
+        raise InputError(
+            f"fault {asked.fault.name}:{asked.at}: the line has no such {asked.fault.where}; it has {known}."
+        )
+    return next(((place, one) for place, one in met if one.id == asked.at), None)
+
+
+def _on_stretch(asked: Asked, route: Route, motion: Motion) -> Struck:
+    low, high = 2 * route.length_mm // 5, 3 * route.length_mm // 5
+    if asked.at:
+        told = WITHIN.fullmatch(asked.at)
+        if told is None:
+            raise InputError(f"fault {asked.fault.name}:{asked.at}: expected FROM-TO in mm along the route.")
+        low, high = int(told[1]), int(told[2])
+    begin, end = _reached(motion, low), _reached(motion, high)
+    if not (low < high <= route.length_mm and begin < end):
+        raise InputError(f"fault {asked.fault.name}: {low}-{high} is no stretch of a route of {route.length_mm} mm.")
+    return Struck(asked.fault.name, dict(asked.fault.outcomes), begin, end)
+
+
+def _reached(motion: Motion, place_mm: int) -> int:
+    """The first cycle at whose end the front end is at or beyond a place; the last one where it never gets there."""
+    beyond = motion.position_nm >= place_mm * NM_PER_MM
+    return int(beyond.argmax()) if bool(beyond.any()) else len(motion.position_nm) - 1

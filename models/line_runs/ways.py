@@ -1,0 +1,228 @@
+"""What each simulation needs to know of a way, taken from the map: markers, groups, reflectors, stop points, switches.
+
+All places are mm along the route, for a vehicle that begins it with its front end at 0.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from safeloc.errors import InputError
+from safeloc.models.balise.groups import Group
+from safeloc.models.reflector.simulate import Balise, Reflector
+from safeloc.models.reflector.simulate import Route as ReflectorRoute
+from safeloc.models.stop_point.simulate import StopPlace
+from safeloc.models.turn_off.simulate import SwitchAhead
+from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
+from safeloc.railway.map import elements
+from safeloc.railway.map.clearance import clear_mm
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.routes import Met, Route
+from safeloc.railway.map.topology import Run
+from safeloc.railway.map.walk import Seen, Walk
+from safeloc.simulation.speed_profile import Limit
+
+FARTHEST_CLEAR_MM = 1_000_000
+"""Two reflectors of one model farther apart than this are apart enough for every machine."""
+MODELS = tuple(one.label for one in MODEL if one is not NO_MODEL)
+
+
+def identities(line: Line) -> dict[str, int]:
+    """Balise group -> its number on board: NID_BG where that is unique on the line, else the place in the map's list."""
+    counts = Counter(group.identity for group in line.balise_groups)
+    if max(counts.values(), default=0) <= 1 and 0 not in counts:
+        return {group.id: group.identity for group in line.balise_groups}
+    return {group.id: number for number, group in enumerate(line.balise_groups, 1)}
+
+
+def balise_groups(route: Route) -> list[tuple[Met, elements.BaliseGroup]]:
+    """The groups met, in order."""
+    return [(met, met.element) for met in route.objects() if isinstance(met.element, elements.BaliseGroup)]
+
+
+def reflectors(route: Route) -> list[tuple[int, elements.Reflector]]:
+    """The reflectors met, in order. InputError for a model that no radar of the machines tells apart."""
+    found = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, elements.Reflector)]
+    for _, one in found:
+        if one.model not in MODELS:
+            raise InputError(f"reflector {one.id}: the machines know the models {', '.join(MODELS)}, not {one.model}.")
+    return found
+
+
+# ------------------------------------------------------------------ odometry and balise
+
+
+def markers(route: Route) -> list[tuple[int, int]]:
+    """Every group as a marker: identity and place, in order."""
+    known = identities(route.topology.line)
+    return [(known[group.id], met.position_mm) for met, group in balise_groups(route)]
+
+
+def accuracies(route: Route, national_mm: int, detection_mm: int) -> dict[int, int]:
+    """Marker -> how far from its place it may be read: its own location accuracy, or the national one, and detection."""
+    known = identities(route.topology.line)
+    return {known[group.id]: _accuracy_mm(group, national_mm) + detection_mm for _, group in balise_groups(route)}
+
+
+def _accuracy_mm(group: elements.BaliseGroup, national_mm: int) -> int:
+    return national_mm if group.location_accuracy_mm is None else group.location_accuracy_mm
+
+
+def groups(route: Route) -> list[Group]:
+    """The groups as the balise machine's map has them; what the telegram says of a reflector is for this direction."""
+    known = identities(route.topology.line)
+    return [_group(met, group, known[group.id]) for met, group in balise_groups(route)]
+
+
+def _group(met: Met, group: elements.BaliseGroup, identity: int) -> Group:
+    told = _told(met, group)
+    return Group(
+        identity,
+        met.position_mm,
+        balises=len(group.balises),
+        orientation="REVERSE" if met.nominal is False else "NOMINAL",
+        accuracy_mm=group.location_accuracy_mm,
+        linked=group.linked,
+        reflector_mm=told.distance_mm if told else None,
+        search_mm=told.search_from_mm if told else None,
+    )
+
+
+def _told(met: Met, group: elements.BaliseGroup) -> elements.TelegramReflector | None:
+    return next((told for told in group.telegram_reflectors if told.direction == met.direction), None)
+
+
+# ------------------------------------------------------------------ reflectors
+
+
+def reflector_route(
+    route: Route, walk: Walk, *, antenna_mm: int, national_mm: int, detection_mm: int
+) -> ReflectorRoute:
+    """Balises and reflectors of the route, and those of other branches that are seen on it.
+
+    A balise's place is that of the front end when the antenna, `antenna_mm` behind it, reads it.
+    """
+    known, clear = identities(route.topology.line), clear_mm(walk, FARTHEST_CLEAR_MM)
+    balises = tuple(
+        Balise(
+            known[group.id],
+            met.position_mm + antenna_mm,
+            _accuracy_mm(group, national_mm) + detection_mm,
+            reference=_told(met, group) is not None,
+            search_from_mm=_search_from(met, group, antenna_mm),
+        )
+        for met, group in balise_groups(route)
+    )
+    own = tuple(_reflector(one, place, clear) for place, one in reflectors(route))
+    return ReflectorRoute(balises, own, beside=tuple(_beside(route, walk)))
+
+
+def _search_from(met: Met, group: elements.BaliseGroup, antenna_mm: int) -> int | None:
+    """Counted from where the group is read, not from the group."""
+    told = _told(met, group)
+    return None if told is None or told.search_from_mm is None else max(0, told.search_from_mm - antenna_mm)
+
+
+def _reflector(one: elements.Reflector, place_mm: int, clear: Mapping[str, int]) -> Reflector:
+    return Reflector(place_mm, one.model, one.view_from_mm, one.view_to_mm, clear[one.id])
+
+
+def _beside(route: Route, walk: Walk) -> Iterator[Reflector]:
+    """Reflectors of the other branches of the route's switches, where they would stand along it; each once."""
+    own = {one.id for _, one in reflectors(route)}
+    seen: dict[str, tuple[int, elements.Reflector]] = {}
+    for place, one in _on_other_branches(route, walk):
+        if one.id not in own and one.model in MODELS and one.id not in seen:
+            seen[one.id] = (place, one)
+    for place, one in seen.values():
+        yield Reflector(place, one.model, one.view_from_mm, one.view_to_mm)
+
+
+def _on_other_branches(route: Route, walk: Walk) -> Iterator[tuple[int, elements.Reflector]]:
+    reach = 2 * max((one.view_from_mm for one in walk.line.reflectors), default=0)
+    end = -route.start_mm
+    for before, after in pairwise(route.runs):
+        end += walk.topology.length_mm(before)
+        for other in walk.topology.after(before):
+            if other != after:
+                yield from _placed(walk.ahead(other, 0, reach), end, 1)
+        for other in walk.topology.before(after):
+            if other != before:
+                yield from _placed(walk.behind(other, walk.topology.length_mm(other), reach), end, -1)
+
+
+def _placed(found: Iterator[Seen], junction_mm: int, sign: int) -> Iterator[tuple[int, elements.Reflector]]:
+    for seen in found:
+        if isinstance(seen.element, elements.Reflector):
+            yield junction_mm + sign * seen.distance_mm, seen.element
+
+
+# ------------------------------------------------------------------ stop points and switches
+
+
+def platforms(route: Route) -> list[list[tuple[int, elements.StopPoint]]]:
+    """The stop points of each platform met, in order; a stop point that names no platform is one by itself."""
+    found: dict[str, list[tuple[int, elements.StopPoint]]] = {}
+    for met in route.objects():
+        if isinstance(met.element, elements.StopPoint):
+            name = f"platform {met.element.platform}" if met.element.platform else f"stop {met.element.id}"
+            found.setdefault(name, []).append((met.position_mm, met.element))
+    return list(found.values())
+
+
+def stop_places(platform: Sequence[tuple[int, elements.StopPoint]]) -> tuple[StopPlace, ...]:
+    """The stop points of one platform as the machine's map has them."""
+    return tuple(StopPlace(place, stop.window_before_mm, stop.window_after_mm) for place, stop in platform)
+
+
+def switches_ahead(route: Route) -> list[SwitchAhead]:
+    """The facing switches that are passed in view of the first reflector behind them."""
+    behind = reflectors(route)
+    found = []
+    for met in route.switches():
+        first = next(((place, one) for place, one in behind if place > met.position_mm), None)
+        if met.passage.facing and first is not None and first[0] - first[1].view_from_mm < met.position_mm:
+            course = _course(route, met.passage.switch, met.passage.side)
+            found.append(SwitchAhead(met.position_mm, course, first[0], -first[1].lateral_offset_mm))
+    return found
+
+
+def _course(route: Route, switch: elements.Switch, side: str) -> str:
+    """What the vehicle does at a switch: the branch of the stem's track, or the only one of a named track, is straight."""
+    edges = route.topology.edges
+    tracks = {name: edges[branch].track for name, branch in (("left", switch.left), ("right", switch.right))}
+    stem = edges[switch.stem].track
+    straight = [name for name, track in tracks.items() if track and track == stem]
+    straight = straight or [name for name, track in tracks.items() if track]
+    return "STRAIGHT" if straight == [side] else side.upper()
+
+
+def limits(route: Route) -> list[Limit]:
+    """The speed limits along the route, for its direction."""
+    found = []
+    start = -route.start_mm
+    for run in route.runs:
+        length = route.topology.length_mm(run)
+        found += [_limit(one, run, start, length) for one in route.topology.line.speed_limits if _holds(one, run)]
+        start += length
+    return found
+
+
+def _holds(limit: elements.SpeedLimit, run: Run) -> bool:
+    return limit.edge == run.edge and limit.direction in (None, run.direction)
+
+
+def _limit(one: elements.SpeedLimit, run: Run, start_mm: int, length_mm: int) -> Limit:
+    low, high = sorted((one.from_mm, one.to_mm))
+    if run.direction == "decreasing":
+        low, high = length_mm - high, length_mm - low
+    return Limit(start_mm + low, start_mm + high, one.max_speed_mm_s)
+
+
+def without(route: ReflectorRoute, *, balises: Sequence[int] = (), missing: Sequence[int] = ()) -> ReflectorRoute:
+    """The same with balises that are never read, and with reflectors (by place) that the track has not."""
+    read = tuple(one for one in route.balises if one.identity not in balises)
+    return replace(route, balises=read, missing=frozenset(missing))

@@ -1,0 +1,192 @@
+"""All ways of locating of one vehicle, as one machine in one step (RFL-13, RFL-14, MRK-2, MRK-3).
+
+    motion         the odometer that all of them share, and the true movement
+    odometry       distance since markers read at the front and at the rear
+    balise         balise groups, supervised by linking
+    reflector      radar reflectors in the view zone
+    selection, position   usable satellites, and the position along the track from them alone
+    verification   the trackside's fibre position, verified against an axle counter
+    downlink       brings the verified fibre position on board; its age is charged
+    arbitration    what all that state a position have in common
+    delocalized    what the vehicle does with it: pass it on, or be restrictive
+    uplink         brings the position that is passed on to the trackside; its age is charged
+
+A later machine sees what an earlier one computed in the same step. Any of the five sources may be left out. Each keeps its
+own proofs; what arbitration, the links and the restrictive state assume of the machines before them, and the satellites'
+position of a reference, is not assumed of the whole, but owed by those, and proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from safeloc.language.composition import Clause, Composition, compose
+from safeloc.language.expr import Bool, BoolVar, Expr, Num, NumVar, Var
+from safeloc.language.machine import Machine
+from safeloc.models import arbitration, delocalized, motion, transmission
+from safeloc.models.arbitration import Arbitration, Source
+from safeloc.models.arbitration.variables import parts as arbitration_parts
+from safeloc.models.localizer.configuration import CHECKED, LocalizerConfig, SourceName
+from safeloc.models.localizer.sources import PIECES, Piece, Stated
+from safeloc.models.motion import Motion
+from safeloc.models.transmission import Transmission, TransmissionConfig
+from safeloc.models.vocabulary.reasons import NO_REFERENCE
+
+__all__ = ["CHECKED", "Localizer", "LocalizerConfig", "More", "Piece", "SourceName", "Stated", "compose_machines"]
+
+
+@dataclass(frozen=True, eq=False)
+class Localizer:
+    """The composition and its machines."""
+
+    config: LocalizerConfig
+    composition: Composition
+    motion: Motion
+    pieces: Mapping[str, Piece]
+    downlink: Transmission | None
+    arbitration: Arbitration
+    guard: Machine
+    uplink: Transmission
+
+    @property
+    def machines(self) -> tuple[Machine, ...]:
+        """All machines, in order of the step."""
+        return self.composition.system.machines
+
+
+@dataclass(frozen=True, eq=False)
+class More:
+    """What a composition adds behind a localizer's own machines, as for `compose`."""
+
+    machines: tuple[Machine, ...] = ()
+    wires: Mapping[Var, Expr] = field(default_factory=dict)
+    shared: tuple[Var, ...] = ()
+    owes: tuple[Machine | Clause, ...] = ()
+
+
+def _no_more(_: Motion, __: Machine, ___: Transmission) -> More:
+    return More()
+
+
+def compose_machines(
+    config: LocalizerConfig | None = None,
+    *,
+    name: str = "localizer",
+    behind: Callable[[Motion, Machine, Transmission], More] = _no_more,
+) -> Localizer:
+    """The localizer of a vehicle: its sources in declared order, then what counts, then what is done with it.
+
+    behind   from the movement, the restrictive state and the uplink: what another composition adds
+    """
+    config = config or LocalizerConfig()
+    moves = motion.build(motion.parts(config.motion))
+    pieces: dict[str, Piece] = {}
+    for source in config.arbitration.sources:
+        pieces[source] = PIECES[source](config, moves, pieces)
+    downlink, link_wires = _downlink(config, moves, pieces)
+    counts = arbitration.build(arbitration_parts(config.arbitration))
+    guard = delocalized.machine(
+        delocalized.DelocalizedConfig(
+            tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm
+        )
+    )
+    uplink = _link("uplink", config.uplink, moves)
+    more = behind(moves, guard, uplink)
+    wires = {
+        **{var: term for piece in pieces.values() for var, term in piece.wires.items()},
+        **link_wires,
+        **_into_arbitration(counts, moves, _all_stated(pieces, downlink)),
+        **_into_guard(guard, counts, moves),
+        **_into_uplink(uplink, guard, moves),
+        **more.wires,
+    }
+    sources = [machine for piece in pieces.values() for machine in piece.machines]
+    links = [downlink.machine] if downlink else []
+    machines = (moves.machine, *sources, *links, counts.machine, guard, uplink.machine, *more.machines)
+    owed = [one for piece in pieces.values() for one in piece.owed]
+    whole = compose(
+        name,
+        machines,
+        wires,
+        shared=[*moves.shared, *more.shared],
+        owes=[*owed, *links, counts.machine, guard, uplink.machine, *more.owes],
+    )
+    return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
+
+
+# ------------------------------------------------------------------ what stands behind the sources
+
+
+def _downlink(
+    config: LocalizerConfig, moves: Motion, pieces: Mapping[str, Piece]
+) -> tuple[Transmission | None, dict[Var, Expr]]:
+    """The link that brings fibre reports on board: one is sent when trust is stated, and when it is revoked."""
+    if "fibre" not in pieces:
+        return None, {}
+    link, (machine,) = _link("downlink", config.downlink, moves), pieces["fibre"].machines
+    stated = pieces["fibre"].stated
+    return link, {
+        link.own.sent: machine.flag("trusted") | machine.flag("untrusted"),
+        **_into_link(link, stated.valid, stated.position, stated.under, stated.over),
+        link.own.next_truth: moves.own.truth,
+    }
+
+
+def _link(name: str, config: TransmissionConfig, moves: Motion) -> Transmission:
+    return transmission.build(replace(transmission.parts(config), truth=moves.own.truth), name)
+
+
+def _into_link(link: Transmission, valid: Bool, position: Num, under: Num, over: Num) -> dict[Var, Expr]:
+    return {link.own.valid: valid, link.own.position: position, link.own.under: under, link.own.over: over}
+
+
+def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> dict[str, Stated]:
+    """What arbitration hears, by source: of the fibre what has come on board."""
+    stated = {name: piece.stated for name, piece in pieces.items()}
+    if downlink is not None:
+        machine = downlink.machine
+        position, under, over = (machine.output(f"{what}_mm") for what in ("position", "under", "over"))
+        held = machine.flag("valid")
+        stated["fibre"] = Stated(held, position, under, over, held, NO_REFERENCE)
+    return stated
+
+
+def _into_arbitration(counts: Arbitration, moves: Motion, stated: Mapping[str, Stated]) -> dict[Var, Expr]:
+    wires: dict[Var, Expr] = {
+        counts.own.distance.value: moves.machine.output("distance_mm"),
+        counts.own.distance.present: moves.told,
+        counts.own.next_truth: moves.own.truth,
+    }
+    for source in counts.own.sources:
+        wires |= _hears(source, stated[source.name])
+    return wires
+
+
+def _hears(source: Source, stated: Stated) -> dict[Var, Expr]:
+    return {
+        source.valid: stated.valid,
+        source.position: stated.position,
+        source.under: stated.under,
+        source.over: stated.over,
+        source.reference: stated.reference,
+        source.reason: stated.reason,
+    }
+
+
+def _into_guard(guard: Machine, counts: Arbitration, moves: Motion) -> dict[Var, Expr]:
+    sees, says = {var.name: var for var in guard.inputs if isinstance(var, (NumVar, BoolVar))}, counts.machine
+    return {
+        sees["source_valid"]: says.flag("valid"),
+        sees["reference_accepted"]: says.flag("reference_accepted"),
+        sees["source_reason"]: says.output("reason"),
+        sees["source_position_mm"]: says.output("position_mm"),
+        sees["source_over_mm"]: says.output("over_mm"),
+        sees["source_under_mm"]: says.output("under_mm"),
+        next(iter(guard.ghost_inputs)): moves.own.truth,
+    }
+
+
+def _into_uplink(uplink: Transmission, guard: Machine, moves: Motion) -> dict[Var, Expr]:
+    numbers = (guard.output(f"{what}_mm") for what in ("position", "under", "over"))
+    return {**_into_link(uplink, ~guard.flag("restrictive"), *numbers), uplink.own.next_truth: moves.own.truth}

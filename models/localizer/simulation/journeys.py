@@ -1,0 +1,177 @@
+"""Worked journeys of the localizer, and what goes wrong on them: each with its outcome in words, checked by the tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+from safeloc.models.balise.groups import Group
+from safeloc.models.localizer.simulation.junction import Junction
+from safeloc.models.localizer.simulation.simulate import Journey, Stretch, Trouble, TroubleKind
+from safeloc.models.reflector.simulate import Balise, Reflector, Route
+from safeloc.simulation.motion import Leg
+
+METRO = Journey(
+    legs=[Leg(0, 2), Leg(15_000, 45), Leg(0, 30)],
+    markers=[(number, number * 100_000) for number in range(1, 9)],
+    groups=[Group(number, number * 150_000 - 130_000) for number in range(1, 7)],
+    reflectors=Route(
+        (Balise(1, 170_000), Balise(2, 470_000)), (Reflector(250_000, "A", 80_000), Reflector(640_000, "B", 150_000))
+    ),
+    dark=[Stretch(-1_000_000, 10_000_000)],
+    length_mm=40_000,
+)
+"""A metro train into a station, all in a tunnel: markers, balises, and radar reflectors where it has to stop."""
+
+MAIN_LINE = Journey(
+    legs=[Leg(0, 2), Leg(38_000, 90), Leg(0, 60)],
+    markers=[(number, number * 500_000) for number in range(1, 9)],
+    groups=[Group(number, number * 300_000 - 200_000) for number in range(1, 16)],
+    dark=[Stretch(1_400_000, 2_100_000)],
+    length_mm=200_000,
+)
+"""A main line train, satellites in view but for a tunnel of 700 m."""
+
+STEM = [Group(number, number * 300_000 - 220_000) for number in range(1, 4)]
+THROUGH = [Group(number, number * 300_000 - 220_000) for number in range(4, 14)]
+ASIDE = [Group(100 + number, number * 300_000 - 220_000) for number in range(4, 14)]
+"""Groups up to the switch, and as far behind it on either branch: only their identities tell the branches apart."""
+SWITCH_MM, SET_MM = 950_000, 850_000
+
+FREIGHT = Journey(
+    legs=[Leg(0, 2), Leg(22_000, 120), Leg(0, 60)],
+    groups=[*STEM, *THROUGH],
+    dark=[Stretch(2_200_000, 2_300_000)],
+    fibre=Stretch(500_000, 2_000_000),
+    junction=Junction(SWITCH_MM, SET_MM, ASIDE),
+    axles=44,
+    length_mm=205_000,
+    acceleration_mm_s2=400,
+)
+"""A freight train through a fibre-equipped area, entered over an axle counter, with a junction in it; past its end balises
+alone are left. The route over the switch is changed 100 m before it: linking for the other branch is replaced."""
+
+OFF_THE_FIBRE = replace(
+    FREIGHT, groups=[*STEM, *ASIDE], fibre=Stretch(500_000, SWITCH_MM), junction=Junction(SWITCH_MM, SET_MM, THROUGH)
+)
+"""The same train, routed into the branch along which there is no fibre, and announced so."""
+
+NOMINAL: Mapping[str, Journey] = {"metro": METRO, "main-line": MAIN_LINE, "freight": FREIGHT}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One thing that goes wrong on a journey, and what then happens.
+
+    fires        transitions of the whole that fire because of it, as `machine: transition`
+    outcome      in words
+    undetectable why no machine can notice it before a wrong interval is stated; empty: no wrong interval is stated
+    remains      what the interval, which holds the truth, does not say and no machine can notice at once
+    """
+
+    journey: str
+    trouble: Trouble
+    fires: tuple[str, ...]
+    outcome: str
+    undetectable: str = ""
+    remains: str = ""
+
+    @property
+    def name(self) -> str:
+        """Journey and trouble."""
+        return f"{self.journey}: {self.trouble.kind}"
+
+
+def with_troubles(cases: Sequence[Case]) -> Journey:
+    """The journey that the cases are of, with what goes wrong in all of them."""
+    return replace(NOMINAL[cases[0].journey], troubles=[case.trouble for case in cases])
+
+
+SPOOFED = (
+    "all solutions are drawn away together, by less in a cycle than the prediction allows: as long as the drift is within "
+    "what the other sources leave open, nothing on board differs from a true run"
+)
+BRANCH = (
+    "on which branch the vehicle is: the one coordinate counts along either, and behind the switch the truth is the distance run "
+    "along the branch taken. From the switch to the first group behind it both branches look alike on board; until the last "
+    "source is withdrawn the distance that is passed on is right, and its branch may be wrong"
+)
+_BALISE_UNREAD = ("balise: expected group missed",)
+_UNANNOUNCED = (*_BALISE_UNREAD, "balise: telegram rejected", "balise: tolerance exceeded")
+_SILENT = ("motion: silent too long", "balise: sensors failed")
+_SLIDES = ("motion: units disagree", "balise: sensors failed")
+
+
+def _metro(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
+    return Case("metro", Trouble(kind, 380, 480, group), fires, outcome, undetectable)
+
+
+def _main(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
+    return Case("main-line", Trouble(kind, 800, 900, group), fires, outcome, undetectable)
+
+
+def _freight(
+    kind: TroubleKind,
+    fires: tuple[str, ...],
+    outcome: str,
+    *,
+    group: int = 0,
+    undetectable: str = "",
+    remains: str = "",
+) -> Case:
+    return Case("freight", Trouble(kind, 800, 1_000, group), fires, outcome, undetectable, remains)
+
+
+CASES: tuple[Case, ...] = (
+    _metro("odometer silent", (*_SILENT, "reflector: nothing to rely on", "odometry: hand over to rear device"),
+           "balises and reflectors, which hear that odometer, withdraw; odometry goes on with the other device and radar"),
+    _metro("odometer slides", (*_SLIDES, "reflector: odometer failed"),
+           "the wheel measures a quarter too little: refused as it begins, then charged what the radar measures more"),
+    _metro("radar blind", ("reflector: reference reflector not found",), "the radar's self-test fails: it is not used"),
+    _metro("radar shifted", ("reflector: reference reflector not found",),
+           "60 m too far: the self-test against the reference reflector fails, the radar is not used"),
+    _metro("marker misplaced", ("odometry: trailing reading at rear",),
+           "a marker read with its neighbour's identity lies outside the window and is refused; the rear reader's counts"),
+    _metro("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; nothing is narrowed by it", group=4),
+    _metro("balise missed", _BALISE_UNREAD, "the margin grows until the next group", group=4),
+    _metro("balise displaced", _BALISE_UNREAD, "a group that lies 40 m further is found outside its window", group=4),
+    _metro("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+    _main("odometer silent", _SILENT, "satellites and odometry's radar go on; balises withdraw"),
+    _main("odometer slides", _SLIDES, "both units' difference is charged; balises withdraw; satellites go on"),
+    _main("satellites lost", ("selection: no satellite is usable",), "odometry leads until satellites are back"),
+    _main("multipath", ("selection: satellites are selected",), "the one channel is excluded; the others locate on"),
+    _main("spoofing", ("position: tolerance exceeded",), "solutions that no more meet the prediction are refused",
+          undetectable=SPOOFED),
+    _main("marker misplaced", ("odometry: tolerance exceeded",), "refused; odometry withdraws when its margin is used up"),
+    _main("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; others go on", group=7),
+    _main("balise missed", _BALISE_UNREAD, "the margin grows; others lead", group=7),
+    _main("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; others lead", group=7),
+    _main("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+    _freight("odometer silent", _SILENT, "satellites and the fibre go on; balises withdraw"),
+    _freight("odometer slides", _SLIDES, "both units' difference is charged; balises withdraw; satellites and the fibre go on"),
+    _freight("satellites lost", ("arbitration: fibre takes over",), "fibre and balises lead, whichever is narrower"),
+    _freight("multipath", ("selection: satellites are selected",), "the one channel is excluded; the others locate on"),
+    _freight("spoofing", ("position: tolerance exceeded", "arbitration: fibre stands in"),
+             "solutions that no more meet the prediction are refused; the fibre stands in", undetectable=SPOOFED),
+    _freight("fibre miscount", ("verification: mismatch", "downlink: report revokes"),
+             "the counter's axles are not the fibre's: untrusted, and its position never comes on board"),
+    _freight("fibre error", ("verification: mismatch", "downlink: report revokes"),
+             "error signal F: what was given out is revoked, on board in the same cycle"),
+    _freight("downlink silent", ("downlink: report has become too old",), "the fibre's position ages and is withdrawn"),
+    _freight("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; satellites lead", group=6),
+    _freight("balise missed", _BALISE_UNREAD, "the margin grows; satellites lead", group=6),
+    _freight("balise displaced", _BALISE_UNREAD, "found outside its window, or too late for it; satellites lead", group=6),
+    _freight("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
+    _freight("other branch taken", (*_UNANNOUNCED, "verification: train has left"),
+             "no group of that branch is accepted, the one expected is missed; the fibre ends trust at the switch, satellites "
+             "stay withheld: balises withdraw last, and no source comes back", remains=BRANCH),
+    _freight("linking not replaced", _UNANNOUNCED,
+             "no group of the route is in the linking: refused, the one expected is missed, balises withdraw and satellites stay "
+             "withheld; the fibre goes on, and past it nothing is left", remains=BRANCH),
+)  # fmt: skip
+
+
+def pairs(journey: str) -> Iterator[tuple[Case, Case]]:
+    """Two different things that go wrong on the same journey."""
+    yield from combinations([case for case in CASES if case.journey == journey], 2)

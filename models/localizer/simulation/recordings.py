@@ -1,0 +1,93 @@
+"""Recordings of the localizer that ship: short journeys, each with what is to come of it in words.
+
+Written by `python -m safeloc.models.localizer.simulation.recordings`; the tests check that they come out the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from safeloc.models.balise.groups import Group
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer.simulation.journeys import METRO
+from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch, Trouble, first_state, simulate
+from safeloc.runtime.streams.steps import write_steps
+from safeloc.simulation.motion import Leg
+
+FOLDER, SEED = Path(__file__).parents[2] / "streams", 3
+EVERYWHERE = Stretch(-1_000_000, 10_000_000)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A journey to record, and what is to come of it."""
+
+    journey: Journey
+    says: str
+
+
+STATION = replace(METRO, legs=[Leg(0, 1), Leg(15_000, 28), Leg(0, 18)], acceleration_mm_s2=1_000)
+MAIN_LINE = Journey(
+    legs=[Leg(0, 1), Leg(22_000, 29), Leg(0, 2)],
+    markers=[(number, number * 100_000) for number in range(1, 9)],
+    groups=[Group(number, number * 150_000 - 100_000) for number in range(1, 6)],
+    dark=[Stretch(-1_000_000, 192_000), Stretch(330_000, 10_000_000)],
+    satellites=5,
+    length_mm=200_000,
+    acceleration_mm_s2=1_000,
+)
+FREIGHT = Journey(
+    legs=[Leg(0, 1), Leg(12_000, 35), Leg(0, 2)],
+    groups=[Group(number, number * 150_000 - 120_000) for number in range(1, 5)],
+    dark=[Stretch(-1_000_000, 172_000), Stretch(235_000, 10_000_000)],
+    satellites=5,
+    fibre=Stretch(60_000, 300_000),
+    axles=44,
+    length_mm=205_000,
+    acceleration_mm_s2=700,
+)
+SILENT_BALISE = [Trouble("odometer silent", 320, 332), Trouble("balise corrupted", group=3)]
+REVOKED = [Trouble("fibre error", 300, 310), Trouble("satellites lost", 270, 400)]
+RUNS: Mapping[str, Run] = {
+    "metro": Run(
+        STATION, "Into a station in a tunnel: the radar leads after its self-test, then odometry; balises confirm."
+    ),
+    "main-line": Run(
+        MAIN_LINE, "Out of a hall, some 140 m under satellites, then into a tunnel where odometry and balises go on."
+    ),
+    "freight": Run(
+        FREIGHT,
+        "Through a fibre area: its position comes by the downlink; balises, and for a while satellites, narrow it.",
+    ),
+    "metro-silent-odometer-corrupted-balise": Run(
+        replace(STATION, troubles=SILENT_BALISE),
+        "A telegram is corrupted and the odometer is silent for 1.2 s: balises and radar withdraw, odometry goes on.",
+    ),
+    "freight-fibre-error-no-satellites": Run(
+        replace(FREIGHT, troubles=REVOKED),
+        "Satellites are lost, then the fibre reports an error: what it had given out is revoked on board in the same cycle.",
+    ),
+}
+"""By the end of the recording's name."""
+
+
+def simulated(config: LocalizerConfig, seed: int) -> Steps:
+    """Steps of the nominal journey into a station, the sensors' errors by the seed."""
+    return simulate(config, RUNS["metro"].journey, seed=seed)
+
+
+def write(folder: Path = FOLDER) -> list[Path]:
+    """Write all of them, each with its first state; the paths."""
+    config, paths = LocalizerConfig(), list[Path]()
+    for name, run in RUNS.items():
+        paths.append(folder / f"localizer-{name}.jsonl.gz")
+        steps, first = simulate(config, run.journey, seed=SEED), first_state(config, run.journey)
+        write_steps(paths[-1], steps, machine="localizer", first=first, short=True)
+    return paths
+
+
+if __name__ == "__main__":
+    for path in write():
+        print(path)

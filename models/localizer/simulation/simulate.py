@@ -1,0 +1,384 @@
+"""A vehicle's journey with all its ways of locating, as one step stream of the localizer, its ghosts included.
+
+All sources see one and the same motion, and those that hear the vehicle's odometer hear the same distances. Odometry,
+balises and reflectors are simulated by their own modules; satellites and the fibre are simulated as what their front ends
+hand over. What goes wrong is named (safeloc.models.localizer.simulation.journeys): a trouble that breaks what is assumed makes a
+stream without ghosts, on which nothing can be said of the truth but what the remark `truth_mm` shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.language.nodes import Value
+from safeloc.models.balise import simulate as balise_streams
+from safeloc.models.balise.groups import Group
+from safeloc.models.balise.simulate import GroupFault, GroupFaultKind, RouteSet
+from safeloc.models.localizer import LocalizerConfig, compose_machines
+from safeloc.models.localizer.simulation.junction import Junction
+from safeloc.models.localizer.simulation.sky import signals, solution
+from safeloc.models.motion.simulate import Measured, measured_by
+from safeloc.models.motion.unit_check import ODOMETER_LAWFUL
+from safeloc.models.odometry import simulate as odometry_streams
+from safeloc.models.reflector import simulate as reflector_streams
+from safeloc.models.reflector.simulate import Disturbance, Scene
+from safeloc.models.verification import VerificationConfig
+from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+from safeloc.simulation.reader_faults import ReaderFault
+from safeloc.simulation.sensors import Fault, FaultKind
+
+Steps = list[dict[str, Cell]]
+NM_PER_MM = 1_000_000
+WIRED = (
+    "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
+)  # fmt: skip
+CHECKED = ("odometer_next_wander_nm", "next_wander_nm")
+"""Wired as well, or shared, where a check unit makes the odometer's law owed."""
+TroubleKind = Literal[
+    "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
+    "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
+    "balise missed", "balise displaced", "other branch taken", "linking not replaced",
+]  # fmt: skip
+UNLAWFUL: tuple[TroubleKind, ...] = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
+"""These break what a source assumes of its sensors; the others are noticed, or change nothing that is assumed."""
+SPOOFED_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 5
+"""Spoofing draws all solutions away by so much a cycle; a radar is off by so much; a block of the fibre."""
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """What goes wrong in cycles `begin` up to, not including, `end`; for balises `group` tells which one.
+
+    A miscount, and what goes wrong at the junction, are there once on a journey, whatever the cycles.
+    """
+
+    kind: TroubleKind
+    begin: int = 0
+    end: int = 0
+    group: int = 0
+
+    def active(self, cycle: int) -> bool:
+        """Whether it acts in a cycle."""
+        return self.begin <= cycle < self.end
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of the line, mm."""
+
+    begin_mm: int
+    end_mm: int
+
+    def holds(self, place_mm: int) -> bool:
+        """Whether a place lies in it."""
+        return self.begin_mm <= place_mm < self.end_mm
+
+
+@dataclass(frozen=True)
+class Journey:
+    """What a vehicle runs along.
+
+    dark        where no satellite is seen; elsewhere `satellites` are, as far as the receiver has channels
+    fibre       where a fibre lies along the track, entered over an axle counter
+    groups      those along the route that is set, beyond the junction too
+    junction    where another branch leaves that route; there is no fibre along it
+    """
+
+    legs: Sequence[Leg]
+    markers: Sequence[tuple[int, int]] = ()
+    groups: Sequence[Group] = ()
+    reflectors: reflector_streams.Route = field(default_factory=lambda: reflector_streams.Route((), ()))
+    dark: Sequence[Stretch] = ()
+    satellites: int = 16
+    fibre: Stretch | None = None
+    junction: Junction | None = None
+    axles: int = 16
+    length_mm: int = 60_000
+    acceleration_mm_s2: int = 700
+    troubles: Sequence[Trouble] = ()
+
+    @property
+    def lawful(self) -> bool:
+        """Nothing breaks what is assumed."""
+        return not any(one.kind in UNLAWFUL for one in self.troubles)
+
+    @property
+    def astray(self) -> Junction | None:
+        """The junction, where the vehicle takes the other branch there than the one that is set."""
+        return self.junction if any(one.kind == "other branch taken" for one in self.troubles) else None
+
+    @property
+    def passed(self) -> list[Group]:
+        """The groups that the vehicle passes."""
+        return list(self.groups) if self.astray is None else self.astray.branched(self.groups)
+
+    @property
+    def announced(self) -> list[Group]:
+        """The groups that are announced behind the switch: with linking that is not replaced those of the other branch."""
+        stale = any(one.kind == "linking not replaced" for one in self.troubles)
+        return self.junction.branched(self.groups) if stale and self.junction else list(self.groups)
+
+    def undecided(self, place_mm: int) -> bool:
+        """Whether the vehicle may be on either branch there, so that no satellite is predicted along either."""
+        return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
+
+    def trouble(self, kind: TroubleKind, cycle: int) -> Trouble | None:
+        """The trouble of a kind that acts in a cycle."""
+        return next((one for one in self.troubles if one.kind == kind and one.active(cycle)), None)
+
+
+def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
+    """The journey as steps: inputs, and where nothing breaks the law the ghosts; and the remark `truth_mm`."""
+    rng = np.random.default_rng(seed)
+    motion = motion_of(config, journey)
+    measured = _measured(config, journey, motion, rng)
+    parts = [_common(motion, measured), _links(config, journey, len(motion.position_nm))]
+    parts += [_SOURCES[name](config, journey, motion, measured, seed) for name in config.arbitration.sources]
+    steps: Steps = [{key: cell for part in row for key, cell in part.items()} for row in zip(*parts, strict=True)]
+    if journey.lawful:
+        return steps
+    hidden = _ghosts(config.model_dump_json())
+    return [{key: cell for key, cell in step.items() if key not in hidden} for step in steps]
+
+
+@lru_cache(maxsize=8)
+def _ghosts(config: str) -> frozenset[str]:
+    """Names of the ghosts of a localizer with this configuration (JSON)."""
+    system = compose_machines(LocalizerConfig.model_validate_json(config)).composition.system
+    return frozenset(var.name for var in system.ghosts)
+
+
+def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
+    """What is open at the start: where the vehicle is, how fast, and what train it is."""
+    motion = motion_of(config, journey)
+    used: dict[str, Value] = {"truth_nm": motion.start_nm}
+    if config.motion.check is not None:
+        used |= {"odometer_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value}
+    open_: dict[str, dict[str, Value]] = {
+        "odometry": {"odometry.faulty_unit": 0} if config.odometry.single_fault_safe else {},
+        "satellite": {"position.true_speed_um_s": int(_speeds_um_s(motion)[0])},
+        "fibre": {"verification.true_axles": journey.axles, "verification.true_length_um": journey.length_mm * 1_000},
+    }
+    for name in config.arbitration.sources:
+        used |= open_.get(name, {})
+    return used
+
+
+def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
+    """How the vehicle runs, from 0 on."""
+    vehicle = VehicleConfig(
+        max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9), acceleration_mm_s2=journey.acceleration_mm_s2,
+        brake_mm_s2=journey.acceleration_mm_s2, length_mm=journey.length_mm,
+    )  # fmt: skip
+    return move(vehicle, journey.legs, config.motion.period_ms)
+
+
+# ------------------------------------------------------------------ what all sources share
+
+
+def _measured(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np.random.Generator) -> Measured:
+    kinds: dict[TroubleKind, FaultKind] = {"odometer silent": "drop-out", "odometer slides": "slide"}
+    faults = [Fault("wheel", kinds[one.kind], one.begin, one.end) for one in journey.troubles if one.kind in kinds]
+    return measured_by("wheel", config.motion, motion, rng, faults)
+
+
+def _common(motion: Motion, measured: Measured) -> Steps:
+    true, steps = motion.step_nm, list[dict[str, Cell]]()
+    units = {"motion.odometer_mm": measured.odometer, "motion.check_mm": measured.check}
+    for cycle, place in enumerate(motion.position_nm):
+        step: dict[str, Cell] = {"true_step_nm": int(true[cycle]), "truth_mm": int(place) // NM_PER_MM}
+        step |= {name: int(one.step_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
+        if measured.check is not None:
+            step["odometer_next_wander_nm"] = int(measured.odometer.wander_nm[cycle])
+        steps.append(step)
+    return steps
+
+
+def _links(config: LocalizerConfig, journey: Journey, cycles: int) -> Steps:
+    """A report to the trackside in every fifth cycle, there two cycles later; fibre reports come at once."""
+    steps: Steps = []
+    for cycle in range(cycles):
+        silent = journey.trouble("uplink silent", cycle) is not None
+        step: dict[str, Cell] = {
+            "uplink.sent": cycle % BLOCK_CYCLES == 0, "uplink.arrived": cycle % BLOCK_CYCLES == 2 and not silent
+        }  # fmt: skip
+        if "fibre" in config.sources:
+            step["downlink.arrived"] = journey.trouble("downlink silent", cycle) is None
+        steps.append(step)
+    return steps
+
+
+def _named(machine: str, steps: Sequence[Mapping[str, Cell]], heard: Sequence[str] = ()) -> Steps:
+    """A machine's own steps under the names of the whole, without what it hears from others."""
+    known = (*WIRED, *heard)
+    return [{f"{machine}.{key}": cell for key, cell in step.items() if key not in known} for step in steps]
+
+
+def _units_heard(config: LocalizerConfig) -> tuple[str, ...]:
+    """Odometry's inputs that hear the vehicle's own units."""
+    first, second = (f"front_{unit.kind}_mm" for unit in (config.odometry.first_unit, config.odometry.second_unit))
+    return (first,) if config.motion.check is None else (first, second)
+
+
+def _owed(measured: Measured) -> tuple[str, ...]:
+    """Ghosts that all share who hear a checked odometer."""
+    return CHECKED if measured.check is not None else ()
+
+
+# ------------------------------------------------------------------ on-board sources with a simulation of their own
+
+
+def _odometry(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
+    wrong = [one for one in journey.troubles if one.kind == "marker misplaced"]
+    faults = [ReaderFault("front_marker", "misplaced", one.begin, one.end, reach=1) for one in wrong]
+    return _named(
+        "odometry",
+        odometry_streams.simulate(
+            config.odometry, seed=seed, motion=motion, markers=journey.markers, dropout=0, missed=0, foreign=0,
+            faults=faults, first_unit=measured.odometer, second_unit=measured.check,
+        ),
+        _units_heard(config),
+    )  # fmt: skip
+
+
+def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
+    kinds: dict[TroubleKind, GroupFaultKind] = {
+        "balise corrupted": "corrupted", "balise missed": "missed", "balise displaced": "late"
+    }  # fmt: skip
+    passed = journey.passed
+    met = {group.identity for group in passed}
+    faults = [
+        GroupFault(one.group, kinds[one.kind]) for one in journey.troubles if one.kind in kinds and one.group in met
+    ]
+    return _named(
+        "balise",
+        balise_streams.simulate(
+            config.balise, seed=seed, motion=motion, groups=passed, routes=_routes(journey, motion), missed=0,
+            foreign=0, faults=faults, measured=measured.told,
+        ),
+        _owed(measured),
+    )  # fmt: skip
+
+
+def _routes(journey: Journey, motion: Motion) -> list[RouteSet]:
+    """Linking for the other branch until the route is set, and then for the route, unless that is forgotten."""
+    if journey.junction is None:
+        return []
+    first = RouteSet(0, journey.junction.branched(journey.groups))
+    reached = np.flatnonzero(motion.position_nm >= journey.junction.set_mm * NM_PER_MM)
+    if not len(reached) or any(one.kind == "linking not replaced" for one in journey.troubles):
+        return [first]
+    return [first, RouteSet(int(reached[0]), journey.groups)]
+
+
+def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
+    kinds: dict[TroubleKind, str] = {"radar blind": "blind", "radar shifted": "shift"}
+    wrong = [one for one in journey.troubles if one.kind in kinds]
+    disturbed = tuple(Disturbance(kinds[one.kind], one.begin, one.end, by_mm=SHIFTED_MM) for one in wrong)
+    scene = Scene(journey.reflectors, pauses=0, dropout=0, disturbances=disturbed)
+    return _named(
+        "reflector",
+        reflector_streams.simulate(config.reflector, seed=seed, scene=scene, motion=motion, measured=measured.told),
+        _owed(measured),
+    )
+
+
+# ------------------------------------------------------------------ satellites, as their front end hands them over
+
+
+def _speeds_um_s(motion: Motion) -> NDArray[np.int64]:
+    """The speed at the end of each cycle, the initial one first: the mean of the cycles before and after."""
+    step = np.concatenate([motion.step_nm[:1], motion.step_nm, motion.step_nm[-1:]])
+    return np.asarray((step[:-1] + step[1:]) // (2 * motion.period_ms), dtype=np.int64)
+
+
+def _satellite(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measured, seed: int) -> Steps:
+    rng, speeds = np.random.default_rng(seed + 1), _speeds_um_s(motion)
+    heard, drawn, steps = 0, 0, list[dict[str, Cell]]()
+    for cycle, place in enumerate(motion.position_nm):
+        truth = int(place) // NM_PER_MM
+        dark = any(one.holds(truth) for one in journey.dark) or journey.trouble("satellites lost", cycle) is not None
+        missing = "TWO_PORTIONS" if journey.undecided(truth) else "NO_EPOCH"
+        heard = 0 if dark or missing == "TWO_PORTIONS" else heard + 1
+        drawn += SPOOFED_MM if journey.trouble("spoofing", cycle) else 0
+        far = journey.trouble("multipath", cycle) is not None
+        selection, speed = config.satellite.selection, int(speeds[cycle + 1])
+        step = signals(selection, rng, journey.satellites, heard, far)
+        step |= solution(selection, rng, journey.satellites, heard, far, truth + drawn, speed, missing)
+        steps.append(step | {"position.next_speed_um_s": speed})
+    return steps
+
+
+# ------------------------------------------------------------------ the fibre, as its front end and the counter tell
+
+
+def _fibre(config: LocalizerConfig, journey: Journey, motion: Motion, _: Measured, seed: int) -> Steps:
+    rng, steps, before = np.random.default_rng(seed + 2), list[dict[str, Cell]](), False
+    for cycle, place in enumerate(motion.position_nm):
+        front = int(place) // NM_PER_MM
+        away = journey.astray is not None and front >= journey.astray.switch_mm
+        inside = journey.fibre is not None and journey.fibre.holds(front) and not away
+        ghosts: dict[str, Cell] = {
+            "next_true_axles": journey.axles, "next_true_length_um": journey.length_mm * 1_000
+        }  # fmt: skip
+        speed = int(motion.speed_mm_s[cycle])
+        step = _record(journey, front, speed, due=inside and not before) | ghosts
+        step |= _pattern(config.fibre, journey, rng, cycle, front, speed, inside)
+        steps.append(step | {"train_leaves": before and not inside})
+        before = inside
+    return _named("verification", steps)
+
+
+def _record(journey: Journey, front: int, speed: int, *, due: bool) -> dict[str, Cell]:
+    """What the axle counter at the area's border tells, in the cycle in which the front passes it."""
+    miscounts = any(one.kind == "fibre miscount" for one in journey.troubles)
+    return {
+        "reference_due": due, "reference_from": "AXLE_COUNTER" if due else "NOBODY", "record_sound": True,
+        "record_axles": journey.axles + (2 if miscounts else 0), "record_length_low_mm": journey.length_mm - 2_000,
+        "record_length_high_mm": journey.length_mm + 2_000, "record_speed_low_mm_s": speed - 300,
+        "record_speed_high_mm_s": speed + 300, "record_place_low_mm": front - 5_000,
+        "record_place_high_mm": front + 5_000, "record_age_cycles": 0,
+    }  # fmt: skip
+
+
+def _pattern(
+    config: VerificationConfig,
+    journey: Journey,
+    rng: np.random.Generator,
+    cycle: int,
+    front: int,
+    speed: int,
+    inside: bool,
+) -> dict[str, Cell]:
+    """What the fibre determines in a block, every fifth cycle; nothing between them."""
+    told = inside and cycle % BLOCK_CYCLES == 0
+    step: dict[str, Cell] = {
+        "associated": told, "fibre_located": told, "fibre_over_mm": 12_000, "fibre_under_mm": 12_000,
+        "fibre_error": inside and journey.trouble("fibre error", cycle) is not None,
+        "chain_tested": inside, "chain_failed": False,
+    }  # fmt: skip
+    if not told:
+        return step
+    seen: dict[str, Cell] = {
+        "fibre_position_mm": front + int(rng.integers(-8_000, 8_000)),
+        "fibre_speed_mm_s": speed + int(rng.integers(-300, 300)),
+        "fibre_axles": journey.axles,
+        "fibre_length_mm": journey.length_mm + int(rng.uniform(-0.4, 0.4) * config.length_tolerance_mm),
+    }
+    return step | seen
+
+
+_SOURCES = {
+    "odometry": _odometry,
+    "balise": _balise,
+    "reflector": _reflector,
+    "satellite": _satellite,
+    "fibre": _fibre,
+}

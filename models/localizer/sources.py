@@ -1,0 +1,172 @@
+"""The sources of a localizer: machines, how they hear the vehicle, and what they state in common words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from safeloc.language.composition import Clause
+from safeloc.language.expr import Bool, Expr, Num, NumVar, Optional, Var, ite, maximum
+from safeloc.language.machine import Machine
+from safeloc.models import balise, odometry, reflector, satellite_selection, verification
+from safeloc.models import satellite as satellites
+from safeloc.models.balise.variables import parts as balise_parts
+from safeloc.models.localizer.configuration import LocalizerConfig
+from safeloc.models.motion import Motion
+from safeloc.models.odometry.variables import parts as odometry_parts
+from safeloc.models.reflector import variables as reflecting
+from safeloc.models.satellite import variables as satellite_words
+from safeloc.models.satellite.law import REFERENCE
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+
+
+@dataclass(frozen=True, eq=False)
+class Stated:
+    """What a source's machine states, in terms of that machine after the step."""
+
+    valid: Bool
+    position: Num
+    under: Num
+    over: Num
+    reference: Bool
+    reason: Num
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A source: its machines in order, how they are wired, what it states, and what sources before it owe it."""
+
+    machines: tuple[Machine, ...]
+    wires: Mapping[Var, Expr]
+    stated: Stated
+    owed: tuple[Clause, ...] = ()
+
+
+def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
+    """An odometer input that hears a unit of the vehicle."""
+    return {step.value: heard.value, step.present: heard.present}
+
+
+def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
+    """An odometer input that hears what is told of the vehicle's odometer."""
+    if moves.own.check is None or more is None:
+        return _same_distance(step, moves.own.odometer.step)
+    says = moves.machine
+    return {step.value: says.output("distance_mm"), step.present: moves.told, more: says.output("more_nm")}
+
+
+def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
+    own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe)
+    own = replace(own, truth=moves.own.truth, true_step=moves.own.true_step)
+    model = odometry.build(own)
+    wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
+    return Piece((model.machine,), {var: term for one in wires for var, term in one.items()}, _plainly(model.machine))
+
+
+def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
+    own = balise_parts(config.balise)
+    world = replace(own.world, truth=moves.own.truth, true_step=moves.own.true_step)
+    if moves.own.check is not None:
+        world = replace(world, wander=moves.own.check.wander, next_wander=moves.own.check.next_wander)
+    own = replace(own, world=world)
+    machine = balise.build(own).machine
+    wires = _told_distance(own.odometer.step, own.odometer.more, moves)
+    return Piece((machine,), wires, _plainly(machine), _owed_law(Clause(machine, balise.ODOMETER), moves))
+
+
+def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
+    """With a check unit the law of the distance is owed by `motion`."""
+    return () if moves.own.check is None else (law,)
+
+
+def _plainly(machine: Machine) -> Stated:
+    """What a machine states whose outputs have the common names and reasons."""
+    return Stated(
+        machine.flag("valid"),
+        machine.output("position_mm"),
+        machine.output("under_mm"),
+        machine.output("over_mm"),
+        machine.flag("reference_accepted"),
+        machine.output("reason"),
+    )
+
+
+def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
+    own = reflecting.parts(config.reflector)
+    ghosts = replace(own.ghosts, truth=moves.own.truth, true_step=moves.own.true_step)
+    if moves.own.check is not None:
+        ghosts = replace(ghosts, wander=moves.own.check.wander, next_wander=moves.own.check.next_wander)
+    own = replace(own, ghosts=ghosts)
+    machine = reflector.build(own).machine
+    error = machine.output("error")
+    why = ite(error.eq(reflecting.TOLERANCE), TOLERANCE, CONTRADICTION)
+    why = ite(error.one_of(reflecting.SENSOR_FAILURE, reflecting.NO_SELF_TEST), SENSOR_FAILURE, why)
+    why = ite(error.one_of(reflecting.NO_POSITION, reflecting.NO_ERROR), NO_REFERENCE, why)
+    stated = Stated(
+        machine.flag("valid"),
+        ite(machine.flag("valid"), machine.output("position_mm"), 0),
+        ite(machine.flag("valid"), machine.output("under_mm"), 0),
+        ite(machine.flag("valid"), machine.output("over_mm"), 0),
+        machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
+        why,
+    )
+    wires = _told_distance(own.odometer.step, own.odometer.more, moves)
+    return Piece((machine,), wires, stated, _owed_law(Clause(machine, reflector.ODOMETER), moves))
+
+
+def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
+    selection = satellite_selection.build(satellite_selection.parts(config.satellite.selection))
+    own = replace(satellite_words.parts(config.satellite), truth=moves.own.truth)
+    machine = satellites.build(own)
+    wires: dict[Var, Expr] = {
+        told: one.standing.eq(satellite_selection.USABLE)
+        for told, one in zip(own.usable, selection.own.channels, strict=True)
+    }
+    wires[own.next_truth] = moves.own.truth
+    trusted = next((earlier[name].stated for name in ("balise", "odometry", "reflector") if name in earlier), None)
+    if trusted is not None:
+        accuracy = maximum(trusted.under, trusted.over)
+        heard = trusted.reference & (accuracy <= own.accuracy.high)
+        wires |= {
+            own.reference.present: heard,
+            own.reference.value: ite(heard, trusted.position, 0),
+            own.accuracy: ite(heard, accuracy, 0),
+        }
+    why = machine.output("reason")
+    reason = ite(why.eq(satellite_words.TOLERANCE), TOLERANCE, NO_REFERENCE)
+    reason = ite(why.eq(satellite_words.COASTED_OUT), SENSOR_FAILURE, reason)
+    reason = ite(why.one_of(satellite_words.CONTRADICTION, satellite_words.DRIFT), CONTRADICTION, reason)
+    stated = Stated(
+        machine.flag("valid"),
+        machine.output("position_mm"),
+        machine.output("under_mm"),
+        machine.output("over_mm"),
+        machine.flag("valid") & machine.output("fix").eq(satellite_words.ACCEPTED),
+        ite(machine.flag("valid"), LOCATED, reason),
+    )
+    owed = () if trusted is None else (Clause(machine, REFERENCE),)
+    return Piece((selection.machine, machine), wires, stated, owed)
+
+
+def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
+    """The trackside's verified position; on board it is stated by the downlink."""
+    model = verification.build(replace(verification.parts(config.fibre), truth=moves.own.truth))
+    machine, trusted = model.machine, model.machine.flag("trusted")
+    stated = Stated(
+        trusted,
+        machine.output("position_mm"),
+        machine.output("under_mm"),
+        machine.output("over_mm"),
+        trusted,
+        NO_REFERENCE,
+    )
+    return Piece((machine,), {model.own.next_truth: moves.own.truth}, stated)
+
+
+PIECES = {
+    "odometry": _odometry,
+    "balise": _balise,
+    "reflector": _reflector,
+    "satellite": _satellite,
+    "fibre": _fibre,
+}

@@ -1,1 +1,0 @@
-"""Pieces of the localizer: its configuration, and its sources with what each states."""

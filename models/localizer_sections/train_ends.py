@@ -1,0 +1,214 @@
+"""On board: where the end of the train is that the localizer does not locate (FVA-9, FVA-18).
+
+The localizer's position is that of the front end. The other end lies a train's length behind it, for as long as the train is
+known to be whole; a part that was lost may stand anywhere behind. So the far end is known only while on-board integrity
+monitoring confirms the train. The front end may face either way along the line.
+
+    NOTHING     the localizer gives no position
+    FRONT_ONLY  the train is not confirmed to be whole, or its far end would lie beyond the line
+    BOTH        the far end is known as well
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    all_of,
+    as_num,
+    between,
+    boolean,
+    ceil_to,
+    exact_to,
+    floor_to,
+    ite,
+    maximum,
+    minimum,
+    number,
+)
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM, UM
+from safeloc.models.area.slot import Slot
+from safeloc.models.vocabulary.error_law import NM_PER_MM
+
+TRACE = ("FVA-9", "FVA-18")
+SENT = "the front end's interval holds it"
+"""The clause that the machine before it has to keep."""
+
+
+class TrainConfig(Config):
+    """The train behind the front end."""
+
+    length_mm: int = quantity(200_000, "mm", 1_000, 1_000_000, "[D] passenger train of eight coaches")
+    length_tolerance_mm: int = quantity(1_000, "mm", 0, 50_000, "[D] couplers and train data")
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """What the machine shares with others: top speed over a cycle (nm), the line's end (mm), and the front end (ghost)."""
+
+    most_nm: int
+    limit_mm: int
+    margin_mm: int
+    truth: NumVar
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    valid, position, under, over  inputs: the front end's interval, as it is passed on
+    whole            input: integrity monitoring confirms the train in this cycle
+    upwards          the front end faces growing positions: fixed
+    told, ...        the far end's interval
+    truth, far       ghosts: front end and far end, nm
+    train            ghosts of the area: the same train's rear and front along the line, um
+    """
+
+    config: TrainConfig
+    world: World
+    valid: BoolVar
+    position: NumVar
+    under: NumVar
+    over: NumVar
+    whole: BoolVar
+    upwards: BoolVar
+    told_position: NumVar
+    told_under: NumVar
+    told_over: NumVar
+    far: NumVar
+    next_truth: NumVar
+    next_far: NumVar
+    train: Slot
+
+
+@dataclass(frozen=True, eq=False)
+class TrainEnds:
+    """The machine together with its variables."""
+
+    machine: Machine
+    own: Parts
+
+
+def parts(config: TrainConfig, world: World, train: Slot) -> Parts:
+    """Fresh variables; the train's ghosts are those of its slot in the area."""
+    limit, widest = world.limit_mm, world.margin_mm
+    wider, reach = widest + config.length_tolerance_mm, limit * NM_PER_MM
+    return Parts(
+        config,
+        world,
+        boolean("front_valid"),
+        number("front_position_mm", MM, -limit, limit),
+        number("front_under_mm", MM, 0, widest),
+        number("front_over_mm", MM, 0, widest),
+        boolean("train_whole"),
+        boolean("faces_upwards"),
+        number("far_position_mm", MM, -limit, limit),
+        number("far_under_mm", MM, 0, wider),
+        number("far_over_mm", MM, 0, wider),
+        number("far_end_nm", NM, -reach, reach),
+        number("next_truth_nm", NM, -reach, reach),
+        number("next_far_end_nm", NM, -reach, reach),
+        train,
+    )
+
+
+def build(own: Parts) -> TrainEnds:
+    """The machine over the given variables."""
+    table = modes("NOTHING", "FRONT_ONLY", "BOTH")
+    current = current_mode(table)
+    both, train = current.eq(table[2]), own.train
+    low, high = own.told_position - own.told_under, own.told_position + own.told_over
+    rear, front = _along_the_line(own.world.truth, own.far)
+    next_rear, next_front = _along_the_line(own.next_truth, own.next_far)
+    machine = Machine(
+        name="ends",
+        modes=table,
+        inputs=[own.valid, own.position, own.under, own.over, own.whole],
+        state={own.upwards: ANY, own.told_position: 0, own.told_under: 0, own.told_over: 0},
+        outputs={
+            "valid": both,
+            "position_mm": own.told_position,
+            "under_mm": own.told_under,
+            "over_mm": own.told_over,
+            "faces_upwards": own.upwards,
+        },
+        transitions=list(_table(own, table)),
+        ghosts={own.world.truth: ANY, own.far: ANY, train.true_rear: ANY, train.true_front: ANY},
+        ghost_inputs=[own.next_truth, own.next_far],
+        ghost_moves={
+            own.world.truth: own.next_truth, own.far: own.next_far,
+            train.true_rear: next_rear, train.true_front: next_front,
+        },
+        assumption=_assumption(own),
+        clauses={SENT: _sent_truly(own)},
+        initially=_behind(own, own.world.truth, own.far) & train.true_rear.eq(rear) & train.true_front.eq(front),
+        lemmas={
+            "the far end is inside": both.implies(between(exact_to(low, NM), own.far, exact_to(high, NM))),
+            "the far end is behind": _behind(own, own.world.truth, own.far),
+            "the train lies between its ends": train.true_rear.eq(rear) & train.true_front.eq(front),
+        },
+        mode_variable=current,
+        doc=(
+            "Where the train's far end is, a length behind its front end. Assumed: a train that is confirmed to be whole has "
+            "its length within the tolerance; nothing of it is ahead of the front end, and no part runs faster than the "
+            "line's top speed."
+        ),
+    )  # fmt: skip
+    return TrainEnds(machine, own)
+
+
+def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    nothing, front_only, both = table
+    length, limit = own.config.length_mm, own.world.limit_mm
+    far, wider = own.position + ite(own.upwards, as_num(-length, MM), length), own.config.length_tolerance_mm
+    told: dict[Var, Expr] = {
+        own.told_position: far, own.told_under: own.under + wider, own.told_over: own.over + wider
+    }  # fmt: skip
+    untold: dict[Var, Expr] = {var: as_num(0, MM) for var in told}
+    known = own.valid & own.whole & between(-limit, far, limit)
+    yield Transition("both ends known", table, both, known, told, TRACE, 0)
+    yield Transition("front end known", table, front_only, own.valid, untold, TRACE, 1)
+    yield Transition("nothing known", table, nothing, TRUE, untold, TRACE, 2)
+
+
+# ------------------------------------------------------------------ the environment
+
+
+def _along_the_line(front: Num, far: Num) -> tuple[Num, Num]:
+    """Rear and front along the line, um, rounded outward; nm are the localizer's."""
+    low, high = minimum(front, far), maximum(front, far)
+    return floor_to(low, UM), ceil_to(high, UM)
+
+
+def _behind(own: Parts, front: Num, far: Num) -> Bool:
+    """The far end is not ahead of the front end."""
+    return (own.upwards & (far <= front)) | (~own.upwards & (front <= far))
+
+
+def _assumption(own: Parts) -> Bool:
+    most = own.world.most_nm
+    length, slack = own.config.length_mm * NM_PER_MM, own.config.length_tolerance_mm * NM_PER_MM
+    extent = ite(own.upwards, own.next_truth - own.next_far, own.next_far - own.next_truth)
+    return all_of(
+        [
+            extent >= 0,
+            own.whole.implies(between(length - slack, extent, length + slack)),
+            between(-most, own.next_far - own.far, most),
+        ]
+    )
+
+
+def _sent_truly(own: Parts) -> Bool:
+    low, high = own.position - own.under, own.position + own.over
+    return own.valid.implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))

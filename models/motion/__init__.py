@@ -1,0 +1,195 @@
+"""The vehicle's own movement: the odometer that all ways of locating on board share, and where the vehicle really is.
+
+    SILENT     no distance can be believed, for longer than permitted
+    MEASURING  distances come, or are missing for no longer than permitted
+
+`distance_mm` is the distance estimated for the cycle: the measured one where it is told, and none otherwise; nothing
+is ever put in the place of a missing distance. Without a check unit no error law is assumed here: whoever uses the
+distance charges its own, and assumes that the odometer keeps it.
+
+With a check unit, which measures the same distance by another principle, only one of the two is assumed to keep its law,
+nobody knows which (safeloc.models.motion.unit_check). A distance is told where both measured, and with it `more_nm`, what
+is to be charged beyond the law `MotionConfig.told`; so those who use it are owed what they charge, whatever the other does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, between, number
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM, NM
+from safeloc.models.motion.unit_check import UnitCheck, told_law, unit_check
+from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.measured import ADMITTED, Limits
+from safeloc.models.vocabulary.odometer import Odometer, odometer
+
+__all__ = ["Motion", "MotionConfig", "Parts", "build", "parts"]
+TRACE = ("MRK-4", "MRK-D1")
+
+
+class MotionConfig(Config):
+    """What a vehicle can do, its odometer, and the unit that checks it, if there is one."""
+
+    odometer: ErrorLaw = WHEEL
+    check: ErrorLaw | None = None
+    band_mm: int = quantity(100, "mm", 0, 50_000, "[D] what two units jitter against each other: some measuring steps")
+    period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
+    measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
+    gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+
+    @model_validator(mode="after")
+    def _can_check(self) -> MotionConfig:
+        if self.check is None:
+            return self
+        for name, law in (("odometer", self.odometer), ("check", self.check)):
+            if law.drift_mm_s2:
+                raise ValueError(f"{name}.drift_mm_s2 must be 0: units are compared that count distance.")
+            if law.rate_ppm > MOST_RATE_PPM or law.floor_mm_s > self.max_speed_mm_s:
+                raise ValueError(
+                    f"{name}.rate_ppm must not exceed {MOST_RATE_PPM}, nor its floor_mm_s max_speed_mm_s "
+                    f"{self.max_speed_mm_s}: such a unit measures no distance."
+                )
+        return self
+
+    @property
+    def told(self) -> ErrorLaw:
+        """The law that those who use the distance have to charge, apart from what is told beyond it."""
+        return self.odometer if self.check is None else told_law(self.odometer, self.check, self.band_mm)
+
+    @property
+    def limits(self) -> Limits:
+        """What the odometer needs, rounded so that gates are no tighter than physics."""
+        step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
+        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        gap, tolerance = self.gap_limit_cycles, 1
+        return Limits(
+            self.period_ms, tolerance, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The odometer, its check, and the world: where the front end is, and how far it runs in the cycle (ghosts, nm)."""
+
+    config: MotionConfig
+    odometer: Odometer
+    check: UnitCheck | None
+    distance: NumVar
+    truth: NumVar
+    true_step: NumVar
+
+    @property
+    def told(self) -> Bool:
+        """The cycle's distance is told."""
+        return self.odometer.admitted if self.check is None else self.check.checked
+
+    @property
+    def failed(self) -> Bool:
+        """Nothing was told for longer than permitted."""
+        return self.odometer.failed if self.check is None else self.check.failed
+
+    @property
+    def inputs(self) -> list[Optional]:
+        """What the units measure."""
+        return [self.odometer.step] if self.check is None else [self.odometer.step, self.check.unit.step]
+
+    def state(self) -> dict[Var, Initial]:
+        """State variables with initial values."""
+        checks = {} if self.check is None else self.check.state()
+        return {**self.odometer.state(), **checks, self.distance: 0}
+
+    def listen(self) -> dict[Var, Expr]:
+        """Updates of every cycle."""
+        checks = {} if self.check is None else self.check.listen()
+        distance = self.odometer.distance if self.check is None else self.check.distance
+        return {**self.odometer.listen(), **checks, self.distance: distance}
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The machine together with the terms it was built from."""
+
+    machine: Machine
+    own: Parts
+
+    @property
+    def told(self) -> Bool:
+        """After the step: the cycle's distance is told."""
+        return self.own.odometer.judged.eq(ADMITTED) if self.own.check is None else self.own.check.told
+
+    @property
+    def shared(self) -> list[Var]:
+        """Ghosts that those who use the distance have in common with it."""
+        world: list[Var] = [self.own.truth, self.own.true_step]
+        return world if self.own.check is None else [*world, self.own.check.wander, self.own.check.next_wander]
+
+
+def parts(config: MotionConfig) -> Parts:
+    """Fresh variables for one vehicle."""
+    limits = config.limits
+    reach = config.position_limit_mm * NM_PER_MM
+    measures = odometer(config.odometer, limits)
+    return Parts(
+        config,
+        measures,
+        None if config.check is None else unit_check(measures, config.check, config.band_mm),
+        number("distance_mm", MM, -limits.max_step_mm, limits.max_step_mm),
+        number("truth_nm", NM, -reach, reach),
+        number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
+    )
+
+
+def build(own: Parts) -> Motion:
+    """The machine over the given variables."""
+    table = modes("SILENT", "MEASURING")
+    check, after = own.check, own.truth + own.true_step
+    made = Machine(
+        name="motion",
+        modes=table,
+        inputs=[*own.inputs],
+        state=own.state(),
+        outputs=_outputs(own),
+        transitions=list(_rows(own, table)),
+        ghosts={own.truth: ANY, **({} if check is None else check.ghosts())},
+        ghost_inputs=[own.true_step] if check is None else [own.true_step, check.next_wander],
+        ghost_moves={own.truth: after, **({} if check is None else check.moves())},
+        assumption=between(own.truth.low, after, own.truth.high),
+        clauses={} if check is None else {"one unit keeps its law": check.assumption(own.true_step)},
+        mode_variable=current_mode(table),
+        doc=(
+            "The vehicle's odometer, told only where the vehicle can have run the distance, and its true movement: no "
+            "faster than its highest speed, and on the line. With a check unit one of the two is assumed to keep its "
+            "law, whichever; what a distance is worth is told with it. Without one, that is assumed by those who use it."
+        ),
+    )
+    return Motion(made, own)
+
+
+def _rows(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    silent, measuring = table
+    heard = own.listen()
+    agree = TRUE if own.check is None else ~own.check.disagree
+    yield Transition("distance told", table, measuring, own.told & agree, heard, ("MRK-4",), 0)
+    if own.check is not None:
+        yield Transition("units disagree", table, measuring, own.check.disagree, heard, TRACE, 0)
+        alone = own.check.alone & ~own.failed
+        yield Transition("distance without its check", measuring, measuring, alone, heard, TRACE, 1)
+    yield Transition("silent too long", measuring, silent, own.failed, heard, ("MRK-D1",), 1)
+    yield Transition("distance missing", measuring, measuring, TRUE, heard, ("MRK-D1",), 2)
+    yield Transition("still silent", silent, silent, TRUE, heard, ("MRK-D1",), 2)
+
+
+def _outputs(own: Parts) -> dict[str, Expr]:
+    said: dict[str, Expr] = {"distance_mm": own.distance, "measured": own.odometer.judged}
+    if own.check is None:
+        return said
+    told: dict[str, Expr] = {"told": own.check.told, "more_nm": own.check.more, "check_measured": own.check.unit.judged}
+    return said | told

@@ -1,0 +1,64 @@
+"""What a vehicle's units measure, and what motion tells of it: run through the machine itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.language.system import lower, without_ghosts
+from safeloc.models.motion import MotionConfig, build, parts
+from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.sensors import Distances, Fault, Law, measure
+
+
+@lru_cache(maxsize=8)
+def _on_board(config: str) -> Compiled:
+    """The machine without its environment, by its configuration (JSON)."""
+    return compile_system(without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine)))
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the units of the vehicle measured, and what those hear who share the odometer."""
+
+    odometer: Distances
+    check: Distances | None
+    told: Distances
+
+
+def measured_by(
+    name: str, config: MotionConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault]
+) -> Measured:
+    """Both units along a drive; `faults` are those of the odometer, which is called so."""
+    odometer, check = measure(name, motion, _law(config.odometer), rng, faults=faults), None
+    if config.check is not None:
+        check = measure("check", motion, _law(config.check), rng)
+    return Measured(odometer, check, told(config, odometer, check))
+
+
+def _law(law: ErrorLaw) -> Law:
+    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
+
+
+def told(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:
+    """The distances that those hear who share the odometer; without a check unit, those that it measured."""
+    if config.check is None or check is None:
+        return odometer
+    board = _on_board(config.model_dump_json())
+    state, step, more = board.first(), np.zeros_like(odometer.step_mm), np.zeros_like(odometer.step_mm)
+    present = np.zeros_like(odometer.present)
+    for cycle in range(len(step)):
+        heard = {
+            name: int(unit.step_mm[cycle])
+            for name, unit in (("odometer_mm", odometer), ("check_mm", check))
+            if unit.present[cycle]
+        }
+        state, _ = board.step(state, board.read(heard))
+        said = board.named_outputs(state)
+        step[cycle], present[cycle], more[cycle] = said["distance_mm"], said["told"], said["more_nm"]
+    return replace(odometer, step_mm=step, present=present, more_nm=more)

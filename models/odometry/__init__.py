@@ -1,0 +1,276 @@
+"""Odometry between position markers, with a reader at the front and one at the rear (MRK-1 to MRK-5).
+
+Passing a marker with the LEADING reader sets the device at that end (values M1); when the TRAILING reader passes
+the same marker, the device at its end is set again (values M2), until the leading reader meets the next marker.
+Which end leads follows from the direction of travel. In the one-device variant both readers set the same device.
+
+    DELOCALIZED  no reference, or lost: nothing is reported
+    CANDIDATE    one marker was read; nothing is reported until a different marker agrees with it
+    FRONT        the device at end A gives the position
+    REAR         the device at end B gives the position (two-device variant)
+
+A device takes over when a reading has set it or its margin has become the smaller one, never with a greater margin
+(MRK-D3). The position is that of end A, in mm along the line, growing in the direction from end B to end A.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    FALSE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    any_of,
+    ceil_to,
+    ite,
+    members,
+)
+from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM
+from safeloc.models.odometry.cycle import Judged, Situation, judge, nothing
+from safeloc.models.odometry.distance_device import Device, Values, choose
+from safeloc.models.odometry.environment import environment, lemmas
+from safeloc.models.odometry.marker_reading import ACCEPTED
+from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
+from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+
+VALUES = members("values", "NONE", "M1", "M2")
+NO_VALUES, M1, M2 = VALUES
+UNIT = members("unit", "NONE", "FIRST", "SECOND")
+NO_UNIT, FIRST_UNIT, SECOND_UNIT = UNIT
+ENDS = ("front", "rear")
+
+
+def machine(config: OdometryConfig | None = None) -> Machine:
+    """The odometry machine of a vehicle (MRK-1 to MRK-6 and MRK-D1 to MRK-D6, without the delocalized state's latch)."""
+    return build(parts(config or OdometryConfig())).machine
+
+
+@dataclass(frozen=True, eq=False)
+class Odometry:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+    judged: Judged
+
+    @property
+    def lead(self) -> Values:
+        """What is reported: the values of the device that the mode names."""
+        return lead(self.own, self.machine.mode)
+
+
+def build(own: Parts, name: str = "odometry") -> Odometry:
+    """The machine over the given variables."""
+    mode = modes("DELOCALIZED", "CANDIDATE", "FRONT", *(["REAR"] if len(own.devices) == 2 else []))
+    current = current_mode(mode)
+    situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
+    judged = judge(own, situation)
+    around = environment(own, judged)
+    made = Machine(
+        name=name,
+        modes=mode,
+        inputs=[*(unit.step for unit in own.units), *own.readers[0].inputs, *own.readers[1].inputs, *own.train_data],
+        state=_state(own),
+        outputs=_outputs(own, current, mode),
+        transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
+        ghosts=around.first,
+        ghost_inputs=around.choices,
+        ghost_moves=around.moves,
+        assumption=around.assumption,
+        lemmas=lemmas(own, current, mode),
+        definitions=_definitions(own, judged),
+        mode_variable=current,
+        doc=(
+            "Position of end A of the vehicle from distance measured since position markers, which a reader at either "
+            "end reads. Assumed: every distance that passes the plausibility gates obeys its unit's error law; no cycle "
+            "runs farther than the highest speed allows; every reading that passes all checks (identity, order, "
+            "pairing, window) is true within accuracy, vehicle length tolerance and latency. Nothing is assumed of any "
+            "other reading or measurement."
+        ),
+    )
+    return Odometry(made, own, judged)
+
+
+def _state(own: Parts) -> dict[Var, Initial]:
+    state: dict[Var, Initial] = {}
+    for device in own.devices:
+        state |= device.state()
+    for reader in own.readers:
+        state |= reader.state()
+    state |= own.pending.state()
+    first: dict[Var, Initial] = {
+        own.backwards: False,
+        own.rolled: 0,
+        own.last_marker: 0,
+        own.last_place: 0,
+        own.reason: NO_REFERENCE,
+    }
+    return {**state, **first}
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions out of the modes that report a position."""
+    lost, located = mode[0], mode[2:]
+    failed = any_of(moved.failed for moved in cycle.cycles)
+    gone = ~cycle.any_alive
+    keep = {**cycle.listen(), **cycle.remember(), **_devices(own, cycle), own.reason: LOCATED}
+
+    def drop(reason: Lit) -> dict[Var, Expr]:
+        return {**cycle.listen(), **cycle.forget(), **_no_devices(own), own.reason: reason}
+
+    if len(own.devices) == 2:
+        yield Transition(
+            "devices contradict each other", located, lost, cycle.clash, drop(CONTRADICTION), ("MRK-D1",), 0
+        )
+    yield Transition("sensors failed", located, lost, gone & failed, drop(SENSOR_FAILURE), ("MRK-D1",), 1)
+    yield Transition("tolerance exceeded", located, lost, gone, drop(TOLERANCE), ("MRK-D1",), 2)
+    for reading in cycle.readings:
+        device, end = _index(own, reading.device), ENDS[reading.end]
+        when = reading.accepted & reading.leading & _leads(own, cycle, device)
+        yield Transition(
+            f"leading reading at {end}", located, located[device], when, keep, ("MRK-1", "MRK-5", "MRK-D6"), 3
+        )
+    for reading in cycle.readings:
+        device, end = _index(own, reading.device), ENDS[reading.end]
+        when = reading.accepted & ~reading.leading & _leads(own, cycle, device)
+        yield Transition(f"trailing reading at {end}", located, located[device], when, keep, ("MRK-1", "MRK-5"), 4)
+    for device, other in ((0, 1), (1, 0))[: 2 * (len(own.devices) - 1)]:
+        name = f"hand over to {ENDS[device]} device"
+        yield Transition(name, located[other], located[device], _leads(own, cycle, device), keep, ("MRK-D3",), 5)
+    for device, target in enumerate(located):
+        yield Transition(f"run on {ENDS[device]} device", target, target, set=keep, trace=("MRK-4", "MRK-D4"), rank=6)
+
+
+def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions out of the modes that report nothing."""
+    lost, candidate, *located = mode
+    for reading in cycle.readings:
+        end = ENDS[reading.end]
+        only = {**cycle.listen(), **cycle.become_only(reading)}
+        first = {**only, **cycle.remember_only(reading)}
+        sure = {**only, **cycle.remember(), own.reason: LOCATED}
+        target = located[_index(own, reading.device)]
+        leads = reading.leading
+        yield Transition(
+            f"candidate marker at {end}",
+            (lost, candidate),
+            candidate,
+            reading.is_candidate & leads,
+            first,
+            ("MRK-D1",),
+            7,
+        )
+        yield Transition(
+            f"marker confirmed at {end}", candidate, target, reading.accepted & leads, sure, ("MRK-1", "MRK-D1"), 7
+        )
+        if own.config.trust_first_marker:
+            yield Transition(
+                f"trusted marker at {end}", lost, target, reading.accepted & leads, {**sure, **first, own.reason: LOCATED},
+                ("MRK-1",), 7,
+            )  # fmt: skip
+    kept: dict[Var, Expr] = {place: ite(cycle.reversed, 0, place) for place in (*own.pending.places, own.last_marker)}
+    carried: dict[Var, Expr] = {**cycle.listen(), **cycle.run_on(), **kept}
+    dropped = {**cycle.listen(), **cycle.forget(), **_no_devices(own)}
+    yield Transition("candidate lost", candidate, lost, ~cycle.any_prolonged, dropped, ("MRK-D1",), 8)
+    yield Transition("carry the candidate", candidate, candidate, set=carried, trace=("MRK-D1",), rank=9)
+    yield Transition("wait for a marker", lost, lost, set=cycle.listen(), trace=("MRK-D1",), rank=9)
+
+
+def _index(own: Parts, device: Device) -> int:
+    return next(index for index, one in enumerate(own.devices) if one is device)
+
+
+def _devices(own: Parts, cycle: Judged) -> dict[Var, Expr]:
+    return {var: term for device in own.devices for var, term in cycle.become(device).items()}
+
+
+def _no_devices(own: Parts) -> dict[Var, Expr]:
+    return {var: term for device in own.devices for var, term in nothing(device).items()}
+
+
+def _leads(own: Parts, cycle: Judged, index: int) -> Bool:
+    """Whether the device at that index speaks after the cycle: the smaller margin; a freshly set one where equal."""
+    if len(own.devices) == 1:
+        return cycle.any_alive
+    front, rear = (cycle.says(device) for device in own.devices)
+    equal = rear.alive & front.alive & rear.margin.eq(front.margin)
+    fresh_rear = cycle.was_set(own.devices[1]) & ~cycle.was_set(own.devices[0])
+    rear_leads = rear.better_than(front) | (equal & fresh_rear)
+    return rear_leads if index else front.alive & ~rear_leads
+
+
+def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
+    """Names for what the table speaks of."""
+    named: dict[str, Expr] = {"devices exclude each other": cycle.clash, "some device is alive": cycle.any_alive}
+    named["the candidate is alive"] = cycle.any_prolonged
+    named["direction turned"] = cycle.reversed
+    for moved in cycle.cycles:
+        device = moved.device
+        after = cycle.says(device)
+        named |= {f"{device.name} sensors failed": moved.failed, f"{device.name} set now": cycle.was_set(device)}
+        for unit, ok, values in zip(device.units, moved.admitted, cycle.after(device), strict=True):
+            named |= {f"{unit.name} admitted": ok, f"{unit.name} judged now": unit.verdict()}
+            named |= {f"{unit.name} alive after": values.alive, f"{unit.name} position after": values.position}
+            named |= {f"{unit.name} over after": values.over, f"{unit.name} under after": values.under}
+        named |= {f"{device.name} alive after": after.alive, f"{device.name} margin after": after.margin}
+    for index, device in enumerate(own.devices):
+        named[f"{device.name} device has the smaller margin"] = _leads(own, cycle, index)
+    for reading in cycle.readings:
+        end = ENDS[reading.end]
+        named |= {f"{end} reading accepted": reading.accepted, f"{end} reading is a candidate": reading.is_candidate}
+        named |= {f"{end} reader leads": reading.leading, f"{end} reading judged": reading.verdict}
+    return named
+
+
+# ------------------------------------------------------------------ what is reported
+
+
+def lead(own: Parts, current: Num) -> Values:
+    """The values of the device that the mode names."""
+    if len(own.devices) == 1:
+        return own.devices[0].values
+    front, rear = own.devices
+    return choose(_names_rear(own, current), rear.values, front.values)
+
+
+def _names_rear(own: Parts, current: Num) -> Bool:
+    return current.eq(Lit(3, current.unit)) if len(own.devices) == 2 else FALSE
+
+
+def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]:
+    valid = current.one_of(*mode[2:])
+    values = lead(own, current)
+    rear = _names_rear(own, current)
+    by_leading = _of_lead(rear, [ite(d.by_leading, M1, M2) for d in own.devices])
+    speaks = _of_lead(rear, [ite(_second_speaks(d), SECOND_UNIT, FIRST_UNIT) for d in own.devices])
+    accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
+    return {
+        "valid": valid,
+        "position_mm": ite(valid, values.position, 0),
+        "over_mm": ite(valid, ceil_to(values.over, MM), 0),
+        "under_mm": ite(valid, ceil_to(values.under, MM), 0),
+        "values": ite(valid, by_leading, NO_VALUES),
+        "unit": ite(valid, speaks, NO_UNIT),
+        "age_ms": ite(valid, _of_lead(rear, [d.age for d in own.devices]), 0),
+        "distance_run_mm": ite(valid, _of_lead(rear, [d.run for d in own.devices]), 0),
+        "reference_accepted": valid & accepted,
+        "reason": own.reason,
+    }
+
+
+def _of_lead(rear: Bool, terms: list[Num]) -> Num:
+    return terms[0] if len(terms) == 1 else ite(rear, terms[1], terms[0])
+
+
+def _second_speaks(device: Device) -> Bool:
+    first, second = device.units
+    return second.values.better_than(first.values)

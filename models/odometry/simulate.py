@@ -1,0 +1,113 @@
+"""Simulated sensors as step streams of the odometry machine, its ghosts included.
+
+With the ghosts in it, a stream carries its own proof of being lawful: the interpreter checks the assumption on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
+from safeloc.simulation.reader_faults import ReaderFault, with_faults
+from safeloc.simulation.sensors import Distances, Fault, Law, Reading, check_faults, measure, read_markers
+
+READERS = ("front_marker", "rear_marker")
+Steps = list[dict[str, int | bool]]
+
+
+def vehicle_of(config: OdometryConfig) -> VehicleConfig:
+    """A vehicle that stays within the configured gates."""
+    return VehicleConfig(
+        length_mm=max(1_000, config.vehicle_length_mm), max_speed_mm_s=int(config.max_speed_mm_s * 0.9)
+    )
+
+
+def simulate(
+    config: OdometryConfig,
+    *,
+    seed: int,
+    seconds: float = 300.0,
+    markers: Sequence[tuple[int, int]] | None = None,
+    marker_accuracy_mm: int | Mapping[int, int] = 1_000,
+    dropout: float = 0.01,
+    missed: float = 0.05,
+    foreign: float = 0.002,
+    legs: Sequence[Leg] | None = None,
+    motion: Motion | None = None,
+    faults: Sequence[Fault | ReaderFault] = (),
+    first_unit: Distances | None = None,
+    second_unit: Distances | None = None,
+) -> Steps:
+    """One run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+
+    markers  (identity, place in mm) in order of place; every 250 m by default
+    marker_accuracy_mm  of all markers, or of each by its identity
+    motion   how the vehicle runs; instead of it legs to drive, a random service by default
+    faults   named faults of `front_wheel`, `front_radar`, ... (Fault) and of `front_marker`, `rear_marker` (ReaderFault);
+             while one is active the assumption may be broken
+    first_unit, second_unit  what the front end's units measured, where others hear the same; their faults are in it already
+    """
+    rng = np.random.default_rng(seed)
+    vehicle = vehicle_of(config)
+    if motion is None:
+        motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
+    ends = ("front", "rear")[: config.devices]
+    laws = (config.first_unit, config.second_unit)
+    names, cycles = [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm)
+    of_units = [fault for fault in faults if isinstance(fault, Fault)]
+    of_readers = [fault for fault in faults if isinstance(fault, ReaderFault)]
+    check_faults(of_units, names, cycles)
+    check_faults(of_readers, READERS, cycles)
+    distances = [
+        measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=of_units)
+        for end in ends
+        for law in laws
+    ]
+    for index, heard in enumerate((first_unit, second_unit)):
+        if heard is not None:
+            distances[index] = replace(heard, name=names[index])
+    known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
+    readings: list[Reading] = []
+    for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
+        read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
+        readings += with_faults(name, read, known, of_readers)
+    return _steps(motion, distances, readings)
+
+
+def _law(law: ErrorLaw) -> Law:
+    return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
+
+
+def _steps(motion: Motion, distances: Sequence[Distances], readings: Sequence[Reading]) -> Steps:
+    steps: Steps = []
+    true, before = motion.step_nm, {unit.name: 0 for unit in distances}
+    for number in range(len(true)):
+        step: dict[str, int | bool] = {"true_step_nm": int(true[number])}
+        for unit in distances:
+            if unit.present[number]:
+                step[f"{unit.name}_mm"] = int(unit.step_mm[number])
+                before[unit.name] = int(unit.wander_nm[number])
+            step[f"{unit.name}_next_wander_nm"] = before[unit.name]
+        step["truth_mm"] = int(motion.position_nm[number]) // 1_000_000
+        steps.append(step)
+    for reading in readings:
+        if reading.cycle < len(steps):  # a reading may be repeated after the run's end
+            steps[reading.cycle] |= _reading(reading)
+    return steps
+
+
+def _reading(reading: Reading) -> Mapping[str, int]:
+    name = READERS[reading.end]
+    if reading.place_mm is None:
+        return {name: reading.marker}
+    return {
+        name: reading.marker,
+        f"{name}_position_mm": reading.place_mm,
+        f"{name}_accuracy_mm": reading.accuracy_mm,
+        f"{name}_since_mm": reading.since_mm,
+    }

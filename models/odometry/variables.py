@@ -1,0 +1,207 @@
+"""Configuration and variables of the odometry machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import TRUE, Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
+from safeloc.language.units import COUNT, MM, MS, NM
+from safeloc.models.odometry.distance_device import Device, Unit, device
+from safeloc.models.odometry.marker_reading import Pending, Reader, reader
+from safeloc.models.vocabulary.error_law import NM_PER_MM, RADAR, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.measured import Limits
+from safeloc.models.vocabulary.reasons import REASON
+
+
+class OdometryConfig(Config):
+    """Everything about vehicle, sensors and line that the odometry machine depends on."""
+
+    devices: Literal[1, 2] = 2
+    first_unit: ErrorLaw = WHEEL
+    second_unit: ErrorLaw = RADAR
+    period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
+    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
+    vehicle_length_mm: int = quantity(204_700, "mm", 0, 2_000_000, "[S] V90 + 10 Facs 124")
+    vehicle_length_tolerance_mm: int = quantity(300, "mm", 0, 50_000, "[S] OCORA: up to + 0.30 m")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
+    measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
+    gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
+    lone_limit_cycles: int = quantity(100, "cycles", 0, 1_000_000, "[M] 10 s without the cross-check")
+    age_limit_ms: int = quantity(
+        86_400_000, "ms", 1_000, 259_200_000, "[D] one day, below 72 h of cold movement detection"
+    )
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+    marker_accuracy_mm: int = quantity(12_000, "mm", 0, 63_000, "[M] Q_NVLOCACC 12 m; overridden per marker")
+    reader_latency_ms: int = quantity(12, "ms", 0, 1_000, "[S] balise reader 10 +- 2 ms")
+    reversal_mm: int = quantity(2_000, "mm", 0, 100_000, "[S] D_NVROLL 2 m")
+    pending_markers: int = quantity(4, "count", 1, 8, "[D] markers under one vehicle")
+    last_marker_identity: int = quantity(1_000_000, "count", 1, 1_000_000_000, "[D] identities of one line")
+    trust_first_marker: bool = False
+    single_fault_safe: bool = False
+
+    @model_validator(mode="after")
+    def _can_locate(self) -> OdometryConfig:
+        least = min(self.first_unit.constant_mm, self.second_unit.constant_mm)
+        if least >= self.tolerance_mm:
+            raise ValueError(
+                f"tolerance_mm {self.tolerance_mm} is not above the units' one-off constant {least} mm: no distance can be "
+                "run within it; raise the tolerance or use better units."
+            )
+        if self.lone_limit_cycles < self.gap_limit_cycles:
+            raise ValueError(
+                "lone_limit_cycles must not be below gap_limit_cycles: losing both units is the worse fault."
+            )
+        if self.reader_latency_ms > self.period_ms:
+            raise ValueError(
+                "reader_latency_ms must not exceed period_ms; an older reading is stale and must be dropped."
+            )
+        return self
+
+    @property
+    def limits(self) -> Limits:
+        """What the devices need, rounded so that gates are no tighter than physics."""
+        step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
+        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        return Limits(
+            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, self.gap_limit_cycles,
+            self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm, self.single_fault_safe,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables the machine is made of; properties read them by name."""
+
+    config: OdometryConfig
+    devices: tuple[Device, ...]
+    readers: tuple[Reader, Reader]
+    pending: Pending
+    backwards: BoolVar
+    rolled: NumVar
+    last_marker: NumVar
+    last_place: NumVar
+    reason: NumVar
+    truth: NumVar
+    true_step: NumVar
+    wanders: tuple[tuple[NumVar, NumVar], ...]
+    length: NumVar | None = None
+    faulty: NumVar | None = None
+    unseen: tuple[NumVar, ...] = ()
+
+    @property
+    def units(self) -> tuple[Unit, ...]:
+        """All measuring units."""
+        return tuple(unit for device in self.devices for unit in device.units)
+
+    @property
+    def train_data(self) -> tuple[NumVar, ...]:
+        """Inputs that describe the vehicle: its length, where it is not configured."""
+        return () if self.length is None else (self.length,)
+
+    def lawful(self, unit: Unit) -> Bool:
+        """Whether the unit keeps its error law; of a machine without faults every unit does."""
+        if self.faulty is None:
+            return TRUE
+        return self.faulty.ne(Lit(1 + self.units.index(unit), self.faulty.unit))
+
+    def partner(self, unit: Unit) -> tuple[Device, Unit]:
+        """The unit's device, and the other unit of it."""
+        device = next(one for one in self.devices if unit in one.units)
+        return device, device.units[1 - device.units.index(unit)]
+
+    def set_by(self, end: int) -> Device:
+        """The device that the reader at end 0 (A, front) or 1 (B, rear) sets."""
+        return self.devices[min(end, len(self.devices) - 1)]
+
+    def leads(self, end: int) -> Bool:
+        """Whether the reader at that end is the leading one."""
+        return self.backwards if end else ~self.backwards
+
+
+def parts(config: OdometryConfig, *, length: NumVar | None = None, with_fault: bool = False) -> Parts:
+    """Fresh variables for one machine.
+
+    length      the vehicle length as an input in mm, instead of the configured one
+    with_fault  one unit, whichever, may break its error law: a ghost names it
+    """
+    limits = config.limits
+    laws = (config.first_unit, config.second_unit)
+    names = ("front", "rear")[: config.devices]
+    offset = Lit(config.vehicle_length_mm, MM) if length is None else length
+    longest = config.vehicle_length_mm if length is None else length.high
+    reach_nm = (config.position_limit_mm + 2 * config.tolerance_mm + longest) * NM_PER_MM
+    identities = config.last_marker_identity
+    place = config.position_limit_mm
+    devices = tuple(device(name, laws, limits) for name in names)
+    return Parts(
+        config,
+        devices,
+        (
+            _reader(config, "front", Lit(0, MM), 0),
+            _reader(config, "rear", offset, config.vehicle_length_tolerance_mm),
+        ),
+        Pending(tuple(number(f"pending_{n}", COUNT, 0, identities) for n in range(1, config.pending_markers + 1))),
+        boolean("backwards"),
+        number("rolled_mm", MM, 0, config.reversal_mm),
+        number("last_marker", COUNT, 0, identities),
+        number("last_marker_position_mm", MM, -place, place),
+        choice("reason", enumeration(REASON)),
+        number("truth_nm", NM, -reach_nm, reach_nm),
+        number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
+        tuple(_wander(unit) for device in devices for unit in device.units),
+        length,
+        _faulty(devices) if with_fault else None,
+        () if config.single_fault_safe or not with_fault else tuple(_unseen(device) for device in devices),
+    )
+
+
+def _unseen(device: Device) -> NumVar:
+    """What a fault too small to be seen may have added since the device was set, as long ago as the age limit allows."""
+    cycles = device.limits.age_limit_ms // device.limits.period_ms + 2
+    most = unseen_at_reading_nm(device) + cycles * unseen_in_a_cycle_nm(device)
+    return number(f"{device.name}_unseen_nm", NM, 0, most)
+
+
+def unseen_at_reading_nm(device: Device) -> int:
+    """What a unit is charged too little for the other one's one-off constant, nm."""
+    first, second = (unit.law.wander_nm for unit in device.units)
+    return 2 * abs(first - second)
+
+
+def unseen_in_a_cycle_nm(device: Device) -> int:
+    """The most that one cycle may hide: twice the greater law at top speed and full age, nm."""
+    limits = device.limits
+    farthest, oldest = Lit(limits.max_step_mm, MM), Lit(limits.age_limit_ms, MS)
+    growths = [unit.law.growth_nm(farthest, oldest, limits.period_ms) for unit in device.units]
+    return 2 * max(growth.value for growth in growths if isinstance(growth, Lit))
+
+
+def _faulty(devices: tuple[Device, ...]) -> NumVar:
+    """The unit that may break its law, or NONE."""
+    names = [unit.name for device in devices for unit in device.units]
+    return choice("faulty_unit", enumeration(members("faulty", "NONE", *names)))
+
+
+def _wander(unit: Unit) -> tuple[NumVar, NumVar]:
+    """The one-off part of a unit's error: its value before the cycle and, freely chosen, after it."""
+    most = unit.law.wander_nm
+    return number(f"{unit.name}_wander_nm", NM, -most, most), number(f"{unit.name}_next_wander_nm", NM, -most, most)
+
+
+def _reader(config: OdometryConfig, name: str, offset: Num, tolerance_mm: int) -> Reader:
+    return reader(
+        name,
+        offset=offset,
+        offset_tolerance_mm=tolerance_mm,
+        accuracy_mm=config.marker_accuracy_mm,
+        latency_ppm=-(-config.reader_latency_ms * 1_000_000 // config.period_ms),
+        since_ppm=max(config.first_unit.rate_ppm, config.second_unit.rate_ppm),
+        position_limit_mm=config.position_limit_mm,
+        max_step_mm=config.limits.max_step_mm,
+        last_identity=config.last_marker_identity,
+    )

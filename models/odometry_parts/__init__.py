@@ -1,1 +1,0 @@
-"""What the odometry machine is made of: error laws, distance-measuring devices, marker readings, one cycle."""

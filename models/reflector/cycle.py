@@ -1,0 +1,217 @@
+"""What one cycle means to the reflector machine: distance run, balise, echoes, and what follows from them.
+
+Every term is built once and shared by all transitions, the assumption and the properties.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Var, abs_, any_of, as_num, between, exact_to, ite
+from safeloc.language.units import MM, NM, PPM
+from safeloc.models.reflector.dead_reckoning import Interval, choose
+from safeloc.models.reflector.echo import Recognition, Situation, recognise
+from safeloc.models.reflector.map_data import Reflector, either
+from safeloc.models.reflector.variables import Parts
+
+
+@dataclass(frozen=True, eq=False)
+class Zones:
+    """In which kind of mode the machine is."""
+
+    located: Bool
+    exact: Bool
+    in_view: Bool
+    referring: Bool
+    searching: Bool
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """One cycle, judged.
+
+    predicted  the interval run on from the last one, its constant charged
+    held       the same, or the balise's where that is better: what counts without an echo
+    reflector  what is looked for in this cycle
+    run        measured distance since the balise of the reference measurement, mm
+    """
+
+    own: Parts
+    zones: Zones
+    now: Situation
+    predicted: Interval
+    balise: Interval
+    held: Interval
+    started: Bool
+    reflector: Reflector
+    reference: Num
+    run: Num
+    target: Recognition
+    ahead: Recognition
+
+    # ------------------------------------------------------------------ balise
+
+    @cached_property
+    def balise_contradicts(self) -> Bool:
+        """A balise was read whose interval excludes the position."""
+        return self.zones.located & self.own.balise.read & ~self.balise.meets(self.predicted)
+
+    # ------------------------------------------------------------------ margins
+
+    @cached_property
+    def tolerable(self) -> Bool:
+        """What counts without an echo may be kept."""
+        return self.held.within(self.own.config.tolerance_nm, self.own.config.position_limit_mm)
+
+    # ------------------------------------------------------------------ the self-test (RFL-6)
+
+    @cached_property
+    def reference_holds(self) -> Bool:
+        """Measured distance from balise to reflector agrees with the prescribed one; only while `target.accepted`."""
+        measured = self.target.range + self.run - self.own.config.radar_offset_mm
+        allowed = self.own.config.reference_tolerance_mm + self.target.error
+        travelled = abs_(self.run) * Lit(self.own.config.odometer.rate_ppm, PPM)
+        return exact_to(abs_(measured - self.reference), NM) <= exact_to(allowed, NM) + travelled
+
+    @cached_property
+    def passed(self) -> Bool:
+        """The reference reflector is measured where it has to be."""
+        return self.target.accepted & self.reference_holds
+
+    @cached_property
+    def failed(self) -> Bool:
+        """The reference reflector is measured elsewhere."""
+        return self.target.accepted & ~self.reference_holds
+
+    @cached_property
+    def reference_over(self) -> Bool:
+        """The reference reflector would have been seen by now."""
+        limit, search = self.own.config.reference_run_mm, self.own.config.search_run_mm
+        searched = self.run > self.own.search_from + search
+        return (self.reflector.over(self.held, search) & searched) | ~between(-limit, self.run, limit)
+
+    # ------------------------------------------------------------------ search and view zone
+
+    @cached_property
+    def search_over(self) -> Bool:
+        """The target would have been found by now."""
+        return self.reflector.over(self.held, self.own.config.search_run_mm)
+
+    @cached_property
+    def search_left(self) -> Bool:
+        """The vehicle has backed out of the search zone."""
+        return self.held.high < self.reflector.view_begins()
+
+    @cached_property
+    def search_opens(self) -> Bool:
+        """The map's next reflector may come into view."""
+        return self.own.ahead.known & self.own.ahead.reflector.opens(self.held, self.own.config.search_run_mm)
+
+    @cached_property
+    def passed_unseen(self) -> Bool:
+        """The map's next reflector would have been found by now, and is not the one found last or one before it."""
+        new = self.own.ahead.position.value > self.own.found
+        return self.own.ahead.known & new & self.own.ahead.reflector.over(self.held, self.own.config.search_run_mm)
+
+    @cached_property
+    def steady(self) -> Bool:
+        """The measured position agrees with what was run since the reflector came into view: the error is constant."""
+        return self.target.fix.meets(self.anchored)
+
+    @cached_property
+    def anchored(self) -> Interval:
+        """The first interval of the view zone, run on."""
+        return self.own.odometer.run_on(self.own.anchor.interval)
+
+    @cached_property
+    def overlap_contradicts(self) -> Bool:
+        """Two reflectors are in view and their measurements exclude each other."""
+        return self.target.accepted & self.ahead.accepted & ~self.target.fix.meets(self.ahead.fix)
+
+    @cached_property
+    def too_close(self) -> Bool:
+        """The vehicle may be beyond the end of the view zone."""
+        return self.held.high >= exact_to(self.reflector.place - self.reflector.view_to, NM)
+
+    @cached_property
+    def gone_by(self) -> Bool:
+        """The reflector surely lies behind."""
+        return self.held.low >= exact_to(self.reflector.place, NM)
+
+    @cached_property
+    def lost(self) -> Bool:
+        """Neither measured nor excused any longer: pauses and misses are counted apart."""
+        config, own = self.own.config, self.own
+        missed = own.frame & (own.misses >= config.loss_limit_cycles)
+        return missed | (~own.frame & (own.pauses >= config.pause_limit_cycles))
+
+    # ------------------------------------------------------------------ updates
+
+    def listen(self) -> dict[Var, Expr]:
+        """Updates of every cycle."""
+        verdicts: dict[Var, Expr] = {}
+        for slot, first, second in zip(self.own.slots, self.target.judgements, self.ahead.judgements, strict=True):
+            verdicts |= {slot.judged: first.verdict, slot.judged_next: second.verdict}
+        return {**self.own.odometer.listen(), **verdicts}
+
+    def anchor_on(self, fresh: Interval) -> dict[Var, Expr]:
+        """The anchor runs on; where it has grown useless, `fresh` takes its place."""
+        config = self.own.config
+        most = config.tolerance_nm + self.own.odometer.constant_nm
+        useful = self.anchored.within(most, config.position_limit_mm)
+        return self.own.anchor.become(choose(useful, self.anchored, fresh))
+
+
+def judge(own: Parts, zones: Zones) -> Judged:
+    """Judge one cycle."""
+    constant = own.odometer.constant_nm
+    base = own.track.interval.widened(ite(zones.exact, as_num(constant, NM), 0))
+    predicted, balise = own.odometer.run_on(base), own.balise.fix(own.odometer)
+    charged = balise.widened(constant)
+    better = balise.meets(predicted) & (charged.margin < predicted.margin)
+    taken = own.balise.read & (~zones.located | better)
+    held = choose(taken, charged, predicted)
+    known, prescribed = _prescribed(own)
+    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & known
+    run = ite(started, own.balise.run, own.run + own.odometer.moved)
+    reflector = either(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
+                       own.target.reflector)  # fmt: skip
+    now = Situation(own.frame, held, own.odometer.lag(own.config.share_ppm(own.config.frame_latency_ms)),
+                    own.config.radar)  # fmt: skip
+    searched = _searched(own, zones, started, run, reflector, held)
+    return Judged(
+        own,
+        zones,
+        now,
+        predicted,
+        balise,
+        held,
+        started,
+        reflector,
+        ite(started, prescribed, own.reference),
+        run,
+        recognise(own.slots, reflector, searched, now),
+        recognise(own.slots, own.ahead.reflector, _next_searched(own, zones, started, held), now),
+    )
+
+
+def _prescribed(own: Parts) -> tuple[Bool, Num]:
+    """Whether the distance from balise to reflector is prescribed, and what it is: telegram, map, system variable."""
+    telegram, by_map, system = own.balise.reference, own.ahead.reference, own.config.reference_distance_mm
+    known = any_of([telegram.present, by_map.present, bool(system)])
+    return known, telegram.value_or(by_map.value_or(as_num(system, MM)))
+
+
+def _searched(own: Parts, zones: Zones, started: Bool, run: Num, reflector: Reflector, held: Interval) -> Bool:
+    """Whether an echo may be taken for the target: from the prescribed line after the balise, or by the map, on."""
+    line = ite(started, own.balise.search.value_or(as_num(0, MM)), own.search_from)
+    reference = ite(line.eq(0), held.high >= reflector.view_begins(), run >= line)
+    return ite(started | zones.referring, reference, zones.searching | zones.in_view)
+
+
+def _next_searched(own: Parts, zones: Zones, started: Bool, held: Interval) -> Bool:
+    """While a reflector is in view, the next one may be in view too, for as long as the zones overlap."""
+    other = own.ahead.position.value.ne(own.target.position)
+    both = other & own.ahead.reflector.comes_into_view(held)
+    return ite(started, FALSE, zones.in_view & own.ahead.known & both)

@@ -1,0 +1,189 @@
+"""What the map says of a reflector (RFL-3): where it stands, its model, its view zone, what else looks like it.
+
+The map's figures come as inputs, in every cycle those of the next reflector ahead of the target: the proofs hold for
+every line, of whatever number of reflectors. `clear_mm` is the distance to the nearest other reflector of the same
+model, on any track from which it could be seen; that is the one figure a layout has to get right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    as_num,
+    between,
+    choice,
+    enumeration,
+    exact_to,
+    ite,
+    number,
+    optional,
+)
+from safeloc.language.machine import Initial
+from safeloc.language.units import MM, NM
+from safeloc.models.reflector.dead_reckoning import Interval
+from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
+
+
+@dataclass(frozen=True, eq=False)
+class Reflector:
+    """A reflector as the map describes it. Lengths in mm.
+
+    place      where end A stands when the range to the reflector is 0 (its position plus the radar's offset)
+    view_from  the range at which its view zone begins: from here on its echo has the minimum intensity
+    view_to    the range at which it ends: nearer, no echo can be evaluated
+    clear      distance to the nearest other reflector of the same model
+    """
+
+    place: Num
+    model: Num
+    view_from: Num
+    view_to: Num
+    clear: Num
+
+    def view_begins(self) -> Num:
+        """Where the view zone begins, nm."""
+        return exact_to(self.place - self.view_from, NM)
+
+    def search_ends(self, search_run_mm: int) -> Num:
+        """Where it has to be found at the latest, nm."""
+        return exact_to(self.place - self.view_from + search_run_mm, NM)
+
+    def roomy(self, interval: Interval) -> Bool:
+        """No other reflector of the model fits into the interval beside it: the search is not too early."""
+        return exact_to(self.clear, NM) > interval.width
+
+    def comes_into_view(self, interval: Interval) -> Bool:
+        """The vehicle may be in its view zone, and no other reflector of the model could be meant."""
+        return (interval.high >= self.view_begins()) & self.roomy(interval)
+
+    def opens(self, interval: Interval, search_run_mm: int) -> Bool:
+        """The search zone: from where the vehicle may be in view, to where it must have been for `search_run`."""
+        return self.comes_into_view(interval) & (interval.low <= self.search_ends(search_run_mm))
+
+    def over(self, interval: Interval, search_run_mm: int) -> Bool:
+        """The whole interval is beyond the end of the search."""
+        return interval.low > self.search_ends(search_run_mm)
+
+
+def either(condition: Bool, then: Reflector, other: Reflector) -> Reflector:
+    """`then` where the condition holds, else `other`."""
+    return Reflector(
+        ite(condition, then.place, other.place),
+        ite(condition, then.model, other.model),
+        ite(condition, then.view_from, other.view_from),
+        ite(condition, then.view_to, other.view_to),
+        ite(condition, then.clear, other.clear),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class NextReflector:
+    """Inputs: the next reflector of the map, absent where the map ends or was not loaded.
+
+    reference  its prescribed distance from its balise; present for the first reflector behind a balise
+    """
+
+    position: Optional
+    model: NumVar
+    view_from: NumVar
+    view_to: NumVar
+    clear: NumVar
+    reference: Optional
+    offset_mm: int
+
+    @property
+    def inputs(self) -> tuple[Var | Optional, ...]:
+        """The inputs in order."""
+        return (self.position, self.model, self.view_from, self.view_to, self.clear, self.reference)
+
+    @property
+    def known(self) -> Bool:
+        """The map has a next reflector, with a model."""
+        return self.position.present & self.model.ne(NO_MODEL)
+
+    @property
+    def reflector(self) -> Reflector:
+        """The data, to be used only while `known`."""
+        return Reflector(self.position.value + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
+
+
+def next_reflector(limit_mm: int, range_limit_mm: int, offset_mm: int) -> NextReflector:
+    """Fresh inputs `next_...`."""
+    return NextReflector(
+        optional("next_position_mm", MM, -limit_mm, limit_mm),
+        choice("next_model", enumeration(MODEL)),
+        number("next_view_from_mm", MM, 0, range_limit_mm),
+        number("next_view_to_mm", MM, 0, range_limit_mm),
+        number("next_clear_mm", MM, 0, limit_mm),
+        optional("next_reference_mm", MM, 0, range_limit_mm),
+        offset_mm,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """The reflector that is looked for or tracked, kept in state from the beginning of its search."""
+
+    position: NumVar
+    model: NumVar
+    view_from: NumVar
+    view_to: NumVar
+    clear: NumVar
+    offset_mm: int
+
+    @property
+    def reflector(self) -> Reflector:
+        """The data."""
+        return Reflector(self.position + self.offset_mm, self.model, self.view_from, self.view_to, self.clear)
+
+    @property
+    def kept(self) -> tuple[NumVar, NumVar, NumVar, NumVar]:
+        """The lengths, in order."""
+        return (self.position, self.view_from, self.view_to, self.clear)
+
+    def state(self) -> dict[Var, Initial]:
+        """State variables with initial values."""
+        return {**dict.fromkeys(self.kept, 0), self.model: NO_MODEL}
+
+    def become(self, ahead: NextReflector) -> dict[Var, Expr]:
+        """Updates that make the next reflector the target."""
+        lengths = (ahead.position.value, ahead.view_from, ahead.view_to, ahead.clear)
+        return {**dict(zip(self.kept, lengths, strict=True)), self.model: ahead.model}
+
+    def nothing(self) -> dict[Var, Expr]:
+        """Updates after which there is no target."""
+        return {**dict.fromkeys(self.kept, as_num(0, MM)), self.model: NO_MODEL}
+
+
+def target(limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
+    """Fresh state `target_...`."""
+    return Target(
+        number("target_position_mm", MM, -limit_mm, limit_mm),
+        choice("target_model", enumeration(MODEL)),
+        number("target_view_from_mm", MM, 0, range_limit_mm),
+        number("target_view_to_mm", MM, 0, range_limit_mm),
+        number("target_clear_mm", MM, 0, limit_mm),
+        offset_mm,
+    )
+
+
+def is_it(reflector: Reflector, origin_nm: Num, offset_mm: int, accuracy_nm: int) -> Bool:
+    """The echo's true origin is this reflector: it stands where the map has it, within the survey's accuracy."""
+    return between(-accuracy_nm, _apart(reflector, origin_nm, offset_mm), accuracy_nm)
+
+
+def is_it_or_clear(reflector: Reflector, origin_nm: Num, offset_mm: int, accuracy_nm: int) -> Bool:
+    """Layout rule: a reflector of this model is this one, or at least `clear` away by the map."""
+    apart, far = _apart(reflector, origin_nm, offset_mm), exact_to(reflector.clear, NM) - accuracy_nm
+    return is_it(reflector, origin_nm, offset_mm, accuracy_nm) | (apart >= far) | (-apart >= far)
+
+
+def _apart(reflector: Reflector, origin_nm: Num, offset_mm: int) -> Num:
+    return origin_nm - exact_to(reflector.place - offset_mm, NM)

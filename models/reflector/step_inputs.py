@@ -1,0 +1,41 @@
+"""Inputs of a step that leaves slots or the map's next reflector empty, completed to what the machine needs.
+
+A signal front end names only the echoes it has, and a map only a reflector there is. The machine reads the other
+figures of a slot only where its range is present, and those of the next reflector only where its position is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.models.reflector.echo import INTENSITY_FLOOR_CDB
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.runtime.streams.steps import Cell
+
+EMPTY_SLOT: Mapping[str, Cell] = {
+    "error_mm": 0,
+    "model": NO_MODEL.label,
+    "intensity_cdb": INTENSITY_FLOOR_CDB,
+    "lateral_mm": 0,
+}
+NO_NEXT: Mapping[str, Cell] = {
+    "next_model": NO_MODEL.label,
+    "next_view_from_mm": 0,
+    "next_view_to_mm": 0,
+    "next_clear_mm": 0,
+}
+
+
+def completed(config: ReflectorConfig, given: Mapping[str, Cell]) -> dict[str, Cell]:
+    """The inputs with empty slots, no next reflector, no frame and no contradiction where nothing is said.
+
+    What stands for a slot whose range is given is left as it is: a range without its error is refused by the machine.
+    """
+    whole: dict[str, Cell] = {"frame_present": False, "route_contradicted": False}
+    for number in range(1, config.echo_slots + 1):
+        if f"echo_{number}_range_mm" not in given:
+            whole |= {f"echo_{number}_{name}": value for name, value in EMPTY_SLOT.items()}
+    if "next_position_mm" not in given:
+        whole |= NO_NEXT
+    return {**whole, **given}

@@ -1,0 +1,39 @@
+"""How a run of the route machine is drawn: as source 001, fig. 3."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from safeloc.models.route.variables import RouteConfig
+from safeloc.railway.pictures import Hypothesis, Recognition, Sighting, TrackPlan
+from safeloc.runtime.streams.gzipped import name_of
+
+FIGURE_3 = frozenset(map(name_of, (Path(__file__).parents[1] / "streams").glob("route-*.jsonl.gz")))
+"""The shipped recordings: all run over the line fig3, its routes numbered in the order of the map."""
+
+
+def picture(config: RouteConfig) -> Recognition:
+    """Which routes are possible over the distance, under the plan of the line where the recording's line is known."""
+    routes = tuple(_route(number) for number in range(1, config.routes + 1))
+    sighting = Sighting("sighting_range_mm", "sighting_error_mm", "sighting_model", "course_taken", "start_error_mm")
+    return Recognition("Route recognition", routes, sighting, plan)
+
+
+def _route(number: int) -> Hypothesis:
+    name = f"route_{number}"
+    inputs = (f"{name}_reflector_mm", f"{name}_model", f"{name}_course")
+    return Hypothesis(number, f"{name}_possible", f"{name}_low_mm", f"{name}_high_mm", *inputs)
+
+
+def plan(recording: str) -> TrackPlan | None:
+    """The plan of fig3 for the recordings that run over it."""
+    if recording not in FIGURE_3:
+        return None
+    from safeloc.railway.map.plan import track_plan  # networkx and the map are loaded only where a picture is drawn
+    from safeloc.railway.map.routes import through_routes
+    from safeloc.railway.map.toml_files import find_line
+    from safeloc.railway.map.topology import Topology
+
+    topology = Topology(find_line("fig3"))
+    routes = through_routes(topology, 100)
+    return track_plan([route for route in routes if route.runs[0].direction == "increasing"])

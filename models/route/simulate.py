@@ -1,0 +1,196 @@
+"""Simulated runs through switches as step streams of the route machine, and the map's answers to what it sees.
+
+The map answers step by step to what the machine on board carries, so each stream is made against the machine as it
+runs. With the ghosts in it, a stream carries its own proof of being lawful: the interpreter checks the assumption.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.models.route import machine
+from safeloc.models.route.variables import RouteConfig
+from safeloc.railway.map.elements import Reflector
+from safeloc.railway.map.routes import Route
+from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
+
+Steps = list[dict[str, Cell]]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A reflector on a way: where it stands from the common start, and its view zone before it. mm."""
+
+    identity: str
+    place_mm: int
+    model: str
+    view_from_mm: int
+    view_to_mm: int
+
+
+@dataclass(frozen=True)
+class Way:
+    """One of the routes: its number in the machine and the reflectors along it, in order."""
+
+    number: int
+    sights: tuple[Sight, ...]
+
+    def nearest(self, model: str, expected_mm: float) -> Sight | None:
+        """The reflector of a model that stands nearest to a place; None if the way has none of that model."""
+        fitting = [sight for sight in self.sights if sight.model == model]
+        return min(fitting, key=lambda sight: abs(sight.place_mm - expected_mm), default=None)
+
+
+def way(number: int, route: Route) -> Way:
+    """A route of a line, its start being the common start."""
+    seen = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, Reflector)]
+    sights = [Sight(one.id, place, one.model, one.view_from_mm, one.view_to_mm) for place, one in seen]
+    return Way(number, tuple(sights))
+
+
+def answers(ways: Sequence[Way], carried: Mapping[str, Value], sighting: Mapping[str, Cell]) -> dict[str, Cell]:
+    """The map's inputs to a sighting: per route, the reflector of that model nearest to where it would stand.
+
+    carried   the machine's outputs, with the interval of every route
+    """
+    if "sighting_range_mm" not in sighting:
+        return {}
+    inputs: dict[str, Cell] = {}
+    for one in ways:
+        low, high = (int(carried[f"route_{one.number}_{end}_mm"]) for end in ("low", "high"))
+        found = one.nearest(str(sighting["sighting_model"]), (low + high) / 2 + int(sighting["sighting_range_mm"]))
+        if found is not None:
+            inputs |= {f"route_{one.number}_reflector_mm": found.place_mm, f"route_{one.number}_model": found.model}
+    return inputs
+
+
+def quiet(config: RouteConfig) -> dict[str, Cell]:
+    """The inputs of a cycle in which nothing is seen, no start is read and no authority is known."""
+    inputs: dict[str, Cell] = {"sighting_error_mm": 0, "sighting_model": "NONE", "course_taken": "UNDECIDED"}
+    for number in range(1, config.routes + 1):
+        name = f"route_{number}"
+        inputs |= {f"{name}_candidate": False, f"{name}_model": "NONE", f"{name}_course": "UNDECIDED"}
+    return {**inputs, "authorised_route": 0}
+
+
+def simulate(
+    config: RouteConfig,
+    ways: Sequence[Way],
+    taken: int,
+    *,
+    seed: int,
+    legs: Sequence[Leg] = (),
+    motion: Motion | None = None,
+    dropout: float = 0.01,
+    sensor_faults: Sequence[Fault] = (),
+    authorised: int = 0,
+    start_error_mm: int = 4_000,
+    radar_error_mm: int = 200,
+    missed: Collection[str] = (),
+    misread: Mapping[str, str] | None = None,
+) -> Steps:
+    """One run along the way numbered `taken`: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
+
+    legs, motion   how the vehicle runs: one of the two
+    sensor_faults  named faults of `odometer`; only a drop-out keeps the assumption
+    authorised     number of the route that the movement authority names; 0: none
+    missed   identities of reflectors that are never seen
+    misread  identity of a reflector -> the model it is taken for; this breaks the assumption
+    InputError for a way that is none of `ways`, or more ways than the configuration has routes.
+    """
+    true = {one.number: one for one in ways}.get(taken)
+    if true is None or not {one.number for one in ways} <= set(range(1, config.routes + 1)):
+        raise InputError(f"route {taken} of {config.routes}: the ways are numbered {[one.number for one in ways]}.")
+    rng = np.random.default_rng(seed)
+    if motion is None:
+        vehicle = VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
+        motion = move(vehicle, legs, config.period_ms)
+    check_faults(sensor_faults, ["odometer"], len(motion.position_nm))
+    law = Law(
+        config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
+    )
+    distances = measure("odometer", motion, law, rng, dropout=dropout, faults=sensor_faults)
+    run = _Run(
+        config, ways, true, motion, distances, rng, start_error_mm, radar_error_mm, set(missed), dict(misread or {})
+    )
+    steps = [run.start(), *(run.step(number) for number in range(len(motion.position_nm)))]
+    return [{**step, "authorised_route": authorised} for step in steps]
+
+
+@lru_cache(maxsize=8)
+def _on_board(config: str) -> Compiled:
+    """The machine without its environment, kept for further runs with the same configuration (JSON)."""
+    return compile_system(without_ghosts(lower(machine(RouteConfig.model_validate_json(config)))))
+
+
+class _Run:
+    """A run under way: the machine on board, and the world it runs in."""
+
+    def __init__(
+        self, config: RouteConfig, ways: Sequence[Way], true: Way, motion: Motion, distances: Distances,
+        rng: np.random.Generator, start_error_mm: int, radar_error_mm: int, missed: set[str], misread: dict[str, str],
+    ) -> None:  # fmt: skip
+        self._ways, self._true, self._motion, self._distances, self._rng = ways, true, motion, distances, rng
+        self._start_error_mm, self._radar_error_mm = start_error_mm, radar_error_mm
+        self._missed, self._misread, self._wander = missed, misread, 0
+        self._offset = int(rng.uniform(-0.9, 0.9) * start_error_mm) * NM_PER_MM - motion.start_nm
+        self._board: Compiled = _on_board(config.model_dump_json())
+        self._state = self._board.first()
+        self._quiet = quiet(config)
+
+    def start(self) -> dict[str, Cell]:
+        """The common start: every way leads on from here."""
+        inputs = {**self._quiet, "start_error_mm": self._start_error_mm}
+        inputs |= {f"route_{one.number}_candidate": True for one in self._ways}
+        self._take(inputs)
+        truth = self._motion.start_nm + self._offset
+        return {**inputs, **self._ghosts(0, truth)}
+
+    def step(self, number: int) -> dict[str, Cell]:
+        """One cycle."""
+        inputs = dict(self._quiet)
+        if self._distances.present[number]:
+            inputs["odometer_mm"] = int(self._distances.step_mm[number])
+            self._wander = int(self._distances.wander_nm[number])
+        truth = int(self._motion.position_nm[number]) + self._offset
+        inputs |= self._sighting(truth)
+        inputs |= answers(self._ways, self._board.named_outputs(self._state), inputs)
+        self._take(inputs)
+        return {**inputs, **self._ghosts(int(self._motion.step_nm[number]), truth)}
+
+    def _sighting(self, truth_nm: int) -> dict[str, Cell]:
+        """The nearest reflector in view, unless it is one that is missed."""
+        ahead = [(sight.place_mm * NM_PER_MM - truth_nm, sight) for sight in self._true.sights]
+        seen = [(away, sight) for away, sight in ahead if sight.view_to_mm <= away / NM_PER_MM <= sight.view_from_mm]
+        if not seen or min(seen, key=lambda one: one[0])[1].identity in self._missed:
+            return {}
+        away, sight = min(seen, key=lambda one: one[0])
+        measured = round(away / NM_PER_MM + self._rng.uniform(-0.9, 0.9) * self._radar_error_mm)
+        model = self._misread.get(sight.identity, sight.model)
+        return {
+            "sighting_range_mm": max(measured, 0),
+            "sighting_error_mm": self._radar_error_mm,
+            "sighting_model": model,
+        }
+
+    def _take(self, inputs: Mapping[str, Cell]) -> None:
+        self._state, _ = self._board.step(self._state, self._board.read(inputs))
+
+    def _ghosts(self, step_nm: int, truth_nm: int) -> dict[str, Cell]:
+        return {
+            "true_step_nm": step_nm,
+            "start_truth_nm": truth_nm,
+            "next_wander_nm": self._wander,
+            "start_route": self._true.number,
+            "truth_mm": truth_nm // NM_PER_MM,
+        }

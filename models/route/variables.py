@@ -1,0 +1,164 @@
+"""Configuration and variables of the route machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    Bool,
+    BoolVar,
+    NumVar,
+    Optional,
+    boolean,
+    choice,
+    enumeration,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.turn_off import COURSE
+from safeloc.models.vocabulary.error_law import NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.measured import Limits
+from safeloc.models.vocabulary.odometer import Odometer, odometer
+from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL, NO_MODEL
+
+REASON = members("reason", "NONE", "NO_START", "CONTRADICTION", "TOLERANCE", "SENSOR_FAILURE")
+NO_REASON, NO_START, CONTRADICTION, TOLERANCE, SENSOR_FAILURE = REASON
+
+
+class RouteConfig(Config):
+    """Figures of vehicle, radar and line that route recognition depends on."""
+
+    odometer: ErrorLaw = WHEEL
+    routes: int = quantity(5, "count", 2, 16, "[S] source l. 284: five routes in the worked example")
+    period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
+    tolerance_mm: int = quantity(30_000, "mm", 2, 500_000, "[S] OCORA 7239: 30 m on main line")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
+    measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
+    gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
+    length_limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km from the common start")
+    range_limit_mm: int = quantity(300_000, "mm", 1_000, 2_000_000, "[M] 24/77 GHz radar: 100 to 200 m")
+    start_error_mm: int = quantity(13_000, "mm", 1, 100_000, "[D] Q_NVLOCACC 12 m and detection accuracy 1 m")
+
+    @model_validator(mode="after")
+    def _can_locate(self) -> RouteConfig:
+        if self.odometer.drift_mm_s2:
+            raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")
+        if self.start_error_mm + self.odometer.constant_mm >= self.tolerance_mm:
+            raise ValueError(
+                f"tolerance_mm {self.tolerance_mm} is not above the start's error and the odometer's one-off constant, "
+                f"{self.start_error_mm + self.odometer.constant_mm} mm: nothing can be reported; raise it."
+            )
+        return self
+
+    @property
+    def limits(self) -> Limits:
+        """What the odometer needs, rounded so that gates are no tighter than physics."""
+        step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
+        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        gap = self.gap_limit_cycles
+        return Limits(
+            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.length_limit_mm, False
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One route: whether it is possible, and where on it the vehicle would be.
+
+    low, high   nm: bounds of the true distance less the present wander of the odometer's error
+    candidate   input: at a start, the map leads along this route
+    reflector   input, from the map: on this route, the reflector of the sighted model that is nearest to where the
+                sighting would put it, mm from the start
+    model       input, from the map: that reflector's model
+    course      input, from the map: which way this route takes at the switch that a turn was seen at
+    """
+
+    number: int
+    possible: BoolVar
+    low: NumVar
+    high: NumVar
+    candidate: BoolVar
+    reflector: Optional
+    model: NumVar
+    course: NumVar
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine. A start is a reading with a known error; a sighting is a recognised reflector."""
+
+    config: RouteConfig
+    odometer: Odometer
+    routes: tuple[Hypothesis, ...]
+    start: Optional
+    sighting: Optional
+    sighting_error: NumVar
+    sighting_model: NumVar
+    turned: NumVar
+    authorised: NumVar
+    refuted: NumVar
+    reason: NumVar
+    truth: NumVar
+    true_step: NumVar
+    next_truth: NumVar
+    wander: NumVar
+    next_wander: NumVar
+    true_route: NumVar
+    next_route: NumVar
+
+    @property
+    def seen(self) -> Bool:
+        """A reflector was sighted and its model recognised."""
+        return self.sighting.present & self.sighting_model.ne(NO_MODEL)
+
+    @property
+    def half_nm(self) -> int:
+        """Half of the odometer's one-off constant."""
+        return self.config.odometer.wander_nm
+
+
+def parts(config: RouteConfig) -> Parts:
+    """Fresh variables for one machine."""
+    reach = (config.length_limit_mm + 2 * config.tolerance_mm + config.range_limit_mm) * NM_PER_MM
+    half, blind = config.odometer.wander_nm, config.limits.blind_nm
+    return Parts(
+        config=config,
+        odometer=odometer(config.odometer, config.limits),
+        routes=tuple(_hypothesis(number_, config) for number_ in range(1, config.routes + 1)),
+        start=optional("start_error_mm", MM, 0, config.start_error_mm),
+        sighting=optional("sighting_range_mm", MM, 0, config.range_limit_mm),
+        sighting_error=number("sighting_error_mm", MM, 0, MAX_ERROR_MM),
+        sighting_model=choice("sighting_model", enumeration(MODEL)),
+        turned=choice("course_taken", enumeration(COURSE)),
+        authorised=number("authorised_route", COUNT, 0, config.routes),
+        refuted=number("authority_refuted", COUNT, 0, 1),
+        reason=choice("reason", enumeration(REASON)),
+        truth=number("truth_nm", NM, -reach, reach),
+        true_step=number("true_step_nm", NM, -blind, blind),
+        next_truth=number("start_truth_nm", NM, -reach, reach),
+        wander=number("wander_nm", NM, -half, half),
+        next_wander=number("next_wander_nm", NM, -half, half),
+        true_route=number("true_route", COUNT, 1, config.routes),
+        next_route=number("start_route", COUNT, 1, config.routes),
+    )
+
+
+def _hypothesis(number_: int, config: RouteConfig) -> Hypothesis:
+    reach = (config.length_limit_mm + config.tolerance_mm) * NM_PER_MM
+    name = f"route_{number_}"
+    return Hypothesis(
+        number_,
+        boolean(f"{name}_possible"),
+        number(f"{name}_low_nm", NM, -reach, reach),
+        number(f"{name}_high_nm", NM, -reach, reach),
+        boolean(f"{name}_candidate"),
+        optional(f"{name}_reflector_mm", MM, 0, config.length_limit_mm + config.range_limit_mm),
+        choice(f"{name}_model", enumeration(MODEL)),
+        choice(f"{name}_course", enumeration(COURSE)),
+    )

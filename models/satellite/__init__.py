@@ -1,0 +1,237 @@
+"""Position along the track from selected satellites (SAT-5, SAT-6), predicted from the state before and the map alone.
+
+The state is where the vehicle is along the track and how fast it is, each with its margin. In every cycle it is
+predicted with constant acceleration (source [0042]). A solution counts only if every satellite in it is usable in this
+very cycle, if there are enough of them, if it meets the prediction, and if odometry since the last reference, where it
+is at hand, does not speak against it. Without one the state coasts, its margins growing, for a limited time.
+
+    UNLOCATED   nothing is reported; left only through a trusted reference
+    LOCATED     a solution counted in this cycle, or a reference
+    COASTING    predicted; margins grow
+
+Distances are mm and nm along the mapped track, speeds um/s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    abs_,
+    any_of,
+    as_num,
+    between,
+    ceil_to,
+    floor_to,
+    ite,
+    minimum,
+)
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM, UM_S
+from safeloc.models.satellite.anchor import Anchor, carried
+from safeloc.models.satellite.law import Trusted, assumption, can_stop, clauses, enough, lemmas
+from safeloc.models.satellite.motion import confirmed, fixed, predicted, referred, reportable, solved
+from safeloc.models.satellite.variables import (
+    ACCEPTED,
+    COASTED_OUT,
+    CONTRADICTION,
+    DISJOINT,
+    DRIFT,
+    DRIFTED,
+    LOCATED,
+    MISSING,
+    NO_FIX,
+    NO_REFERENCE,
+    NOT_LOCATED,
+    NOT_USABLE,
+    TOLERANCE,
+    TOO_COARSE,
+    TOO_FEW,
+    Parts,
+    SatelliteConfig,
+    State,
+    held,
+    parts,
+)
+from safeloc.models.satellite_selection import USABLE, Selection
+from safeloc.models.satellite_selection import build as build_selection
+from safeloc.models.satellite_selection import parts as selection_parts
+
+NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
+ASSUMED: dict[Trusted, str] = {
+    "satellites": (
+        "where every satellite of a solution is usable, the solution is within its protection level (which follows from "
+        "the bound of each used satellite). A common drift of all satellites within their bounds, cycle by cycle, is "
+        "noticed by a reference, or by odometry where that is at hand, and by nothing else."
+    ),
+    "odometry": "the run that odometry gives is within its error. Nothing is assumed of any solution.",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Satellite:
+    """Selection and position in one step, with the terms they were built from."""
+
+    selection: Selection
+    machine: Machine
+    own: Parts
+    composition: Composition
+
+
+def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "satellites") -> Satellite:
+    """Both machines: the position sees the list of usable satellites of the same cycle (SAT-5).
+
+    trusted   what the proofs assume; the machines on board are the same
+    """
+    config = config or SatelliteConfig()
+    selection = build_selection(selection_parts(config.selection))
+    own = parts(config)
+    machine = build(own, trusted)
+    wires: dict[Var, Expr] = {
+        told: one.standing.eq(USABLE) for told, one in zip(own.usable, selection.own.channels, strict=True)
+    }
+    return Satellite(selection, machine, own, compose(NAMES[trusted], [selection.machine, machine], wires))
+
+
+def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
+    """The position machine over the given variables."""
+    table = modes("UNLOCATED", "LOCATED", "COASTING")
+    current = current_mode(table)
+    valid = current.one_of(*table[1:])
+    return Machine(
+        name="position",
+        modes=table,
+        inputs=[
+            *own.usable, *own.used, own.fix, own.protection, own.fix_speed, own.speed_protection, own.unknowns,
+            own.missing, own.reference, own.accuracy, own.reference_speed, own.speed_accuracy, own.odometry,
+            own.odometry_error,
+        ],
+        state={
+            own.position: 0, own.low: 0, own.high: 0, own.speed: 0, own.slowest: 0, own.fastest: 0, own.change: 0,
+            own.coasted: 0,
+            own.anchored: False, own.anchor_offset: 0, own.anchor_margin: 0,
+            own.judged: NO_FIX, own.why_missing: MISSING[0], own.reason: NO_REFERENCE,
+        },
+        outputs={
+            "valid": valid,
+            "position_mm": ite(valid, floor_to(own.position, MM), 0),
+            "under_mm": ite(valid, ceil_to(held(own).under, MM), 0),
+            "over_mm": ite(valid, ceil_to(held(own).over, MM) + 1, 0),
+            "coasting": current.eq(table[2]),
+            "fix": own.judged,
+            "missing": own.why_missing,
+            "drift_checked": own.anchored,
+            "drift_bound_mm": ite(own.anchored, ceil_to(abs_(own.anchor_offset) + own.anchor_margin, MM) + 1, 0),
+            "reason": own.reason,
+        },
+        transitions=list(_table(own, table, valid)),
+        ghosts={own.truth: ANY, own.true_speed: ANY},
+        ghost_inputs=[own.next_truth, own.next_speed],
+        ghost_moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
+        assumption=assumption(own),
+        initially=can_stop(own, own.truth, own.true_speed),
+        clauses=clauses(own, trusted),
+        lemmas=lemmas(own, current, table, trusted),
+        mode_variable=current,
+        doc=(
+            "Position along the mapped track from usable satellites. Assumed: speed changes by no more than the greatest "
+            "acceleration allows, and the vehicle stops before the coordinates end; "
+            f"a reference is within its accuracy; {ASSUMED[trusted]}"
+        ),
+    )  # fmt: skip
+
+
+# ------------------------------------------------------------------ what a cycle knows
+
+
+def verdict(own: Parts, located: Bool) -> Num:
+    """What becomes of the solution, with the reason where it does not count."""
+    foreign = any_of(used & ~usable for used, usable in zip(own.used, own.usable, strict=True))
+    coarse = own.protection > own.config.protection_limit_mm
+    meets = solved(own).meets(predicted(own))
+    drifted = ~carried(own, fixed(own)).holds
+    judged = ite(coarse, TOO_COARSE, ite(meets, ite(drifted, DRIFTED, ACCEPTED), DISJOINT))
+    judged = ite(foreign, NOT_USABLE, ite(enough(own), judged, TOO_FEW))
+    return ite(own.fix.present, ite(located, judged, NOT_LOCATED), NO_FIX)
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _table(own: Parts, table: tuple[Lit, ...], valid: Bool) -> Iterator[Transition]:
+    lost, located, coasting = table
+    on, trace, judged = (located, coasting), ("SAT-5",), verdict(own, valid)
+    ahead, known, both, found = predicted(own), referred(own), confirmed(own), fixed(own)
+    told: dict[Var, Expr] = {own.judged: judged, own.why_missing: ite(own.fix.present, MISSING[0], own.missing)}
+
+    def become(state: State, anchor: Anchor, coasted: Num) -> dict[Var, Expr]:
+        return {**_become(own, state), **_anchored(own, anchor), **told, own.coasted: coasted, own.reason: LOCATED}
+
+    def drop(reason: Lit) -> dict[Var, Expr]:
+        return {**_nothing(own), **told, own.reason: reason}
+
+    none = as_num(0, COUNT)
+    begin = own.reference.present & reportable(own, known)
+    start = become(known, _at_reference(own, known), none)
+    yield Transition("trusted reference", lost, located, begin, {**start, own.change: as_num(0, UM_S)}, trace, 0)
+    yield Transition("wait for a reference", lost, lost, TRUE, told, trace, 1)
+    clash = own.reference.present & ~known.meets(ahead)
+    yield Transition("reference contradicts", on, lost, clash, drop(CONTRADICTION), ("SAT-5", "SAT-1"), 2)
+    better = own.reference.present & reportable(own, both)
+    again = become(both, _at_reference(own, both), none)
+    yield Transition("reference while located", on, located, better, again, trace, 3)
+    good = judged.eq(ACCEPTED) & reportable(own, found)
+    yield Transition("solution counts", on, located, good, become(found, carried(own, found), none), trace, 4)
+    over = own.coasted >= own.config.coast_limit_cycles
+    yield Transition("coasted too long", on, lost, over, drop(COASTED_OUT), ("SAT-1", "SAT-5"), 5)
+    yield Transition("tolerance exceeded", on, lost, ~reportable(own, ahead), drop(TOLERANCE), trace, 6)
+    beside = carried(own, ahead)
+    yield Transition("common drift", on, lost, ~beside.holds, drop(DRIFT), ("SAT-1", "SAT-5"), 7)
+    longer = minimum(own.coasted + 1, own.config.coast_limit_cycles)
+    yield Transition("coast", on, coasting, TRUE, become(ahead, beside, longer), ("SAT-1",), 8)
+
+
+def _become(own: Parts, state: State) -> dict[Var, Expr]:
+    """The state, and the change of speed that the next prediction goes on with, if a vehicle can have it."""
+    change, most = state.speed - own.speed, own.config.speed_change_um_s
+    return {
+        own.position: state.position,
+        own.low: state.low,
+        own.high: state.high,
+        own.speed: state.speed,
+        own.slowest: state.slowest,
+        own.fastest: state.fastest,
+        own.change: ite(between(-most, change, most), change, as_num(0, UM_S)),
+    }
+
+
+def _at_reference(own: Parts, state: State) -> Anchor:
+    known = referred(own)
+    return Anchor(TRUE, state.position - known.position, known.over, TRUE)
+
+
+def _anchored(own: Parts, anchor: Anchor) -> dict[Var, Expr]:
+    nothing = as_num(0, NM)
+    return {
+        own.anchored: anchor.kept,
+        own.anchor_offset: ite(anchor.kept, anchor.offset, nothing),
+        own.anchor_margin: ite(anchor.kept, anchor.margin, nothing),
+    }
+
+
+def _nothing(own: Parts) -> dict[Var, Expr]:
+    """The state while nothing is reported."""
+    numbers = (
+        own.position, own.low, own.high, own.speed, own.slowest, own.fastest, own.change, own.coasted, own.anchor_offset,
+        own.anchor_margin,
+    )  # fmt: skip
+    return {**{one: as_num(0, one.unit) for one in numbers}, own.anchored: FALSE}

@@ -1,0 +1,233 @@
+"""The satellite chain, epoch by epoch: from observations, ephemerides and map to the machine's step (SAT-1 to SAT-6).
+
+    chain = EpochChain(ChainConfig(), navigation, LineTrack(routes, height_m).portions)
+    for epoch in epochs:                                  # one call a machine cycle, also without an epoch
+        outcome = chain.step(Cycle(epoch))                # Cycle(epoch, reference=..., run=..., faults=...)
+        outcome.outputs["valid"], outcome.outputs["position_mm"]
+
+One cycle at time t:
+
+1. E(t-1) is the machine's own state. E*(t) follows from it at constant acceleration, laid along the portion of track that
+   the map gives; no other sensor enters (SAT-1). At an undecided switch it is laid along both portions, or along none.
+2. Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
+   the receiver's clock goes by the median of each constellation.
+3. The selection machine gives the usable satellites (LSVU) of this cycle; position and speed are solved from these alone
+   (SAT-5), as intervals: sum |a_i| * bound_i.
+4. The composed machine takes one step with the same inputs. `outcome.inputs` is that step: written to a step stream, it
+   replays to the same result.
+
+Nothing raises for what a receiver delivers: what is not finite, expired, late or left over is a fault or a reason in the
+outcome. Cycles follow each other by the machine's period; an epoch that is half of it or more away is not of this cycle.
+The receiver's clock may be wrong by less than that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+from pydantic import Field
+
+from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.config import Config, quantity
+from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.language.system import lower, without_ghosts
+from safeloc.models.satellite import compose_machines
+from safeloc.models.satellite.ahead import Ahead, ahead
+from safeloc.models.satellite.fix_inputs import StepValues, fix_inputs, no_fix
+from safeloc.models.satellite.sighting import Sighting, Track, sighted, true_time_s
+from safeloc.models.satellite.trusted_inputs import Reference, Run, told
+from safeloc.models.satellite.variables import SatelliteConfig
+from safeloc.models.satellite_selection import STANDING
+from safeloc.runtime.border import Fault, Reason
+from safeloc.sensing.satellite.channels import Channels, Heard
+from safeloc.sensing.satellite.epochs import Epoch
+from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.solution import Bounds, Look, Solution, Weighting, solve
+from safeloc.sensing.satellite.track_fit import NoSolution
+
+__all__ = ["ChainConfig", "Cycle", "EpochChain", "Outcome", "Reference", "Run", "Track"]
+
+
+class ChainConfig(Config):
+    """What the chain depends on.
+
+    at_switch   both: predict on every possible portion, and take what holds on each; none: no prediction there
+    solution    along track: two unknowns; free: the directions across the track are unknown too (two satellites more)
+    weighting   of the least squares: equal, or by the square of the sine of elevation
+    """
+
+    satellite: SatelliteConfig = SatelliteConfig()
+    window_epochs: int = quantity(5, "epochs", 2, 1_000, "[D] variance over 1 s at 5 Hz; two are the least")
+    map_error_mm: int = quantity(200, "mm", 0, 100_000, "[D] surveyed course and antenna against the track's axis")
+    at_switch: Literal["both", "none"] = Field(default="both", description="prediction at an undecided switch")
+    solution: Literal["along track", "free"] = Field(default="along track", description="what is solved")
+    weighting: Weighting = Field(default="equal", description="weights of the least squares")
+
+    @property
+    def bounds(self) -> Bounds:
+        """What a usable satellite may be wrong by, in the quantities that are compared."""
+        selection = self.satellite.selection
+        return Bounds(
+            None if selection.compared == "doppler" else selection.range_threshold_mm + self.map_error_mm,
+            None if selection.compared == "pseudorange" else selection.speed_threshold_mm_s,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """What comes in one cycle; `faults`: what the receiver's border refused of it (`epochs.received`)."""
+
+    epoch: Epoch | None = None
+    reference: Reference | None = None
+    run: Run | None = None
+    faults: tuple[Fault, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One cycle.
+
+    inputs     the composed machine's step, by name; outputs: what it says afterwards
+    fired      the transitions that fired, by machine
+    ahead      E*(t); None while unlocated
+    standings  per visible satellite, what the selection says: USABLE, EXCLUDED, WARMING, SILENT, EXPIRED, ABSENT
+    sighting   residuals on every possible portion, none without a prediction
+    solution   fits with bounds; None without one: `outputs["position.missing"]` says why
+    faults     what was left out, with the reason
+    """
+
+    inputs: StepValues
+    outputs: Mapping[str, Value]
+    fired: Mapping[str, str]
+    ahead: Ahead | None
+    standings: Mapping[str, str]
+    sighting: Sighting
+    solution: Solution | None
+    faults: tuple[Fault, ...]
+
+    @property
+    def usable(self) -> frozenset[str]:
+        """The satellites in the list of usable ones (LSVU)."""
+        return frozenset(name for name, standing in self.standings.items() if standing == "USABLE")
+
+
+UNLOCATED = 0
+"""The position machine's first mode."""
+
+
+@lru_cache(maxsize=8)
+def _programs(figures: str) -> tuple[Compiled, Compiled]:
+    """Both machines in one step, and the selection by itself, of a configuration told as JSON.
+
+    Seconds for 32 channels, and so made once.
+    """
+    whole = compose_machines(SatelliteConfig.model_validate_json(figures))
+    selection = lower(whole.selection.machine)
+    return compile_system(without_ghosts(whole.composition.system)), compile_system(without_ghosts(selection))
+
+
+class EpochChain:
+    """The on-board system: receiver channels, memory with validity periods and map, and the machine (SAT-6)."""
+
+    def __init__(self, config: ChainConfig, navigation: Navigation, track: Track) -> None:
+        self.config = config
+        self._navigation, self._track = navigation, track
+        self._code, self._select = _programs(config.satellite.model_dump_json())
+        self._state, self._selected = self._code.first(), self._select.first()
+        self._channels = Channels(config.satellite.selection.channels, config.window_epochs)
+        self._due_s: float | None = None
+
+    @property
+    def state(self) -> dict[str, Value]:
+        """The composed machine's state by name."""
+        return dict(zip(self._code.state_names, self._state, strict=True))
+
+    def step(self, cycle: Cycle) -> Outcome:
+        """One cycle. InputError for a reference or a run that the machine's inputs cannot hold."""
+        before = self.state
+        predicted = ahead(before, self.config.satellite) if before["position.mode"] != UNLOCATED else None
+        epoch, late = self._of_this_cycle(cycle.epoch)
+        seen = self._sighting(epoch, predicted)
+        heard = self._heard(epoch, seen)
+        standings = self._standings(heard)
+        usable = frozenset(name for name, standing in standings.items() if standing == "USABLE")
+        solution, missing = self._solution(predicted, seen, heard, usable)
+        fix = no_fix(missing)
+        if solution is not None and predicted is not None:
+            fix = fix_inputs(solution, predicted, seen.offset_s, self.config.satellite)
+        inputs = {**self._channel_inputs(heard, solution), **fix, **told(cycle.reference, cycle.run)}
+        self._state, numbers = self._code.step(self._state, self._code.read(inputs))
+        outputs, fired = self._code.named_outputs(self._state), self._code.fired(numbers)
+        faults = (*cycle.faults, *late, *heard.faults)
+        return Outcome(inputs, outputs, fired, predicted, standings, seen, solution, faults)
+
+    # ------------------------------------------------------------------ what is seen
+
+    def _of_this_cycle(self, epoch: Epoch | None) -> tuple[Epoch | None, tuple[Fault, ...]]:
+        """The epoch if it is of this cycle: less than half a period away from when the cycle is due."""
+        if self._due_s is None:
+            return epoch, ()
+        self._due_s += self.config.satellite.period_ms / 1_000
+        off_s = 0.0 if epoch is None else epoch.time_s - self._due_s
+        if abs(off_s) * 2_000 < self.config.satellite.period_ms:
+            return epoch, ()
+        return None, (Fault("epoch", Reason.STALE if off_s < 0 else Reason.FUTURE, f"{off_s:+.3f} s off the cycle"),)
+
+    def _sighting(self, epoch: Epoch | None, predicted: Ahead | None) -> Sighting:
+        if epoch is None or predicted is None:
+            return Sighting("NO_EPOCH" if epoch is None else "NO_PREDICTION")
+        portions = self._track(*predicted.stretch_m())
+        if len(portions) > 1 and self.config.at_switch == "none":
+            return Sighting("TWO_PORTIONS")
+        if self._due_s is None:
+            try:
+                self._due_s = true_time_s(epoch, predicted, portions, self._navigation)
+            except InputError:
+                return Sighting("NO_PREDICTION")
+        return sighted(epoch, predicted, portions, self._due_s, self._navigation)
+
+    def _heard(self, epoch: Epoch | None, seen: Sighting) -> Heard:
+        """Every satellite of the epoch above the mask is visible (LSV)."""
+        names = frozenset() if epoch is None else frozenset(epoch.satellites)
+        low = frozenset().union(*(look.low for look in seen.residuals))
+        at_s = 0.0 if epoch is None else epoch.time_s
+        valid = frozenset(name for name in names if self._navigation.valid(name, at_s) is not None)
+        return self._channels.hear(names - low, valid - low, seen.residuals)
+
+    # ------------------------------------------------------------------ what becomes of it
+
+    def _standings(self, heard: Heard) -> dict[str, str]:
+        """The selection machine's step: what every satellite on a channel is."""
+        self._selected, _ = self._select.step(self._selected, self._select.read(heard.inputs))
+        state = dict(zip(self._select.state_names, self._selected, strict=True))
+        return {
+            name: STANDING[int(state[f"channel_{number}_standing"])].label for name, number in heard.channels.items()
+        }
+
+    def _solution(
+        self, predicted: Ahead | None, seen: Sighting, heard: Heard, usable: frozenset[str]
+    ) -> tuple[Solution | None, str]:
+        """From usable satellites only; else why there is none."""
+        if predicted is None or seen.missing:
+            return None, seen.missing
+        if not usable:
+            return None, "NONE_LEFT"
+        estimate, every = predicted.estimate(seen.offset_s), zip(seen.places, seen.portions, strict=True)
+        bounds = [self.config.bounds.on_track(estimate, portion, seen.distance_m) for _, portion in every]
+        told_off = zip(seen.places, bounds, heard.off_mm, heard.speed_off_mm_s, seen.residuals, strict=True)
+        looks = [Look(place, bound, off, speed, look.predictions) for place, bound, off, speed, look in told_off]
+        try:
+            free, weighting = self.config.solution == "free", self.config.weighting
+            return solve(looks, usable, free=free, weighting=weighting), ""
+        except NoSolution as none:
+            return None, none.why
+
+    def _channel_inputs(self, heard: Heard, solution: Solution | None) -> StepValues:
+        used = {heard.channels[name] for name in (frozenset() if solution is None else solution.used)}
+        inputs: StepValues = {f"selection.{name}": value for name, value in heard.inputs.items()}
+        channels = range(1, self.config.satellite.selection.channels + 1)
+        return inputs | {f"position.used_{number}": number in used for number in channels}

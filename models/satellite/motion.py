@@ -1,0 +1,75 @@
+"""The state a cycle later: predicted from the state before alone, and narrowed by what else holds the truth.
+
+An estimate and its bounds go apart: the bounds follow from physics and from what is known to hold the truth, the estimate
+follows the latest solution within them. So a solution with wide bounds still leads the prediction.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, floor_div, ite, maximum, minimum
+from safeloc.language.units import MS, NM, UM_S
+from safeloc.models.satellite.variables import NM_PER_MM, Parts, State, around
+
+
+def predicted(own: Parts) -> State:
+    """The state E* from the state before alone: constant acceleration along the track (SAT-1, [0042])."""
+    config, period = own.config, Lit(own.config.period_ms, MS)
+    fast, way, gained = config.max_speed_mm_s * 1_000, as_num(config.way_nm, NM), config.speed_change_um_s
+    half = exact_to(own.change * Lit(config.period_ms // 2, MS), NM)
+    return State(
+        own.position + exact_to(own.speed * period, NM) + half,
+        own.low + exact_to(own.slowest * period, NM) - way,
+        own.high + exact_to(own.fastest * period, NM) + way,
+        _within(own.speed + own.change, as_num(-fast, UM_S), as_num(fast, UM_S)),
+        maximum(own.slowest - gained, -fast),
+        minimum(own.fastest + gained, fast),
+    )
+
+
+def solved(own: Parts) -> State:
+    """What the solution says."""
+    place, error = exact_to(own.fix.value, NM), exact_to(own.protection, NM)
+    return around(place, error, own.fix_speed, own.speed_protection)
+
+
+def referred(own: Parts) -> State:
+    """What the reference says; without its speed any that a vehicle has."""
+    fast, known = own.config.max_speed_mm_s * 1_000, own.reference_speed.present
+    place, error = exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
+    speed = ite(known, own.reference_speed.value, as_num(0, UM_S))
+    whole = around(place, error, speed, ite(known, own.speed_accuracy, as_num(fast, UM_S)))
+    return State(place, whole.low, whole.high, speed, maximum(whole.slowest, -fast), minimum(whole.fastest, fast))
+
+
+def fixed(own: Parts) -> State:
+    """Prediction and solution together: both hold the truth, and the solution's estimates lead on, smoothed in place."""
+    found, ahead = solved(own), predicted(own)
+    knows_speed = own.speed_protection < own.config.max_speed_mm_s * 1_000
+    nearer = ahead.position + floor_div((found.position - ahead.position) * own.config.place_gain_percent, 100)
+    return _both(ahead, found, nearer, ite(knows_speed, found.speed, ahead.speed))
+
+
+def confirmed(own: Parts) -> State:
+    """Prediction and reference together; the estimate is that of the narrower one."""
+    found, ahead = referred(own), predicted(own)
+    nearer = found.high - found.low <= ahead.high - ahead.low
+    speed = ite(own.reference_speed.present, found.speed, ahead.speed)
+    return _both(ahead, found, ite(nearer, found.position, ahead.position), speed)
+
+
+def _both(one: State, other: State, position: Num, speed: Num) -> State:
+    low, high = maximum(one.low, other.low), minimum(one.high, other.high)
+    slowest, fastest = maximum(one.slowest, other.slowest), minimum(one.fastest, other.fastest)
+    return State(_within(position, low, high), low, high, _within(speed, slowest, fastest), slowest, fastest)
+
+
+def _within(value: Num, low: Num, high: Num) -> Num:
+    return maximum(low, minimum(value, high))
+
+
+def reportable(own: Parts, state: State) -> Bool:
+    """It may be reported: margins within the tolerance when rounded, place and speed in range."""
+    config = own.config
+    limit, most = config.position_limit_mm * NM_PER_MM, (config.tolerance_mm - 2) * NM_PER_MM
+    place = [between(0, state.under, most), between(0, state.over, most), between(-limit, state.position, limit)]
+    return all_of([*place, state.slowest <= state.speed, state.speed <= state.fastest])

@@ -1,0 +1,255 @@
+"""A virtual section: clear or not, from where the trains of its line area may be (FVA-9, FVA-18).
+
+Sections are cut freely along the line. A section is FREE only on positive evidence: no train's interval reaches it,
+and nothing that was never counted can be in it. Everything that is not FREE is occupied for the interlocking.
+
+    UNKNOWN     something may be here, and nothing tells what (also the start)
+    FREE        nothing is here
+    OCCUPIED    trains that are followed and known to be whole, and nothing else
+    AMBIGUOUS   a train that is followed, and perhaps something else, or a part that it lost
+
+With every state go the rule that led to it, what it rests on, the age of the oldest report among that, and how far it is
+to be trusted. The transitions carry the numbers of the published rules for virtual sub-sections (figures, section 7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, derived, quantity
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import (
+    BoolVar,
+    Expr,
+    Lit,
+    NumVar,
+    Var,
+    as_num,
+    boolean,
+    choice,
+    enumeration,
+    minimum,
+    number,
+)
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
+from safeloc.models.area import Area, AreaConfig
+from safeloc.models.area import build as build_area
+from safeloc.models.area import parts as area_parts
+from safeloc.models.area.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
+from safeloc.models.area.separation import Following, headway_ms, separation_mm
+
+TRACE = ("FVA-9", "FVA-18")
+RULES = {
+    ("FREE", "UNKNOWN"): 1,
+    ("FREE", "OCCUPIED"): 2,
+    ("FREE", "AMBIGUOUS"): 3,
+    ("UNKNOWN", "FREE"): 4,
+    ("UNKNOWN", "AMBIGUOUS"): 5,
+    ("OCCUPIED", "FREE"): 6,
+    ("OCCUPIED", "UNKNOWN"): 7,
+    ("OCCUPIED", "AMBIGUOUS"): 8,
+    ("AMBIGUOUS", "FREE"): 9,
+    ("AMBIGUOUS", "UNKNOWN"): 10,
+    ("AMBIGUOUS", "OCCUPIED"): 11,
+    ("UNKNOWN", "OCCUPIED"): 12,
+}
+
+
+class SectionsConfig(Config):
+    """Line area, and how long a train without news still counts as followed."""
+
+    area: AreaConfig = AreaConfig()
+    sections: int = quantity(1, "count", 1, 64, "[D] sections of one composition; each is independent of the others")
+    mute_ms: int = quantity(5_000, "ms", 0, 3_600_000, "[M] mute timer: without a trusted report")
+    integrity_wait_ms: int = quantity(
+        30_000, "ms", 0, 3_600_000, "[M] wait-integrity timer: without confirmed integrity"
+    )
+    following: Following = Following()
+
+    @model_validator(mode="after")
+    def _timers_end(self) -> SectionsConfig:
+        longest = max(self.mute_limit_cycles, self.integrity_limit_cycles)
+        if longest >= self.area.count_limit:
+            raise ValueError(
+                f"the timers run for {longest} cycles, and area.count_limit counts waiting times up to "
+                f"{self.area.count_limit} only: they would never end. Raise count_limit or shorten the timers."
+            )
+        return self
+
+    @property
+    def mute_limit_cycles(self) -> int:
+        """Whole cycles of the mute timer."""
+        return self.mute_ms // self.area.period_ms
+
+    @property
+    def integrity_limit_cycles(self) -> int:
+        """Whole cycles of the wait-integrity timer."""
+        return self.integrity_wait_ms // self.area.period_ms
+
+    @derived("mm", "[D] achieved: front of a train to the rear of the one ahead (area/separation.py)")
+    def separation_mm(self) -> int:
+        """Achieved separation of two trains, mm."""
+        return separation_mm(self.area, self.following)
+
+    @derived("mm", "[D] the same with sections of no length: moving block with this area and these trains")
+    def moving_block_separation_mm(self) -> int:
+        """What smaller sections can come down to, mm."""
+        return separation_mm(self.area, self.following.model_copy(update={"section_mm": 0}))
+
+    @derived("ms", "[D] from one train's front to the next one's at one place")
+    def headway_ms(self) -> int:
+        """Achieved headway, ms."""
+        return headway_ms(self.area, self.following)
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """One section's machine and variables: bounds (any two places in the area), and what it is told of the area."""
+
+    config: SectionsConfig
+    machine: Machine
+    start: NumVar
+    end: NumVar
+    trains: tuple[TrainHere, ...]
+    unswept: BoolVar
+    loose_low: NumVar
+    loose_high: NumVar
+
+
+@dataclass(frozen=True, eq=False)
+class Sections:
+    """A line area with its sections in one step."""
+
+    area: Area
+    sections: tuple[Section, ...]
+    composition: Composition
+
+
+def compose_machines(config: SectionsConfig | None = None) -> Sections:
+    """Area and sections: each section sees the trains as they are after the area's step (FVA-9)."""
+    config = config or SectionsConfig()
+    area = build_area(area_parts(config.area))
+    return joined(area, tuple(section(config, f"section_{n}") for n in range(1, config.sections + 1)))
+
+
+def joined(area: Area, sections: tuple[Section, ...]) -> Sections:
+    """The given machines, wired."""
+    wires: dict[Var, Expr] = {}
+    for one in sections:
+        wires |= section_wires(area, one)
+    whole = compose("sections", [area.machine, *(one.machine for one in sections)], wires)
+    return Sections(area, sections, whole)
+
+
+def section_wires(area: Area, one: Section) -> dict[Var, Expr]:
+    """What a section is told of the area in a step."""
+    own = area.own
+    wires: dict[Var, Expr] = {
+        one.unswept: area.machine.mode.eq(area.machine.modes[0]),
+        one.loose_low: own.loose_low,
+        one.loose_high: own.loose_high,
+    }
+    for told, train in zip(one.trains, own.slots, strict=True):
+        wires |= {told.present: train.present, told.low: train.low, told.high: train.high}
+        wires |= {told.silent: train.silent, told.unconfirmed: train.unconfirmed}
+    return wires
+
+
+def section(config: SectionsConfig, name: str) -> Section:
+    """One section with fresh variables."""
+    limit, count = config.area.limit_mm, config.area.count_limit
+    start, end = number("from_mm", MM, -limit, limit), number("to_mm", MM, -limit, limit)
+    unswept = boolean("area_unswept")
+    loose_low, loose_high = (number(f"area_loose_{side}_mm", MM, -limit, limit) for side in ("low", "high"))
+    trains = tuple(_train(n, limit, count) for n in range(1, config.area.trains + 1))
+    rule, since, here = number("rule", COUNT, 0, 12), number("since_cycles", COUNT, 0, count), _counts(config)
+    told = [var for t in trains for var in (t.present, t.low, t.high, t.silent, t.unconfirmed)]
+    told_by = _told_by(config)
+    loose = unswept & (loose_low <= end) & (loose_high >= start)
+    judged = Judged(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose)
+    table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
+    current = current_mode(table)
+    kept: dict[Var, Expr] = {here[0]: judged.count, here[1]: judged.first, here[2]: judged.followed_count}
+    kept |= dict(zip(told_by, (judged.evidence, judged.age, judged.trust), strict=True))
+    machine = Machine(
+        name=name,
+        modes=table,
+        inputs=[*told, unswept, loose_low, loose_high],
+        state={
+            start: ANY,
+            end: ANY,
+            rule: 0,
+            since: 0,
+            here[0]: 0,
+            here[1]: 0,
+            here[2]: 0,
+            told_by[0]: NOTHING_YET,
+            told_by[1]: 0,
+            told_by[2]: NO_TRUST,
+        },
+        outputs={
+            "from_mm": start,
+            "to_mm": end,
+            "clear": current.eq(table[1]),
+            "trains": here[0],
+            "first_train": here[1],
+            "trains_followed": here[2],
+            "rule": rule,
+            "since_cycles": since,
+            "evidence": told_by[0],
+            "evidence_age_cycles": told_by[1],
+            "trust": told_by[2],
+        },
+        transitions=list(_table(judged, table, rule, since, kept)),
+        initially=start < end,
+        lemmas={"bounds in order": start < end},
+        mode_variable=current,
+        doc="One virtual section: clear only where no train of the area may be, and nothing that was never counted.",
+    )
+    return Section(config, machine, start, end, trains, unswept, loose_low, loose_high)
+
+
+def _told_by(config: SectionsConfig) -> tuple[NumVar, NumVar, NumVar]:
+    """What the state rests on, how old that is, and how far to trust it."""
+    age = number("rests_on_age_cycles", COUNT, 0, config.area.count_limit)
+    return choice("rests_on", enumeration(EVIDENCE)), age, choice("told_with", enumeration(TRUST))
+
+
+def _counts(config: SectionsConfig) -> tuple[NumVar, NumVar, NumVar]:
+    names = ("trains_here", "first_train_here", "trains_followed_here")
+    first, second, third = (number(name, COUNT, 0, config.area.trains) for name in names)
+    return first, second, third
+
+
+def _train(number_: int, limit: int, count: int) -> TrainHere:
+    name = f"area_train_{number_}"
+    return TrainHere(
+        boolean(f"{name}_present"),
+        number(f"{name}_low_mm", MM, -limit, limit),
+        number(f"{name}_high_mm", MM, -limit, limit),
+        number(f"{name}_silent_cycles", COUNT, 0, count),
+        number(f"{name}_unconfirmed_cycles", COUNT, 0, count),
+    )
+
+
+def _table(
+    judged: Judged, table: tuple[Lit, ...], rule: NumVar, since: NumVar, kept: dict[Var, Expr]
+) -> Iterator[Transition]:
+    by_label = {mode.label: mode for mode in table}
+    for (source, target), number_ in sorted(RULES.items(), key=lambda item: item[1]):
+        yield Transition(
+            f"#{number_} {source.lower()} to {target.lower()}",
+            by_label[source],
+            by_label[target],
+            judged.status(target),
+            {**kept, rule: as_num(number_, COUNT), since: as_num(0, COUNT)},
+            TRACE,
+            0,
+        )
+    for mode in table:
+        longer = minimum(since + 1, since.high)
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, set={**kept, since: longer}, trace=TRACE, rank=1)

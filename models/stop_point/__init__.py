@@ -1,0 +1,120 @@
+"""Precise stop at a platform on the measured distance, and repositioning after an overrun (RFL-D7; source l. 245-265).
+
+A platform has several stop points, for vehicles of different lengths. One of them is selected; from then on the
+machine says what the vehicle may do.
+
+    IDLE           no stop is pending: the machine orders nothing
+    APPROACH       the stop lies ahead: the vehicle may proceed
+    BRAKING        the braking distance has come: brake
+    STOPPED        standing within the stop window: hold, doors may open
+    SHORT          standing before the window: hold
+    CREEPING       forward at reduced speed into the window
+    OVERRUN        possibly beyond the window: hold
+    REPOSITIONING  backwards at reduced speed into the window
+    HELD           the stop cannot be made: hold until released
+
+The vehicle's front end lies in the interval that the reflector machine reports. What counts as "beyond" is the
+interval's far end, and as "short" its near end: only an interval that fits into the window is in place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import Bool, Expr, Lit, Num, between, exact_to, ite, members
+from safeloc.language.machine import ANY, Machine, current_mode, modes
+from safeloc.language.units import MM_S, NM
+from safeloc.models.stop_point.cycle import Judged, judge
+from safeloc.models.stop_point.table import rows
+from safeloc.models.stop_point.variables import NO_REASON, Parts, StopPointConfig, parts
+
+ORDER = members("order", "NONE", "PROCEED", "BRAKE", "HOLD", "CREEP", "REVERSE")
+NO_ORDER, PROCEED, BRAKE, HOLD, CREEP, REVERSE = ORDER
+MODES = ("IDLE", "APPROACH", "BRAKING", "STOPPED", "SHORT", "CREEPING", "OVERRUN", "REPOSITIONING", "HELD")
+ORDERS = (NO_ORDER, PROCEED, BRAKE, HOLD, HOLD, CREEP, HOLD, REVERSE, HOLD)
+
+
+def machine(config: StopPointConfig | None = None) -> Machine:
+    """The stop-point machine of a vehicle (RFL-D7)."""
+    return build(parts(config or StopPointConfig())).machine
+
+
+@dataclass(frozen=True, eq=False)
+class StopPoint:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+    judged: Judged
+
+    def in_mode(self, *labels: str) -> Bool:
+        """The machine is in one of the named modes."""
+        mode = self.machine.mode
+        return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
+
+
+def build(own: Parts) -> StopPoint:
+    """The machine over the given variables."""
+    table = modes(*MODES)
+    current, judged = current_mode(table), judge(own)
+    made = Machine(
+        name="stop_point",
+        modes=table,
+        inputs=own.inputs,
+        state={
+            own.stop: 0,
+            own.before: 0,
+            own.after: 0,
+            own.pending: 0,
+            own.served: 0,
+            own.distance: 0,
+            own.reason: NO_REASON,
+        },
+        outputs=_outputs(own, current, table),
+        transitions=list(rows(own, judged, table)),
+        ghosts={own.truth: ANY, own.true_speed: ANY},
+        ghost_inputs=[own.next_truth, own.next_true_speed],
+        ghost_moves={own.truth: own.next_truth, own.true_speed: own.next_true_speed},
+        assumption=assumption(own, judged),
+        definitions=_definitions(judged),
+        mode_variable=current,
+        doc=(
+            "Precise stop at a selected stop point on the measured distance, with repositioning after an overrun. Assumed: "
+            "a valid interval holds the truth (the reflector machine's own proof discharges this), and speed is measured "
+            "within its error. Nothing is assumed of driver, brakes or track."
+        ),
+    )
+    return StopPoint(made, own, judged)
+
+
+def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:
+    order: Num = NO_ORDER
+    for mode, given in zip(table[1:], ORDERS[1:], strict=True):
+        order = ite(current.eq(mode), given, order)
+    slow = current.one_of(table[MODES.index("CREEPING")], table[MODES.index("REPOSITIONING")])
+    return {
+        "order": order,
+        "speed_limit_mm_s": ite(slow, Lit(own.config.reduced_speed_mm_s, MM_S), 0),
+        "in_position": current.eq(table[MODES.index("STOPPED")]),
+        "pending_stop": own.pending,
+        "distance_mm": own.distance,
+        "reason": own.reason,
+    }
+
+
+def _definitions(cycle: Judged) -> dict[str, Expr]:
+    return {
+        "possibly beyond the window": cycle.beyond,
+        "possibly before the window": cycle.short,
+        "standing": cycle.standing,
+        "braking distance has come": cycle.brake_now,
+        "backwards too fast": cycle.backwards_too_fast,
+        "forwards too fast": cycle.forwards_too_fast,
+    }
+
+
+def assumption(own: Parts, cycle: Judged) -> Bool:
+    """A valid interval holds the truth, and speed is measured within its error."""
+    inside = between(exact_to(cycle.low, NM), own.next_truth, exact_to(cycle.high, NM))
+    error = own.config.speed_error_mm_s
+    return own.valid.implies(inside) & between(own.speed - error, own.next_true_speed, own.speed + error)

@@ -1,0 +1,137 @@
+"""Simulated stops at a platform, by default that of source fig. 2, as step streams of the stop-point machine with ghosts.
+
+Position and its bounds are those that the reflector machine reports on a simulated run; speed comes with its error.
+The vehicle's driving is given beforehand, well or badly: the machine's orders are what is looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from safeloc.errors import InputError
+from safeloc.language.nodes import Value
+from safeloc.models.reflector.simulate import FIGURE_2, STOPS_MM, Scene, said, simulate, stopping
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.stop_point.variables import StopPointConfig
+from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.sensors import NM_PER_MM
+
+WINDOW_MM = 500
+SPEED_MM_S, BRAKE_MM_S2, STAND_S = 20_000, 800, 6.0
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One drive to a stop point of the platform.
+
+    number   the stop point, from 1 on
+    off_mm   where the vehicle comes to stand first, from the stop point on
+    moves    further movements (mm, negative: backwards), each at reduced speed and permitted
+    """
+
+    number: int = 1
+    off_mm: int = 0
+    moves: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class StopPlace:
+    """A stop point of the platform: where end A stands when stopped, and its window to either side; mm."""
+
+    position_mm: int
+    before_mm: int = WINDOW_MM
+    after_mm: int = WINDOW_MM
+
+
+FIGURE_2_STOPS = tuple(StopPlace(place) for place in STOPS_MM)
+IN_PLACE, OVERRUN, SHORT = Stop(), Stop(off_mm=3_000, moves=(-3_000,)), Stop(number=2, off_mm=-2_000, moves=(2_000,))
+
+
+def simulate_stop(
+    config: StopPointConfig, *, seed: int, stop: Stop = IN_PLACE, reduced_mm_s: int = 600
+) -> list[dict[str, Cell]]:
+    """One drive as steps: inputs, ghost inputs, and the remark `truth_mm`. The last cycles are a departure order."""
+    source = ReflectorConfig()
+    motion = _motion(stop, reduced_mm_s, source.period_ms)
+    given = Platform(FIGURE_2_STOPS, stop.number, bool(stop.moves))
+    return simulate_platform(config, given, motion, source=source, scene=Scene(FIGURE_2), seed=seed)
+
+
+@dataclass(frozen=True)
+class Platform:
+    """The stop points of a platform in order, the selected one (from 1 on), and whether repositioning is permitted."""
+
+    stops: tuple[StopPlace, ...]
+    selected: int
+    permitted: bool
+
+
+def simulate_platform(
+    config: StopPointConfig, platform: Platform, motion: Motion, *, source: ReflectorConfig, scene: Scene, seed: int
+) -> list[dict[str, Cell]]:
+    """A given motion along a platform as steps; the position is what the reflector machine `source` reports on `scene`.
+
+    InputError for more stop points than the configuration has.
+    """
+    if not 1 <= platform.selected <= len(platform.stops) <= config.stop_points:
+        raise InputError(
+            f"stop {platform.selected} of {len(platform.stops)}: the machine is configured for {config.stop_points} stops."
+        )
+    rng = np.random.default_rng(seed)
+    seen = [_position(one) for one in said(source, simulate(source, seed=seed, scene=scene, motion=motion))]
+    speeds = np.clip(motion.speed_mm_s, -config.max_speed_mm_s, config.max_speed_mm_s)
+    steps = []
+    for cycle, reported in enumerate(seen):
+        true_speed = int(speeds[cycle])
+        steps.append(
+            {
+                **reported,
+                "speed_mm_s": true_speed if true_speed == 0 else true_speed + _error(rng, config),
+                **_places(config, platform.stops),
+                "selected_stop": platform.selected,
+                "reposition_permitted": platform.permitted,
+                "departure": cycle >= len(seen) - 1,
+                "released": False,
+                "next_truth_nm": int(motion.position_nm[cycle]),
+                "next_true_speed_mm_s": true_speed,
+                "truth_mm": int(motion.position_nm[cycle]) // NM_PER_MM,
+            }
+        )
+    return steps
+
+
+def _error(rng: np.random.Generator, config: StopPointConfig) -> int:
+    return int(rng.uniform(-0.4, 0.4) * config.speed_error_mm_s)
+
+
+def _motion(stop: Stop, reduced_mm_s: int, period_ms: int) -> Motion:
+    first = STOPS_MM[stop.number - 1] + stop.off_mm
+    moves = [(first, SPEED_MM_S, BRAKE_MM_S2, STAND_S)]
+    moves += [(distance, reduced_mm_s, 300, STAND_S) for distance in stop.moves]
+    return stopping(period_ms, moves)
+
+
+def _places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Cell]:
+    """The map's inputs; the window of a stop point that the platform does not have is that of the first one."""
+    inputs: dict[str, Cell] = {}
+    for number in range(1, config.stop_points + 1):
+        known = number <= len(stops)
+        stop = stops[number - 1] if known else stops[0]
+        inputs |= {f"stop_{number}_position_mm": stop.position_mm} if known else {}
+        inputs |= {f"stop_{number}_before_mm": stop.before_mm, f"stop_{number}_after_mm": stop.after_mm}
+    return inputs
+
+
+def _position(outputs: Mapping[str, Value]) -> dict[str, Cell]:
+    """The reflector machine's report as inputs of this one."""
+    return {
+        "position_valid": outputs["valid"],
+        "position_precise": outputs["precise"],
+        "position_mm": outputs["position_mm"],
+        "over_mm": outputs["over_mm"],
+        "under_mm": outputs["under_mm"],
+    }

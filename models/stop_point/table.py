@@ -1,0 +1,134 @@
+"""The transition table of the stop-point machine, in order of priority."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Expr, Lit, Var, as_num, ite
+from safeloc.language.machine import Transition
+from safeloc.language.units import COUNT, MM
+from safeloc.models.stop_point.cycle import Judged
+from safeloc.models.stop_point.variables import (
+    NO_POSITION,
+    NO_REASON,
+    NOT_AHEAD,
+    TOO_COARSE,
+    TOO_FAR,
+    UNKNOWN_STOP,
+    Parts,
+)
+
+Updates = dict[Var, Expr]
+TRACE = ("RFL-D7",)
+
+
+def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """All transitions."""
+    yield from _ending(own, table)
+    yield from _selecting(own, cycle, table)
+    yield from _approaching(own, cycle, table)
+    yield from _standing(own, cycle, table)
+    yield from _moving(own, cycle, table)
+    yield from _waiting(own, cycle, table)
+
+
+def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """The stop is given up, served, or cannot be made."""
+    idle, approach, braking, stopped, short, creeping, overrun, repositioning, held = table
+    pending = (approach, braking, stopped, short, creeping, overrun, repositioning)
+    over = {**_no_stop(own), own.served: own.pending, own.reason: NO_REASON}
+    yield Transition("released", (short, overrun, held), idle, own.released, over, TRACE, 0)
+    yield Transition("departs", stopped, idle, own.departure & own.valid, over, TRACE, 0)
+    lost: Updates = {own.reason: NO_POSITION, own.distance: as_num(0, MM)}
+    yield Transition("position lost", pending, held, ~own.valid, lost, TRACE, 1)
+
+
+def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Which stop point of the platform is meant; it can be changed until the brake order."""
+    idle, approach, *_ = table
+    chosen: Updates = {
+        own.stop: cycle.chosen.stop,
+        own.before: cycle.chosen.before,
+        own.after: cycle.chosen.after,
+        own.pending: own.selected.value,
+        own.served: as_num(0, COUNT),
+        own.distance: cycle.chosen.stop - own.position,
+        own.reason: NO_REASON,
+    }
+    yield Transition("stop selected", idle, approach, cycle.selectable, chosen, TRACE, 2)
+    yield Transition("another stop selected", approach, approach, cycle.changed, chosen, TRACE, 2)
+    dropped = {**_no_stop(own), own.served: as_num(0, COUNT), own.reason: NO_REASON}
+    yield Transition("no stop selected", (idle, approach), idle, ~cycle.named, dropped, TRACE, 2)
+    refused: Updates = {own.reason: UNKNOWN_STOP}
+    yield Transition("stop not on the map", idle, idle, ~cycle.known, refused, TRACE, 3)
+    behind: Updates = {own.reason: NOT_AHEAD}
+    missed = own.valid & (cycle.high > cycle.chosen.ends) & own.selected.value.ne(own.served)
+    yield Transition("stop not ahead", idle, idle, missed, behind, TRACE, 4)
+
+
+def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Up to the brake order, and beyond the window."""
+    _, approach, braking, stopped, short, creeping, overrun, *_ = table
+    near = _near(cycle)
+    ahead, measured_beyond = (approach, braking, creeping), own.precise & cycle.beyond
+    yield Transition("overruns", ahead, overrun, measured_beyond, near, TRACE, 4)
+    yield Transition("brakes", approach, braking, cycle.brake_now | ~cycle.short, near, TRACE, 5)
+    yield Transition("proceeds", approach, approach, set=near, trace=TRACE, rank=6)
+    measured = cycle.standing & own.precise
+    yield Transition("stops in place", braking, stopped, measured & cycle.inside, near, TRACE, 5)
+    yield Transition("stops short", braking, short, measured & cycle.short, near, TRACE, 5)
+    yield Transition("brakes on", braking, braking, set=near, trace=TRACE, rank=6)
+
+
+def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Standing in the window, before it or beyond it."""
+    _, _, braking, stopped, short, _, overrun, _, held = table
+    near, measured = _near(cycle), cycle.standing & own.precise
+    yield Transition("rolls away", stopped, braking, ~cycle.standing, near, TRACE, 5)
+    yield Transition("found in place", (short, overrun), stopped, measured & cycle.inside, near, TRACE, 5)
+    yield Transition("found short", (stopped, overrun), short, measured & cycle.short & ~cycle.beyond, near, TRACE, 5)
+    far = {**near, own.reason: TOO_FAR}
+    yield Transition("too far to reposition", overrun, held, measured & cycle.too_far, far, TRACE, 5)
+    yield Transition("not beyond after all", overrun, braking, own.precise & ~cycle.beyond, near, TRACE, 7)
+    yield Transition("found beyond", (stopped, short), overrun, measured & cycle.beyond & ~cycle.short, near, TRACE, 7)
+
+
+def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Creeping forward into the window, and repositioning backwards into it."""
+    _, _, braking, _, short, creeping, overrun, repositioning, _ = table
+    near, may = _near(cycle), cycle.standing & own.precise & own.permitted
+    yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, TRACE, 8)
+    yield Transition("repositions", overrun, repositioning, may & cycle.beyond & ~cycle.short, near, TRACE, 8)
+    unsafe = ~own.precise | ~own.permitted
+    again = own.valid & own.precise & cycle.standing & own.reason.eq(NO_POSITION)
+    yield Transition("stops creeping", creeping, braking, unsafe | cycle.forwards_too_fast, near, TRACE, 8)
+    yield Transition("stops reversing", repositioning, overrun, unsafe | cycle.backwards_too_fast, near, TRACE, 8)
+    yield Transition("creeps into the window", creeping, braking, ~cycle.short | (cycle.to_go <= 0), near, TRACE, 9)
+    yield Transition("backs into the window", repositioning, braking, ~cycle.beyond, near, TRACE, 9)
+    yield Transition("measured again", table[8], braking, again, near, TRACE, 9)
+
+
+def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    _, _, _, stopped, short, creeping, overrun, repositioning, held = table
+    for name, mode in (
+        ("stands in place", stopped),
+        ("stands short", short),
+        ("creeps on", creeping),
+        ("stands beyond", overrun),
+        ("reverses on", repositioning),
+    ):
+        yield Transition(name, mode, mode, set=_near(cycle), trace=TRACE, rank=10)
+    yield Transition("held", held, held, set={own.distance: as_num(0, MM)}, trace=TRACE, rank=10)
+
+
+def _near(cycle: Judged) -> Updates:
+    """The distance to the stop is shown, and whether the interval fits into the window."""
+    return {
+        cycle.own.distance: cycle.pending.stop - cycle.own.position,
+        cycle.own.reason: ite(cycle.short & cycle.beyond, TOO_COARSE, NO_REASON),
+    }
+
+
+def _no_stop(own: Parts) -> Updates:
+    lengths: Updates = dict.fromkeys((own.stop, own.before, own.after, own.distance), as_num(0, MM))
+    return {**lengths, own.pending: as_num(0, COUNT)}

@@ -1,0 +1,146 @@
+"""Configuration and variables of the stop-point machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    BoolVar,
+    NumVar,
+    Optional,
+    Var,
+    boolean,
+    choice,
+    enumeration,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.units import COUNT, MM, MM_S, NM
+from safeloc.models.vocabulary.error_law import NM_PER_MM
+
+REASON = members("stop_reason", "NONE", "NO_POSITION", "TOO_FAR", "TOO_COARSE", "NOT_AHEAD", "UNKNOWN_STOP")
+NO_REASON, NO_POSITION, TOO_FAR, TOO_COARSE, NOT_AHEAD, UNKNOWN_STOP = REASON
+MOST_WINDOW_MM = 10_000
+
+
+class StopPointConfig(Config):
+    """Everything about vehicle and platform that the stop-point machine depends on."""
+
+    stop_points: int = quantity(2, "count", 1, 16, "[S] source fig. 2: two; l. 81: several a platform")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    speed_error_mm_s: int = quantity(100, "mm/s", 0, 5_000, "[M] 0.36 km/h; SUBSET-041 asks for 2 km/h only")
+    standstill_mm_s: int = quantity(50, "mm/s", 0, 1_000, "[D] below one pulse in 100 ms")
+    brake_mm_s2: int = quantity(800, "mm/s2", 1, 5_000, "[S] service brake 0.8 to 1.0 m/s2")
+    reaction_ms: int = quantity(1_500, "ms", 0, 10_000, "[M] until the brake acts")
+    reduced_speed_mm_s: int = quantity(833, "mm/s", 1, 10_000, "[M] 3 km/h for repositioning")
+    reposition_limit_mm: int = quantity(
+        5_000, "mm", 0, 100_000, "[M] farther back only under the dispatcher's authority"
+    )
+
+    @model_validator(mode="after")
+    def _can_move(self) -> StopPointConfig:
+        if self.reduced_speed_mm_s <= self.speed_error_mm_s + self.standstill_mm_s:
+            raise ValueError(
+                "reduced_speed_mm_s must exceed speed_error_mm_s and standstill_mm_s together, or no movement is allowed."
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class MapStop:
+    """Inputs: one stop point of the platform; absent where the map has none. Lengths in mm.
+
+    position       where end A stands when the vehicle stops
+    before, after  the stop window on either side of it
+    """
+
+    position: Optional
+    before: NumVar
+    after: NumVar
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    selected   which stop point of the platform the mission names, from 1 on
+    permitted  moving within the platform at reduced speed is permitted (dispatcher, doors, rear clear)
+    departure  the stop is served, the vehicle may leave it
+    released   whoever is in charge takes over: the stop is given up
+    """
+
+    config: StopPointConfig
+    valid: BoolVar
+    precise: BoolVar
+    position: NumVar
+    over: NumVar
+    under: NumVar
+    speed: NumVar
+    stops: tuple[MapStop, ...]
+    selected: Optional
+    permitted: BoolVar
+    departure: BoolVar
+    released: BoolVar
+    stop: NumVar
+    before: NumVar
+    after: NumVar
+    pending: NumVar
+    served: NumVar
+    distance: NumVar
+    reason: NumVar
+    truth: NumVar
+    next_truth: NumVar
+    true_speed: NumVar
+    next_true_speed: NumVar
+
+    @property
+    def inputs(self) -> list[Var | Optional]:
+        """All inputs in order."""
+        measured = (self.valid, self.precise, self.position, self.over, self.under, self.speed)
+        stops = [var for stop in self.stops for var in (stop.position, stop.before, stop.after)]
+        return [*measured, *stops, self.selected, self.permitted, self.departure, self.released]
+
+
+def parts(config: StopPointConfig) -> Parts:
+    """Fresh variables for one machine."""
+    limit, fast = config.position_limit_mm, config.max_speed_mm_s
+    reach, error = (limit + config.tolerance_mm) * NM_PER_MM, config.speed_error_mm_s
+    return Parts(
+        config=config,
+        valid=boolean("position_valid"),
+        precise=boolean("position_precise"),
+        position=number("position_mm", MM, -limit, limit),
+        over=number("over_mm", MM, 0, config.tolerance_mm),
+        under=number("under_mm", MM, 0, config.tolerance_mm),
+        speed=number("speed_mm_s", MM_S, -fast, fast),
+        stops=tuple(_map_stop(number_, limit) for number_ in range(1, config.stop_points + 1)),
+        selected=optional("selected_stop", COUNT, 1, config.stop_points),
+        permitted=boolean("reposition_permitted"),
+        departure=boolean("departure"),
+        released=boolean("released"),
+        stop=number("stop_mm", MM, -limit, limit),
+        before=number("before_mm", MM, 0, MOST_WINDOW_MM),
+        after=number("after_mm", MM, 0, MOST_WINDOW_MM),
+        pending=number("pending_number", COUNT, 0, config.stop_points),
+        served=number("served_number", COUNT, 0, config.stop_points),
+        distance=number("to_go_mm", MM, -2 * limit, 2 * limit),
+        reason=choice("held_reason", enumeration(REASON)),
+        truth=number("truth_nm", NM, -reach, reach),
+        next_truth=number("next_truth_nm", NM, -reach, reach),
+        true_speed=number("true_speed_mm_s", MM_S, -fast - error, fast + error),
+        next_true_speed=number("next_true_speed_mm_s", MM_S, -fast - error, fast + error),
+    )
+
+
+def _map_stop(number_: int, limit_mm: int) -> MapStop:
+    return MapStop(
+        optional(f"stop_{number_}_position_mm", MM, -limit_mm, limit_mm),
+        number(f"stop_{number_}_before_mm", MM, 0, MOST_WINDOW_MM),
+        number(f"stop_{number_}_after_mm", MM, 0, MOST_WINDOW_MM),
+    )

@@ -1,1 +1,0 @@
-"""What the stop-point machine is made of: map data and measurements, one cycle, the table."""

@@ -1,0 +1,275 @@
+"""A position on its way from one computer to another: its age is charged to the interval (RFL-14, FVA-9).
+
+The sender's report is taken in the cycle in which it is sent, and arrives some cycles later, or never. Between sending and
+use the vehicle moves on, no faster than its highest speed, in either direction: every cycle widens the interval by that,
+before arrival and after it. One report is on its way at a time; a newer one takes its place. A report that revokes (it
+holds no position) takes the position away when it arrives; one that never arrives leaves the last one to grow old.
+
+    NOTHING  no report, a revoking one, or one that has become too old or too wide
+    HELD     a report is held; its interval is given out, widened by its age
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Var,
+    as_num,
+    between,
+    boolean,
+    exact_to,
+    ite,
+    number,
+    with_unit,
+)
+from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, MS, NM
+from safeloc.models.vocabulary.error_law import NM_PER_MM
+
+TRACE = ("FVA-9", "FVA-18", "RFL-14")
+
+
+class TransmissionConfig(Config):
+    """What the link between two computers may do to a report."""
+
+    period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
+    max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
+    age_limit_ms: int = quantity(1_000, "ms", 0, 60_000, "[S] EUG 22E126: no data older than 1 s")
+    margin_limit_mm: int = quantity(300_000, "mm", 1, 100_000_000, "[D] ten times the tolerable error of main line")
+    position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
+
+    @property
+    def age_limit_cycles(self) -> int:
+        """The oldest report that is given out."""
+        return self.age_limit_ms // self.period_ms
+
+    @property
+    def run_mm(self) -> int:
+        """The farthest the vehicle gets in a cycle, rounded up."""
+        return -(-self.max_speed_mm_s * self.period_ms // 1_000)
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """A report: whether there is one, whether it holds a position, the interval as it was sent, its age in cycles."""
+
+    there: Bool
+    valid: Bool
+    position: Num
+    under: Num
+    over: Num
+    age: Num
+
+    def older(self, config: TransmissionConfig) -> Report:
+        """One cycle later; a report that is too old by then is there no more."""
+        young = self.there & (self.age + 1 <= config.age_limit_cycles)
+        return choose(young, replace(self, there=young, age=self.age + 1), NO_REPORT)
+
+    def charged(self, config: TransmissionConfig) -> Num:
+        """What its age adds to either side, mm."""
+        return with_unit(self.age * config.run_mm, MM)
+
+    def usable(self, config: TransmissionConfig) -> Bool:
+        """It holds a position, narrow enough when its age is charged."""
+        charged, widest = self.charged(config), config.margin_limit_mm
+        return self.there & self.valid & (self.under + charged <= widest) & (self.over + charged <= widest)
+
+    def holds(self, truth: Num, config: TransmissionConfig) -> Bool:
+        """If it holds a position, the truth lies in its interval, widened by its age."""
+        charged = self.charged(config)
+        low, high = self.position - self.under - charged, self.position + self.over + charged
+        return (self.there & self.valid).implies(between(exact_to(low, NM), truth, exact_to(high, NM)))
+
+
+NO_REPORT = Report(FALSE, FALSE, Lit(0, MM), Lit(0, MM), Lit(0, MM), Lit(0, COUNT))
+
+
+def choose(condition: Bool, then: Report, other: Report) -> Report:
+    """`then` where the condition holds, else `other`."""
+    return Report(
+        (condition & then.there) | (~condition & other.there),
+        (condition & then.valid) | (~condition & other.valid),
+        ite(condition, then.position, other.position),
+        ite(condition, then.under, other.under),
+        ite(condition, then.over, other.over),
+        ite(condition, then.age, other.age),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Slot:
+    """State variables that keep a report."""
+
+    there: BoolVar
+    valid: BoolVar
+    position: NumVar
+    under: NumVar
+    over: NumVar
+    age: NumVar
+
+    @property
+    def report(self) -> Report:
+        """What is kept."""
+        return Report(self.there, self.valid, self.position, self.under, self.over, self.age)
+
+    def state(self) -> dict[Var, Initial]:
+        """State variables with initial values: no report."""
+        numbers: dict[Var, Initial] = dict.fromkeys((self.position, self.under, self.over, self.age), 0)
+        return {self.there: False, self.valid: False, **numbers}
+
+    def become(self, report: Report) -> dict[Var, Expr]:
+        """Updates that keep the report."""
+        return {
+            self.there: report.there, self.valid: report.valid, self.position: report.position,
+            self.under: report.under, self.over: report.over, self.age: report.age,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    sent, arrived    inputs: the sender sends in this cycle; what is on its way arrives in this cycle
+    valid, ...       inputs: the sender's report of this cycle
+    flying, held     the report on its way, and the one that arrived last
+    """
+
+    config: TransmissionConfig
+    sent: BoolVar
+    arrived: BoolVar
+    valid: BoolVar
+    position: NumVar
+    under: NumVar
+    over: NumVar
+    flying: Slot
+    held: Slot
+    truth: NumVar
+    next_truth: NumVar
+
+
+@dataclass(frozen=True, eq=False)
+class Transmission:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+
+
+def parts(config: TransmissionConfig) -> Parts:
+    """Fresh variables for one link."""
+    limit, widest = config.position_limit_mm, config.margin_limit_mm
+    reach = (limit + 2 * widest) * NM_PER_MM
+    return Parts(
+        config,
+        boolean("sent"),
+        boolean("arrived"),
+        boolean("sent_valid"),
+        number("sent_position_mm", MM, -limit, limit),
+        number("sent_under_mm", MM, 0, widest),
+        number("sent_over_mm", MM, 0, widest),
+        _slot("flying", config),
+        _slot("held", config),
+        number("truth_nm", NM, -reach, reach),
+        number("next_truth_nm", NM, -reach, reach),
+    )
+
+
+def _slot(name: str, config: TransmissionConfig) -> Slot:
+    limit, widest, ages = config.position_limit_mm, config.margin_limit_mm, config.age_limit_cycles
+    return Slot(
+        boolean(f"{name}_there"),
+        boolean(f"{name}_valid"),
+        number(f"{name}_position_mm", MM, -limit, limit),
+        number(f"{name}_under_mm", MM, 0, widest),
+        number(f"{name}_over_mm", MM, 0, widest),
+        number(f"{name}_age_cycles", COUNT, 0, ages),
+    )
+
+
+def build(own: Parts, name: str = "transmission") -> Transmission:
+    """The machine over the given variables."""
+    table = modes("NOTHING", "HELD")
+    current = current_mode(table)
+    held = current.eq(table[1])
+    charged = own.held.report.charged(own.config)
+    made = Machine(
+        name=name,
+        modes=table,
+        inputs=[own.sent, own.arrived, own.valid, own.position, own.under, own.over],
+        state={**own.flying.state(), **own.held.state()},
+        outputs={
+            "valid": held,
+            "position_mm": ite(held, own.held.position, 0),
+            "under_mm": ite(held, own.held.under + charged, 0),
+            "over_mm": ite(held, own.held.over + charged, 0),
+            "age_ms": ite(held, with_unit(own.held.age * own.config.period_ms, MS), 0),
+        },
+        transitions=list(_table(own, table)),
+        ghosts={own.truth: ANY},
+        ghost_inputs=[own.next_truth],
+        ghost_moves={own.truth: own.next_truth},
+        assumption=_sent_truly(own) & _moves(own),
+        lemmas=_lemmas(own, held),
+        mode_variable=current,
+        doc=(
+            "Brings a position from one computer to another and charges its age. Assumed: a position that is sent holds the "
+            "truth when it is sent (the sender's own proof discharges this), and the vehicle moves no faster than its "
+            "highest speed. Of arrival nothing is assumed: late, never, or several at once."
+        ),
+    )
+    return Transmission(made, own)
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    nothing, held = table
+    config, flying = own.config, own.flying.report.older(own.config)
+    lands, kept = own.arrived & flying.there, own.held.report.older(own.config)
+    sent = Report(TRUE, own.valid, own.position, own.under, own.over, as_num(0, COUNT))
+    way = own.flying.become(choose(own.sent, sent, choose(lands, NO_REPORT, flying)))
+    taken, gone = {**way, **own.held.become(flying)}, {**way, **own.held.become(NO_REPORT)}
+    yield Transition("report arrives", table, held, lands & flying.usable(config), taken, TRACE, 0)
+    yield Transition("report revokes", table, nothing, lands & ~flying.valid, gone, TRACE, 1)
+    yield Transition("report arrives too wide", table, nothing, lands, gone, TRACE, 2)
+    yield Transition("report has become too old", held, nothing, ~kept.there, gone, TRACE, 3)
+    yield Transition("report has become too wide", held, nothing, ~kept.usable(config), gone, TRACE, 4)
+    yield Transition("report grows older", held, held, TRUE, {**way, **own.held.become(kept)}, TRACE, 5)
+    yield Transition("no report", nothing, nothing, TRUE, way, TRACE, 5)
+
+
+# ------------------------------------------------------------------ the environment, and what helps to prove
+
+
+def _sent_truly(own: Parts) -> Bool:
+    """What the sender states holds the truth of that cycle."""
+    low, high = own.position - own.under, own.position + own.over
+    return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
+
+
+def _moves(own: Parts) -> Bool:
+    """The vehicle moves no faster than its highest speed."""
+    most = own.config.max_speed_mm_s * own.config.period_ms * 1_000
+    return between(-most, own.next_truth - own.truth, most)
+
+
+def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:
+    flying, kept = own.flying.report, own.held.report
+    return {
+        "a report on its way holds the truth": flying.holds(own.truth, own.config),
+        "a report that arrived holds the truth": kept.holds(own.truth, own.config),
+        "what is given out is held, and narrow enough": held.implies(kept.usable(own.config)),
+        "nothing is held that is not given out": held | ~kept.there,
+    }

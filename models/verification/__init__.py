@@ -1,0 +1,169 @@
+"""A train's fibre position, given out only while it is verified against what an axle counter measured (FVA-1 to FVA-8).
+
+    NO_REFERENCE  nothing to verify with: withheld
+    WITHHELD      a reference is stored; at present nothing is verified: withheld
+    TRUSTED       verified: the position is given out
+    UNTRUSTED     something did not match: withheld, and what was given out before is revoked
+
+A reference is the entry record of an axle counter, or that record handed over by the neighbouring area while it
+trusted the train. It is taken once and used for the whole stay. The axle count must be identical, the length equal
+within the tolerances of both sides; place and speed are compared only in the cycle of the reference. Any mismatch
+withholds in the same cycle and is latched; only another accepted reference ends it. What is missing withholds, and
+does not count as success.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, all_of, as_num, between, exact_to, ite
+from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM, NM, UM
+from safeloc.models.verification.judgement import Judged, judge
+from safeloc.models.verification.variables import NO_RECORD, NOT_VERIFIED, VERIFIED, Parts, VerificationConfig, parts
+
+__all__ = ["Verification", "VerificationConfig", "build", "machine", "parts"]
+TRACE = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")
+ENTRY = (*TRACE, "FVA-3", "FVA-12", "FVA-4", "FVA-13", "FVA-14", "FVA-D1")
+COURSE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16", "FVA-8", "FVA-17")
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """The machine together with the terms it was built from, for properties to speak about."""
+
+    machine: Machine
+    own: Parts
+    judged: Judged
+
+
+def machine(config: VerificationConfig | None = None) -> Machine:
+    """The machine that verifies one train (FVA-1)."""
+    return build(parts(config or VerificationConfig())).machine
+
+
+def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -> Verification:
+    """The machine over the given variables; `place_kept`: an earlier machine vouches for the interval, not assumed."""
+    table = modes("NO_REFERENCE", "WITHHELD", "TRUSTED", "UNTRUSTED")
+    current = current_mode(table)
+    judged = judge(own, current.one_of(table[1], table[2]), current.eq(table[3]))
+    trusted = current.eq(table[2])
+    made = Machine(
+        name=name,
+        modes=table,
+        inputs=own.inputs,
+        state=own.state(),
+        outputs=_outputs(own, current, table),
+        transitions=list(_table(own, judged, table)),
+        ghosts={own.axles: ANY, own.length: ANY, own.truth: ANY},
+        ghost_inputs=[own.next_axles, own.next_length, own.next_truth],
+        ghost_moves={own.axles: own.next_axles, own.length: own.next_length, own.truth: own.next_truth},
+        assumption=_features_law(own) if place_kept else _features_law(own) & place_law(own),
+        lemmas=_lemmas(own, trusted),
+        definitions={
+            "mismatch": judged.mismatch,
+            "why": judged.flaw,
+            "reference accepted": judged.accepted,
+            "count matches": judged.count_matches,
+            "length matches": judged.length_matches,
+            "missing": judged.missing,
+            "cycles since a verification": judged.age,
+        },
+        mode_variable=current,
+        doc=(
+            "Verifies one train's fibre parameters against the record of an axle counter. Assumed: a count that the fibre "
+            "tells is that of the train it is associated with; a length is true within the fibre's tolerance; a located "
+            "interval holds the front (the fibre machine's own proof). Nothing is assumed of the record beyond its bounds, "
+            "of train control data, or of which train a pattern belongs to: that is what is verified."
+        ),
+    )
+    return Verification(made, own, judged)
+
+
+# ------------------------------------------------------------------ the transition table
+
+
+def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
+    none, withheld, trusted, untrusted = table
+    known = (withheld, trusted)
+    good, fresh = judged.verified & ~judged.missing, judged.current & ~judged.missing
+    why = ite(judged.missing, judged.lack, NOT_VERIFIED)
+    gone: dict[Var, Expr] = {**judged.forget(), own.reason: NO_RECORD, own.given: FALSE}
+    refused: dict[Var, Expr] = {**judged.forget(), own.reason: judged.flaw}
+    sure: dict[Var, Expr] = {own.reason: VERIFIED, own.given: TRUE}
+    waits: dict[Var, Expr] = {**judged.take(), own.reason: why, own.given: FALSE}
+    taken, course = {**judged.take(), **sure}, {**judged.go_on(), **sure}
+    yield Transition("train has left", table, none, own.leaves, gone, TRACE, 0)
+    yield Transition("mismatch", table, untrusted, judged.mismatch, refused, (*TRACE, "FVA-6", "FVA-7", "FVA-8"), 1)
+    yield Transition("reference accepted and verified", table, trusted, judged.accepted & good, taken, ENTRY, 2)
+    yield Transition("reference accepted", table, withheld, judged.accepted & ~good, waits, ENTRY, 2)
+    yield Transition("verified", known, trusted, good, course, (*TRACE, *COURSE), 3)
+    yield Transition("still verified", trusted, trusted, fresh, course, (*TRACE, *COURSE), 4)
+    lacking: dict[Var, Expr] = {**judged.go_on(), own.reason: why}
+    yield Transition("not verified now", known, withheld, TRUE, lacking, (*TRACE, *COURSE), 5)
+    yield Transition("mismatch is kept", untrusted, untrusted, TRUE, {}, TRACE, 5)
+    yield Transition("no train", none, none, TRUE, gone, TRACE, 5)
+
+
+# ------------------------------------------------------------------ what is given out
+
+
+def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:
+    """Position only while trusted; the list of what it rests on; the record, for the neighbour to take over."""
+    trusted, known = current.eq(table[2]), current.one_of(table[1], table[2])
+    zero = as_num(0, MM)
+    return {
+        "trusted": trusted,
+        "untrusted": current.eq(table[3]),
+        "revoked": current.eq(table[3]) & own.given,
+        "position_mm": ite(trusted, own.front, zero),
+        "over_mm": ite(trusted, own.front_over, zero),
+        "under_mm": ite(trusted, own.front_under, zero),
+        "reason": own.reason,
+        "verified_count": own.by_count,
+        "verified_length": own.by_length,
+        "verified_speed_at_entry": own.by_speed,
+        "verified_place_at_entry": own.by_place,
+        "verified_train_control": own.by_control,
+        "verified_by_emitter": trusted & own.by_emitter,
+        "verified_cycles_ago": own.age,
+        "handover_trusted": trusted,
+        "handover_axles": ite(known, own.kept_count, as_num(0, COUNT)),
+        "handover_length_low_mm": ite(known, own.kept_low, zero),
+        "handover_length_high_mm": ite(known, own.kept_high, zero),
+    }
+
+
+# ------------------------------------------------------------------ the environment, and what helps to prove
+
+
+def place_law(own: Parts) -> Bool:
+    """A located interval holds the front."""
+    low, high = own.place.value - own.place_under, own.place.value + own.place_over
+    inside = between(exact_to(low, NM), own.next_truth, exact_to(high, NM))
+    return (own.located & own.place.present).implies(inside)
+
+
+def _features_law(own: Parts) -> Bool:
+    """Count and length that the fibre tells of a train are true of the train it tells of, within their bounds."""
+    tolerance = own.config.length_tolerance_mm
+    off = exact_to(own.seen_length.value, UM) - own.next_length
+    return all_of(
+        [
+            (own.associated & own.seen_count.present).implies(own.seen_count.value.eq(own.next_axles)),
+            (own.associated & own.seen_length.present).implies(between(-tolerance * 1_000, off, tolerance * 1_000)),
+        ]
+    )
+
+
+def _lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
+    interval = between(exact_to(own.front - own.front_under, NM), own.truth, exact_to(own.front + own.front_over, NM))
+    return {
+        "a trusted position holds the truth": trusted.implies(interval),
+        "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
+        "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),
+        "a count verified now is the train's": (trusted & own.by_count & own.age.eq(0)).implies(
+            own.axles.eq(own.kept_count)
+        ),
+    }

@@ -1,0 +1,350 @@
+"""What one cycle means to the verification of a train: what matches, what does not, what is missing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import (
+    FALSE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    abs_,
+    any_of,
+    as_num,
+    between,
+    ceil_to,
+    exact_to,
+    ite,
+    maximum,
+    minimum,
+    with_unit,
+)
+from safeloc.language.units import COUNT, MM, MM_S2, MS, Unit
+from safeloc.models.axle_counter.passage import UM_S
+from safeloc.models.verification import variables as v
+from safeloc.models.verification.variables import Parts
+
+UM_PER_MM = 1_000
+
+
+def judge(own: Parts, known: Bool, refused: Bool) -> Judged:
+    """Terms for one cycle; `known`: a reference is stored and believed, `refused`: a mismatch is latched."""
+    return Judged(own, known, refused)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Terms over the inputs of a cycle and the state before it."""
+
+    own: Parts
+    known: Bool
+    refused: Bool
+
+    # -------------------------------------------------------------- the reference
+
+    @cached_property
+    def whole(self) -> Bool:
+        """The reference is sound, recent and says something."""
+        own = self.own
+        recent = own.record_age <= own.config.reference_age_limit_cycles
+        return own.sound & recent & (own.record_count > 0) & (own.record_low <= own.record_high)
+
+    @cached_property
+    def contradicts(self) -> Bool:
+        """Another record of the same stay says otherwise."""
+        own = self.own
+        apart = (own.record_high < own.kept_low) | (own.record_low > own.kept_high)
+        return self.known & (own.record_count.ne(own.kept_count) | apart)
+
+    @cached_property
+    def reference(self) -> tuple[Num, Num, Num]:
+        """Count and bounds of the length to compare with."""
+        own = self.own
+        pairs = ((own.record_count, own.kept_count), (own.record_low, own.kept_low), (own.record_high, own.kept_high))
+        count, low, high = (ite(own.due, new, old) for new, old in pairs)
+        return count, low, high
+
+    @cached_property
+    def accepted(self) -> Bool:
+        """A reference is accepted; nothing of this cycle contradicts it."""
+        return self.own.due & self.own.source.ne(v.NOBODY) & self.whole & ~self.mismatch
+
+    # -------------------------------------------------------------- parameters that do not change
+
+    @cached_property
+    def count_matches(self) -> Bool:
+        """The fibre's count is that of the reference."""
+        seen = self.own.seen_count
+        return self.own.associated & seen.present & seen.value.eq(self.reference[0])
+
+    @cached_property
+    def length_matches(self) -> Bool:
+        """The fibre's length agrees with the reference within both tolerances."""
+        seen = self.own.seen_length
+        return self.own.associated & seen.present & self._fits(seen.value)
+
+    def _fits(self, length: Num) -> Bool:
+        _, low, high = self.reference
+        tolerance = self.own.config.length_tolerance_mm
+        return between(low - tolerance, length, high + tolerance)
+
+    @cached_property
+    def verified(self) -> Bool:
+        """At least one parameter that does not change was determined in this cycle, and matches."""
+        return self.count_matches | self.length_matches
+
+    @cached_property
+    def controlled(self) -> Bool:
+        """Train control says count or length, and what it says matches. Silence is no success."""
+        count, length = self.own.control_count, self.own.control_length
+        return (count.present | length.present) & ~self._control_count_differs & ~self._control_length_differs
+
+    @cached_property
+    def _control_count_differs(self) -> Bool:
+        return self.own.control_count.present & self.own.control_count.value.ne(self.reference[0])
+
+    @cached_property
+    def _control_length_differs(self) -> Bool:
+        return self.own.control_length.present & ~self._fits(self.own.control_length.value)
+
+    # -------------------------------------------------------------- at the place of the reference
+
+    @cached_property
+    def _at_counter(self) -> Bool:
+        return self.own.due & self.own.source.eq(v.AXLE_COUNTER) & self.own.associated
+
+    @cached_property
+    def speed_compared(self) -> Bool:
+        """Speed can be compared: the train is at the counter."""
+        return self._at_counter & self.own.seen_speed.present
+
+    @cached_property
+    def speed_fits(self) -> Bool:
+        """The fibre's speed is the counter's, within tolerance and what the train can have changed since."""
+        own, config = self.own, self.own.config
+        change = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // v.MS_PER_S)
+        slack = _scaled(own.record_age, change, own.seen_speed.value) + config.speed_tolerance_mm_s
+        return between(own.record_speed_low - slack, own.seen_speed.value, own.record_speed_high + slack)
+
+    @cached_property
+    def place_compared(self) -> Bool:
+        """Place can be compared: the train is at the counter."""
+        return self._at_counter & self.placed
+
+    @cached_property
+    def place_fits(self) -> Bool:
+        """The fibre's interval meets the counter's, within tolerance and what the train can have run since."""
+        own, config = self.own, self.own.config
+        run = -(-config.max_speed_mm_s * config.period_ms // v.MS_PER_S)
+        slack = _scaled(own.record_age, run, own.place.value) + config.place_tolerance_mm
+        low, high = own.place.value - own.place_under, own.place.value + own.place_over
+        return (low <= own.record_place_high + slack) & (high >= own.record_place_low - slack)
+
+    # -------------------------------------------------------------- course over time
+
+    @cached_property
+    def placed(self) -> Bool:
+        """The fibre has an interval of this train's front."""
+        return self.own.associated & self.own.located & self.own.place.present
+
+    @cached_property
+    def abilities(self) -> tuple[Num, Num]:
+        """How much slower and faster the train can be since its last speed, um/s."""
+        own, period = self.own, Lit(self.own.config.period_ms, MS)
+        braking = _braking(own) * period
+        traction = Lit(own.config.traction_mm_s2, MM_S2) * period
+        either = maximum(braking, traction)
+        last = exact_to(own.last_speed, UM_S)
+        forwards, backwards = last - own.slower - either >= 0, last + own.faster + either <= 0
+        slower = ite(forwards, braking, ite(backwards, traction, either))
+        faster = ite(forwards, traction, ite(backwards, braking, either))
+        most = own.config.change_limit_um_s
+        return minimum(own.slower + slower, most), minimum(own.faster + faster, most)
+
+    @cached_property
+    def speed_changed(self) -> Bool:
+        """The speed changed by more than traction and brakes allow."""
+        own = self.own
+        slower, faster = self.abilities
+        slack = 2 * own.config.speed_tolerance_mm_s * UM_PER_MM
+        change = exact_to(own.seen_speed.value, UM_S) - exact_to(own.last_speed, UM_S)
+        seen = own.associated & own.seen_speed.present & own.speed_known
+        return seen & ~between(-slower - slack, change, faster + slack)
+
+    @cached_property
+    def length_changed(self) -> Bool:
+        """The length is another one than before."""
+        own = self.own
+        seen = own.associated & own.seen_length.present & own.length_known
+        return seen & (abs_(own.seen_length.value - own.last_length) > own.config.length_change_mm)
+
+    @cached_property
+    def reach(self) -> Num:
+        """How far the front can have come since its last place, mm."""
+        own = self.own
+        fastest = own.config.max_speed_mm_s * UM_PER_MM
+        last, slack = exact_to(own.last_speed, UM_S), own.config.speed_tolerance_mm_s * UM_PER_MM
+        slower, faster = self.abilities
+        bound = minimum(maximum(last + faster, slower - last) + slack, fastest)
+        speed = ite(own.speed_known, bound, fastest)
+        return minimum(own.reach + ceil_to(speed * Lit(own.config.period_ms, MS), MM), own.reach.high)
+
+    @cached_property
+    def jumped(self) -> Bool:
+        """The front is where the train cannot have come: not even within what both intervals leave open."""
+        own = self.own
+        run, reach = own.place.value - own.last_place, self.reach + own.config.jump_mm
+        above = run > reach + own.front_over + own.place_under
+        below = -run > reach + own.front_under + own.place_over
+        return self.placed & own.place_known & (above | below)
+
+    @cached_property
+    def ends_apart(self) -> Bool:
+        """Both ends are located, and no length that the reference allows lies between them."""
+        own, tolerance = self.own, self.own.config.length_tolerance_mm
+        _, low, high = self.reference
+        near, far = own.ends_low.value, own.ends_high.value
+        crossed = own.ends_low.present & own.ends_high.present & (near > far)
+        too_long = own.ends_low.present & (near > high + tolerance)
+        return crossed | too_long | (own.ends_high.present & (far < low - tolerance))
+
+    # -------------------------------------------------------------- the verdict
+
+    @cached_property
+    def flaws(self) -> list[tuple[Bool, Lit]]:
+        """Every mismatch with its reason, the first that holds counts."""
+        own = self.own
+        seen_count = own.associated & own.seen_count.present
+        seen_length = own.associated & own.seen_length.present
+        given = own.due & own.source.ne(v.NOBODY)
+        always_on = [
+            (own.due & own.source.eq(v.NOBODY), v.REFERENCE_LOST),
+            (given & ~self.whole, v.REFERENCE_REFUSED),
+            (given & self.contradicts, v.REFERENCE_CONTRADICTS),
+            (own.fibre_error, v.FIBRE_ERROR),
+            (seen_count & ~self.count_matches, v.COUNT_DIFFERS),
+            (seen_length & ~self.length_matches, v.LENGTH_DIFFERS),
+            (self.ends_apart, v.ENDS_APART),
+            (self.speed_compared & ~self.speed_fits, v.SPEED_AT_ENTRY),
+            (self.place_compared & ~self.place_fits, v.PLACE_AT_ENTRY),
+            (self.length_changed, v.LENGTH_CHANGED),
+            (self.speed_changed, v.SPEED_CHANGED),
+            (self.jumped, v.JUMP),
+            (self._control_count_differs, v.CONTROL_COUNT),
+            (self._control_length_differs, v.CONTROL_LENGTH),
+        ]
+        return [*always_on, (own.chain_failed, v.CHAIN_FAILED)] if own.config.needs_emitter else always_on
+
+    @cached_property
+    def mismatch(self) -> Bool:
+        """Something does not match, while there is something to match."""
+        return (self.own.due | self.known) & any_of(flaw for flaw, _ in self.flaws)
+
+    @cached_property
+    def flaw(self) -> Num:
+        """The first reason; what is latched stays."""
+        reason: Num = v.NOT_VERIFIED
+        for flaw, why in reversed(self.flaws):
+            reason = ite(flaw, why, reason)
+        return ite(self.refused, self.own.reason, reason)
+
+    @cached_property
+    def lacks(self) -> list[tuple[Bool, Lit]]:
+        """What is missing, with its reason; it withholds and is not latched."""
+        own, config = self.own, self.own.config
+        lacks = [(~own.associated, v.NOT_ASSOCIATED), (~self.placed, v.NOT_LOCATED)]
+        if config.needs_control_data:
+            lacks.append((~self.controlled, v.CONTROL_DATA_MISSING))
+        if config.needs_emitter:
+            lacks.append((~own.chain_tested, v.CHAIN_UNTESTED))
+        return lacks
+
+    @cached_property
+    def missing(self) -> Bool:
+        """Something without which nothing is given out."""
+        return any_of(lack for lack, _ in self.lacks)
+
+    @cached_property
+    def lack(self) -> Num:
+        """The first of what is missing."""
+        reason: Num = v.NOT_VERIFIED
+        for lack, why in reversed(self.lacks):
+            reason = ite(lack, why, reason)
+        return reason
+
+    @cached_property
+    def age(self) -> Num:
+        """Cycles since the last verification, after this one."""
+        own = self.own
+        return ite(self.verified, as_num(0, COUNT), minimum(own.age + 1, own.age.high))
+
+    @cached_property
+    def current(self) -> Bool:
+        """The last verification is recent enough."""
+        return self.age <= self.own.config.currency_cycles
+
+    # -------------------------------------------------------------- updates
+
+    def go_on(self) -> dict[Var, Expr]:
+        """Updates of a cycle without a mismatch: last readings, what was verified, and the interval."""
+        own, new = self.own, self.verified
+        slower, faster = self.abilities
+        speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
+        return {
+            own.length_known: own.length_known | length,
+            own.last_length: ite(length, own.seen_length.value, own.last_length),
+            own.speed_known: own.speed_known | speed,
+            own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
+            own.slower: ite(speed, 0, slower),
+            own.faster: ite(speed, 0, faster),
+            own.place_known: own.place_known | self.placed,
+            own.last_place: ite(self.placed, own.place.value, own.last_place),
+            own.reach: ite(self.placed, 0, self.reach),
+            own.front: ite(self.placed, own.place.value, own.front),
+            own.front_over: ite(self.placed, own.place_over, own.front_over),
+            own.front_under: ite(self.placed, own.place_under, own.front_under),
+            own.age: self.age,
+            own.by_count: ite(new, self.count_matches, own.by_count),
+            own.by_length: ite(new, self.length_matches, own.by_length),
+            own.by_control: self.controlled | own.by_control,
+            own.by_emitter: own.chain_tested,
+        }
+
+    def take(self) -> dict[Var, Expr]:
+        """Updates of a cycle with an accepted reference."""
+        own = self.own
+        return {
+            **self.go_on(),
+            own.kept_count: own.record_count,
+            own.kept_low: own.record_low,
+            own.kept_high: own.record_high,
+            own.age: ite(self.verified, 0, as_num(own.age.high, COUNT)),
+            own.by_count: self.count_matches,
+            own.by_length: self.length_matches,
+            own.by_speed: self.speed_compared,
+            own.by_place: self.place_compared,
+            own.by_control: self.controlled,
+        }
+
+    def forget(self) -> dict[Var, Expr]:
+        """Updates after which nothing is kept of the train."""
+        own = self.own
+        cleared: dict[Var, Expr] = {var: as_num(0, var.unit) for var in own.numbers if isinstance(var.unit, Unit)}
+        return {**cleared, own.age: as_num(0, COUNT), **dict.fromkeys((*own.flags, *own.known), FALSE)}
+
+
+def _braking(own: Parts) -> Num:
+    """The configured braking ability, or less where train control says so."""
+    told = own.control_brake
+    most = Lit(own.config.brake_mm_s2, MM_S2)
+    return ite(told.present, minimum(told.value, most), most)
+
+
+def _scaled(cycles: Num, per_cycle: int, like: Num) -> Num:
+    """So much a cycle, in the unit of `like`."""
+    assert isinstance(like.unit, Unit)
+    return with_unit(cycles * per_cycle, like.unit)

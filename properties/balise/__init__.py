@@ -1,0 +1,293 @@
+"""What must hold of the balise machine, in the words of the requirements (RFL-5, RFL-9, RFL-D4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, abs_, all_of, any_of, between, exact_to, ite, maximum, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
+from safeloc.language.units import MM, NM
+from safeloc.models.balise import Balise
+from safeloc.models.balise import variables as v
+from safeloc.models.balise.linking import Record
+from safeloc.models.balise.telegram import FAILED
+from safeloc.models.vocabulary.measured import ADMITTED
+from safeloc.models.vocabulary.reasons import LOCATED
+from safeloc.properties.balise.layout import layout_properties
+from safeloc.properties.balise.linking import linking_properties
+from safeloc.properties.balise.step import LAW, Step
+
+
+def properties(model: Balise) -> list[Property]:
+    """Every property of the balise machine."""
+    makers = (
+        _safety,
+        _references,
+        _charged_and_facing,
+        _resets,
+        _rejection,
+        linking_properties,
+        layout_properties,
+        _sensors,
+    )
+    return [prop for maker in makers for prop in maker(model)]
+
+
+def _safety(model: Balise) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    valid, tolerance = machine.flag("valid"), own.config.tolerance_mm
+    position, over, under = (exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "over", "under"))
+    yield always(
+        "containment",
+        valid.implies(between(position - under, own.world.truth, position + over)),
+        statement="the reported interval holds the true position of the front end",
+        trace=("RFL-5", "RFL-D4"),
+        assumption=LAW,
+    )
+    yield always(
+        "tolerance",
+        (machine.output("over_mm") <= tolerance) & (machine.output("under_mm") <= tolerance),
+        statement="a reported interval is never wider than the tolerable error, on either side",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    silent = [machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under", "reflector", "search")]
+    nothing = [
+        *silent,
+        ~machine.flag("reflector_known"),
+        ~machine.flag("wants_linking"),
+        machine.output("expected").eq(0),
+    ]
+    yield always(
+        "no report when invalid",
+        (~valid).implies(all_of(nothing)),
+        statement="nothing is reported, and no group expected, without a valid position",
+        trace=("RFL-D4", "RFL-9"),
+        unconditional=True,
+    )
+    yield always(
+        "reason stated",
+        own.memory.reason.eq(LOCATED).iff(valid),
+        statement="a reason is stated exactly while nothing is reported",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "contradiction delocalizes",
+        own.memory.verdict.eq(v.CONTRADICTED).implies(~valid),
+        statement="when a group and the interval cannot both be true, nothing is reported any more in the same step",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+
+
+# ------------------------------------------------------------------ references
+
+
+def _references(model: Balise) -> Iterator[Property]:
+    machine, own, step = model.machine, model.own, Step(model)
+    valid, config = machine.flag("valid"), own.config
+    confirmed = "first group is trusted" if config.trust_first_group else "group confirms the candidate"
+    yield always(
+        "no resurrection",
+        (valid & ~earlier_bool(valid)).implies(machine.fired(confirmed) & machine.flag("reference_accepted")),
+        statement="a position is reported again only through a group that passed every check",
+        trace=("RFL-5", "RFL-D4"),
+        unconditional=True,
+    )
+    accepted = own.memory.verdict.eq(v.ACCEPTED)
+    yield always(
+        "only whole and undamaged groups count",
+        own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.whole),
+        statement="a group counts only if every balise of it was read, with right check bits, no longer ago than permitted, "
+        "while running forwards",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    if not config.free_references:
+        yield always(
+            "only announced groups reset",
+            (accepted & earlier_bool(valid)).implies(any_of(_entitled(step, slot) for slot in own.linking.slots)),
+            statement="a located vehicle takes a position only from a group that was announced, in the announced "
+            "orientation, and inside its window: the max safe front end has reached the first place where it can be "
+            "read, and the min safe front end had not passed the last one",
+            trace=("RFL-D4",),
+            unconditional=True,
+        )
+    expected, placed = own.linking.slots[0], own.read.place.present
+    right = [step.expecting, step.read_of(expected), ~step.against(expected), step.inside(expected), ~placed]
+    yield always(
+        "the expected group counts",
+        all_of([earlier_bool(valid), own.read.well_formed, step.whole, *right]).implies(
+            own.memory.verdict.one_of(v.ACCEPTED, v.CONTRADICTED)
+        ),
+        statement="the expected group, read whole, in the announced orientation and inside its window, is accepted, unless it "
+        "and the interval exclude each other",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+
+
+def _charged_and_facing(model: Balise) -> Iterator[Property]:
+    machine, own, step = model.machine, model.own, Step(model)
+    accepted, valid = own.memory.verdict.eq(v.ACCEPTED), machine.flag("valid")
+    yield always(
+        "accuracy by precedence",
+        (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
+        statement="an accepted group is charged with the location accuracy of linking, else the national one, else the default",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    national = own.national
+    told = national.known & national.kept.eq(national.received.value)
+    as_before = national.kept.eq(earlier_num(national.kept)) & (national.known | ~earlier_bool(national.known))
+    yield always(
+        "a national value stays",
+        ite(national.received.present, told, as_before),
+        statement="a national location accuracy is in force from its reception on, until another one is received",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "direction by orientation",
+        (own.memory.direction.eq(v.ALONG) & earlier_num(own.memory.direction).ne(v.ALONG)).implies(
+            own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE)
+            & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))
+        ),
+        statement="the direction of travel is stated only after a group with an orientation of its own, or a second group",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+
+
+def _entitled(step: Step, slot: Record) -> Bool:
+    """The group that was in a slot was read, rightly and in its window."""
+    held = earlier_num(slot.group).ne(0)
+    return all_of([held, step.read_of(slot), ~step.against(slot), step.inside(slot)])
+
+
+# ------------------------------------------------------------------ what a telegram does to the interval
+
+
+def _resets(model: Balise) -> Iterator[Property]:
+    own, step = model.own, Step(model)
+    accepted, valid = own.memory.verdict.eq(v.ACCEPTED), model.machine.flag("valid")
+    interval, moved, kept = own.held.interval, step.moved, step.kept
+    yield always(
+        "a reset never widens",
+        kept.implies((interval.low >= moved.low) & (interval.high <= moved.high) & (interval.margin <= moved.margin)),
+        statement="no telegram moves an end of the interval outward or makes the margin greater than odometry alone had it",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "a reset keeps the truth",
+        (accepted & valid).implies(between(interval.low, own.world.truth, interval.high)),
+        statement="what the telegram and the interval have in common holds the true position",
+        trace=("RFL-5", "RFL-D4"),
+        assumption=LAW,
+    )
+    advance = interval.low - step.old.low
+    estimated = exact_to(maximum(step.distance, 0), NM)
+    yield always(
+        "min safe front end",
+        (kept & ~accepted).implies(advance <= estimated),
+        statement="without an accepted group the min safe front end advances by no more than the distance estimated "
+        "(OCORA 7244)",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "margins never shrink",
+        (kept & ~accepted).implies((interval.over >= step.old.over) & (interval.under >= step.old.under)),
+        statement="without an accepted group neither margin shrinks",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    told = own.reflector.known & ~earlier_bool(own.reflector.known)
+    new = own.reflector.place.ne(earlier_num(own.reflector.place)) & own.reflector.known
+    counted = own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE)
+    reach = own.read.reflector.value
+    yield always(
+        "reflector told by an accepted telegram",
+        (told | new).implies(counted & own.reflector.place.eq(own.memory.place + reach)),
+        statement="the distance to the next reflector is taken only from a telegram that counts, from its group's place on",
+        trace=("RFL-9",),
+        unconditional=True,
+    )
+
+
+def _rejection(model: Balise) -> Iterator[Property]:
+    own, step = model.own, Step(model)
+    interval, moved, kept = own.held.interval, step.moved, step.kept
+    pairs = zip(
+        (interval.position, interval.over, interval.under), (moved.position, moved.over, moved.under), strict=True
+    )
+    as_odometry = all_of(now.eq(alone) for now, alone in pairs)
+    yield always(
+        "rejected telegrams change nothing",
+        (kept & own.memory.verdict.ne(v.ACCEPTED)).implies(as_odometry),
+        statement="after a telegram that is not accepted, position and margins are those that odometry alone gives",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    for name, fault in _faults(step).items():
+        yield always(
+            f"{name} changes nothing",
+            (kept & fault).implies(as_odometry),
+            statement=f"a telegram that is {name} leaves the interval as odometry alone gives it",
+            trace=("RFL-D4",),
+            unconditional=True,
+        )
+
+
+def _faults(step: Step) -> dict[str, Bool]:
+    """Telegrams that are never believed, in terms of what was read."""
+    own, expected = step.model.own, step.model.own.linking.slots[0]
+    read = own.read
+    known = any_of(step.read_of(slot) for slot in own.linking.slots)
+    faults = {
+        "corrupted": read.check.present & read.check.value.eq(FAILED),
+        "incomplete": read.read.present & read.total.present & (read.read.value < read.total.value),
+        "stale": read.age.present & (read.age.value > own.config.telegram_age_limit_ms),
+        "without an identity": ~read.group.present,
+    }
+    if own.config.free_references:
+        return faults
+    passed = {
+        "of the expected group but outside its window": step.read_of(expected) & ~step.inside(expected),
+        "of the expected group but passed the wrong way": step.read_of(expected) & step.against(expected),
+    }
+    return {**faults, "foreign": read.group.present & ~known, **passed}
+
+
+# ------------------------------------------------------------------ the odometer
+
+
+def _sensors(model: Balise) -> Iterator[Property]:
+    own, machine = model.own, model.machine
+    odometer = own.odometer
+    yield within(
+        "silence delocalizes",
+        own.config.gap_limit_cycles,
+        ~odometer.step.present,
+        odometer.step.present | ~machine.flag("valid"),
+        statement="when the odometer is silent, nothing is reported after the permitted gap at the latest",
+        trace=("RFL-D4",),
+        unconditional=True,
+        helper=lambda waited: waited <= odometer.gap,
+    )
+    limits, gap = own.config.limits, earlier_num(odometer.gap)
+    change = odometer.step.value - earlier_num(odometer.last)
+    allowed = with_unit((gap + 1) * limits.max_step_change_mm, MM)
+    gate = (abs_(odometer.step.value) <= limits.max_step_mm) & (
+        (gap > limits.gap_limit) | between(-allowed, change, allowed)
+    )
+    yield always(
+        "odometer gate",
+        odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),
+        statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
+        "last one",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )

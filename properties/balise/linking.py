@@ -1,0 +1,133 @@
+"""What must hold of linking: windows, groups given up, and reactions (RFL-D4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Num, all_of, ite, minimum
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num
+from safeloc.models.balise import Balise
+from safeloc.models.balise import variables as v
+from safeloc.models.balise.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW
+from safeloc.properties.balise.step import Step
+
+
+def linking_properties(model: Balise) -> Iterator[Property]:
+    """Every property of linking."""
+    yield from _windows(model)
+    yield from _reactions(model)
+
+
+def _windows(model: Balise) -> Iterator[Property]:
+    own, step = model.own, Step(model)
+    held, seen, passed, kept = step.expecting, step.announced, step.passed, step.kept
+    yield always(
+        "window closes when the min safe front end has passed",
+        (kept & held & ~seen & passed).implies(own.memory.ended.eq(1) & _given_up(model)),
+        statement="a group that was not read is given up in the very step in which the min safe front end passes the last "
+        "place where it can be read, with its linking reaction",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "no window closes early",
+        (kept & (own.memory.ended > 0)).implies(seen | (held & passed)),
+        statement="an announced group is given up only when it, or a later one, was read, or its window has closed",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "expected until found or given up",
+        (kept & held & ~seen & ~passed & ~_relinked(model)).implies(
+            own.linking.slots[0].group.eq(earlier_num(own.linking.slots[0].group))
+        ),
+        statement="a group stays expected until it is read, its window closes, or linking is renewed",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+
+
+def _given_up(model: Balise) -> Bool:
+    slot = model.own.linking.slots[0]
+    strong = earlier_num(slot.reaction)
+    acted = model.own.memory.reaction
+    enough = ite(strong.eq(TRAIN_TRIP), acted.eq(TRAIN_TRIP), strong.eq(NO_REACTION) | acted.ne(NO_REACTION))
+    return model.own.memory.given_up.eq(earlier_num(slot.group)) & enough
+
+
+def _relinked(model: Balise) -> Bool:
+    order = model.own.linking.offered.order
+    return order.present & order.value.one_of(REPLACE, WITHDRAW)
+
+
+# ------------------------------------------------------------------ reactions
+
+
+def _reactions(model: Balise) -> Iterator[Property]:
+    machine, memory, step = model.machine, model.own.memory, Step(model)
+    located = earlier_bool(machine.flag("valid"))
+    braking = memory.reaction.one_of(SERVICE_BRAKE, TRAIN_TRIP)
+    misses = all_of([located, step.expecting, ~step.announced, step.passed])
+    yield always(
+        "two missed brake",
+        (misses & (earlier_num(memory.missed) >= 1)).implies(braking),
+        statement="when the second announced group in a row is missed, at least the service brake is ordered in the same "
+        "step, whatever its linking reaction",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "missed groups are counted",
+        step.kept.implies(memory.missed.eq(_count(step))),
+        statement="groups given up one after the other are counted until one is accepted",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    wrong = memory.verdict.eq(v.WRONG_DIRECTION) & located & step.announced
+    yield always(
+        "wrong direction trips",
+        wrong.implies(memory.reaction.eq(TRAIN_TRIP)),
+        statement="an announced group passed in the other orientation trips the train in the same step (3.16.2.3.2)",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "no reaction without a linking error",
+        memory.reaction.ne(NO_REACTION).implies((memory.ended > 0) & located),
+        statement="a group that linking does not speak of, or a damaged telegram, is rejected without any reaction "
+        "(3.16.2.4.3); only a group given up causes one",
+        trace=("RFL-D4",),
+        unconditional=True,
+    )
+    for name, event in _events(step).items():
+        yield always(
+            f"told: {name}",
+            (step.kept & event).implies(machine.fired(name)),
+            statement=f"whenever it happens, the table says so: {name}",
+            trace=("RFL-D4",),
+            unconditional=True,
+        )
+
+
+def _events(step: Step) -> dict[str, Bool]:
+    """What happens to announced groups, by the transition that tells of it."""
+    memory = step.model.own.memory
+    counted = memory.verdict.eq(v.ACCEPTED) & step.announced
+    first = step.read_of(step.model.own.linking.slots[0])
+    free = memory.verdict.eq(v.ACCEPTED) & ~step.announced
+    outside = memory.verdict.one_of(v.TOO_EARLY, v.TOO_LATE)
+    unfit = memory.verdict.one_of(v.INCOMPLETE, v.MISMATCH)
+    return {
+        "expected group resets the position": counted & first,
+        "later group resets the position": counted & ~first,
+        "group passed in the wrong direction": step.announced & memory.verdict.eq(v.WRONG_DIRECTION),
+        "group found outside its window": step.announced & outside,
+        "group incomplete or not as announced": step.announced & unfit,
+        "expected group missed": step.expecting & ~step.announced & step.passed & ~free,
+    }
+
+
+def _count(step: Step) -> Num:
+    memory = step.model.own.memory
+    reset = memory.verdict.eq(v.ACCEPTED) & step.announced
+    return ite(reset, 0, minimum(earlier_num(memory.missed) + memory.ended, 2))
