@@ -5,17 +5,59 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
-from safeloc.errors import ModelError, SafelocError
+from safeloc.errors import ModelError, PropertyError, SafelocError
 from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE
+from safeloc.language.machine import Transition, modes
+from safeloc.language.spec import Property, always, never, reachable, within
+
+ON, OFF = modes("ON", "OFF")
+GO = Transition("go", ON, OFF, requirements=("R-1",))
 
 OLD: dict[str, tuple[Callable[[], object], type[SafelocError], str]] = {
     "owes": (
         lambda: compose("both", [], {}, owes=[]),  # type: ignore[call-arg] # that is the slip
         ModelError,
         "compose: the keyword 'owes' is now 'discharge'; write discharge=.",
+    ),
+    "trace of a transition": (
+        lambda: Transition("go", ON, ON, trace=("R-1",)),  # type: ignore[call-arg]
+        ModelError,
+        "Transition: the keyword 'trace' is now 'requirements'; write requirements=.",
+    ),
+    "trace of a transition that is changed": (
+        lambda: replace(GO, trace=("R-1",)),  # type: ignore[call-arg]
+        ModelError,
+        "Transition: the keyword 'trace' is now 'requirements'; write requirements=.",
+    ),
+    "trace of a property": (
+        lambda: Property("on", "always", TRUE, trace=("R-1",)),  # type: ignore[call-arg]
+        PropertyError,
+        "Property: the keyword 'trace' is now 'requirements'; write requirements=.",
+    ),
+    "trace of always": (
+        lambda: always("on", TRUE, trace=("R-1",)),  # type: ignore[call-arg]
+        PropertyError,
+        "always: the keyword 'trace' is now 'requirements'; write requirements=.",
+    ),
+    "trace of never": (
+        lambda: never("on", TRUE, trace=("R-1",)),  # type: ignore[call-arg]
+        PropertyError,
+        "never: the keyword 'trace' is now 'requirements'; write requirements=.",
+    ),
+    "trace of within": (
+        lambda: within("on", 3, TRUE, TRUE, trace=("R-1",)),  # type: ignore[call-arg]
+        PropertyError,
+        "within: the keyword 'trace' is now 'requirements'; write requirements=.",
+    ),
+    "trace of reachable": (
+        lambda: reachable("on", TRUE, trace=("R-1",)),  # type: ignore[call-arg]
+        PropertyError,
+        "reachable: the keyword 'trace' is now 'requirements'; write requirements=.",
     ),
 }
 
