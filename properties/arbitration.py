@@ -23,7 +23,7 @@ def properties(model: Arbitration) -> list[Property]:
 
 def _free(name: str, term: Bool, statement: str) -> Property:
     """A property that needs no assumption."""
-    return always(name, term, statement=statement, trace=TRACE, unconditional=True)
+    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
 
 
 def _safety(model: Arbitration) -> Iterator[Property]:
@@ -33,7 +33,7 @@ def _safety(model: Arbitration) -> Iterator[Property]:
         "containment",
         given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         statement="what is given out holds the true position of the front end",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=SOURCES_ARE_TRUE,
     )
     most = own.config.tolerance_mm
@@ -130,7 +130,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
         "min safe front end",
         given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
         statement="the front end is never behind the min safe front end that is given out",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=SOURCES_ARE_TRUE,
     )
     kept = given & earlier_bool(given)

@@ -28,14 +28,14 @@ def _place(model: Fibre) -> Iterator[Property]:
         "containment",
         valid.implies(between(-exact_to(over, NM), off, exact_to(over, NM))),
         statement="a reported interval holds the end of the train",
-        trace=("FWG-1", "FWG-11"),
+        requirements=("FWG-1", "FWG-11"),
         assumption=LAW,
     )
     yield always(
         "tolerance",
         valid.implies(over <= own.config.tolerance_mm + own.config.max_step_mm * 4),
         statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
-        trace=("FWG-1", "FWG-11"),
+        requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
     no_event = own.signal.one_of(v.NO_SIGNAL) & was(model.own.counted)
@@ -44,14 +44,14 @@ def _place(model: Fibre) -> Iterator[Property]:
         "only edges narrow",
         stays.implies(own.drift >= before(own.drift)),
         statement="without an edge of a section, or a reference, the interval never becomes narrower",
-        trace=SEEN,
+        requirements=SEEN,
         unconditional=True,
     )
     yield always(
         "no resurrection",
         (valid & before(machine.mode).ne(machine.modes[2])).implies(machine.fired("reference accepted", "word found")),
         statement="a place is known again only from an accepted reference, or from a whole word of the code",
-        trace=CODE,
+        requirements=CODE,
         unconditional=True,
     )
 
@@ -70,7 +70,7 @@ def _charged(model: Fibre) -> Iterator[Property]:
         (follows & own.signal.eq(v.NO_SIGNAL)).implies(own.drift - before(own.drift) >= charge),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
         "none came",
-        trace=("FWG-1", "FWG-11"),
+        requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
     edge = mode.one_of(counting, located) & own.signal.ne(v.NO_SIGNAL)
@@ -79,7 +79,7 @@ def _charged(model: Fibre) -> Iterator[Property]:
         "an edge is charged the run of its cycle",
         edge.implies(own.drift >= within + charge),
         statement="an edge may have been passed anywhere within its cycle: the run of the whole cycle is charged",
-        trace=("FWG-1", "FWG-11"),
+        requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
 
@@ -95,35 +95,35 @@ def _counting(model: Fibre) -> Iterator[Property]:
         "a signal is a rise or a fall",
         own.signal.eq(v.POSITION_SIGNAL).implies(before(own.band).eq(v.NORMAL) & own.band.ne(v.NORMAL)),
         statement="a position signal arises only where the amplitude leaves normal, upwards or downwards",
-        trace=SEEN,
+        requirements=SEEN,
         unconditional=True,
     )
     yield always(
         "normal again is no section",
         (before(own.band).ne(v.NORMAL) & own.band.eq(v.NORMAL)).implies(own.signal.ne(v.POSITION_SIGNAL)),
         statement="the return to normal is not taken for a second section",
-        trace=SEEN,
+        requirements=SEEN,
         unconditional=True,
     )
     yield always(
         "one section at a time",
         before(own.band).ne(v.NORMAL).implies(own.signal.ne(v.POSITION_SIGNAL)),
         statement="between two signals the amplitude is normal",
-        trace=SEEN,
+        requirements=SEEN,
         unconditional=True,
     )
     yield always(
         "count begins with the first signal",
         (machine.flag("count_known") & ~was(own.counted)).implies(own.signal.eq(v.POSITION_SIGNAL)),
         statement="before the first signal the count is undefined, not zero",
-        trace=COUNTS,
+        requirements=COUNTS,
         unconditional=True,
     )
     yield always(
         "waiting has no count",
         mode.eq(waiting).implies(~machine.flag("count_known") & ~machine.flag("valid")),
         statement="without a signal there is neither count nor place",
-        trace=COUNTS,
+        requirements=COUNTS,
         unconditional=True,
     )
     yield always(
@@ -132,14 +132,14 @@ def _counting(model: Fibre) -> Iterator[Property]:
             change.eq(ite(own.forwards, as_num(1, COUNT), as_num(-1, COUNT)))
         ),
         statement="each signal counts one up where the train runs forwards, and one down where it runs back",
-        trace=COUNTS,
+        requirements=COUNTS,
         unconditional=True,
     )
     yield always(
         "running back decreases",
         (counts & back & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(-1)),
         statement="a section entered while running back decreases the count",
-        trace=COUNTS,
+        requirements=COUNTS,
         unconditional=True,
     )
     yield always(
@@ -148,7 +148,7 @@ def _counting(model: Fibre) -> Iterator[Property]:
             change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))
         ),
         statement="a section that is left on the side it was entered no longer counts",
-        trace=COUNTS,
+        requirements=COUNTS,
         unconditional=True,
     )
     quiet = own.signal.one_of(v.NO_SIGNAL, v.PASSED) & ~machine.fired("word found")
@@ -156,7 +156,7 @@ def _counting(model: Fibre) -> Iterator[Property]:
         "nothing else counts",
         (counts & quiet).implies(change.eq(0)),
         statement="the count changes only with a signal, or with a section that is left again",
-        trace=COUNTS,
+        requirements=COUNTS,
         unconditional=True,
     )
 
@@ -171,7 +171,7 @@ def _code(model: Fibre) -> Iterator[Property]:
         (machine.fired("section passed") & was(own.real) & (abs_(off) <= own.config.reach)).implies(off.eq(0)),
         statement="when a real section was passed and no error is out, the count is the true one, although up to `reach` "
         "sections were missed or false before",
-        trace=(*CODE, *COUNTS),
+        requirements=(*CODE, *COUNTS),
         assumption=LAW,
     )
     yield always(
@@ -180,7 +180,7 @@ def _code(model: Fibre) -> Iterator[Property]:
             was_located & was(own.real) & guard(machine, cycle.read) & off.ne(0) & (abs_(off) <= own.config.reach)
         ).implies(mode.ne(located) | own.reference),
         statement="a real section that is passed while the count is wrong ends the location in that cycle",
-        trace=(*CODE, *COUNTS),
+        requirements=(*CODE, *COUNTS),
         assumption=LAW,
     )
     wrong = guard(machine, cycle.wrong_length)
@@ -189,14 +189,14 @@ def _code(model: Fibre) -> Iterator[Property]:
         "wrong length raises F",
         (was_located & wrong & calm).implies(mode.eq(faulted)),
         statement="a section of another length than the map has, or of none that can be read, raises F in the same cycle",
-        trace=CODE,
+        requirements=CODE,
         unconditional=True,
     )
     yield always(
         "a word is whole",
         machine.fired("word found").implies(before(mode).eq(counting) & before(own.read).eq(own.config.window)),
         statement="the code tells the place only when as many symbols were read as make a window of the line unique",
-        trace=CODE,
+        requirements=CODE,
         unconditional=True,
     )
     symbol = ite(before(own.band).eq(v.RAISED), as_num(2, COUNT), 0) + ite(
@@ -207,7 +207,7 @@ def _code(model: Fibre) -> Iterator[Property]:
         "the word is what was read",
         (spelt & before(own.word).eq(0)).implies(own.word.eq(symbol) & own.read.eq(1)),
         statement="the first symbol of a word is the kind and the length of the section passed",
-        trace=CODE,
+        requirements=CODE,
         unconditional=True,
     )
 
@@ -231,7 +231,7 @@ def _error(model: Fibre) -> Iterator[Property]:
             (signal & far).implies(machine.flag("error")),
             statement=f"where the place by {name} and the section's known place differ by more than the threshold, F is "
             "out in the cycle of the position signal",
-            trace=trace,
+            requirements=trace,
             unconditional=True,
         )
     for name, flaw in {
@@ -245,14 +245,14 @@ def _error(model: Fibre) -> Iterator[Property]:
             f"{name} raises F at once",
             (was_located & calm & guard(machine, flaw)).implies(machine.flag("error") & ~machine.flag("valid")),
             statement=f"a disagreement ({name}) raises F, and ends the location, in the same cycle",
-            trace=CHECKED,
+            requirements=CHECKED,
             unconditional=True,
         )
     yield always(
         "F is latched",
         (before(mode).eq(faulted) & mode.ne(faulted)).implies(own.reference),
         statement="F stays until an accepted reference",
-        trace=CHECKED,
+        requirements=CHECKED,
         unconditional=True,
     )
     nothing = all_of(machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under"))
@@ -260,7 +260,7 @@ def _error(model: Fibre) -> Iterator[Property]:
         "F reports nothing",
         machine.flag("error").implies(nothing & ~machine.flag("count_known")),
         statement="with F out there is neither place nor count",
-        trace=CHECKED,
+        requirements=CHECKED,
         unconditional=True,
     )
     yield always(
@@ -269,7 +269,7 @@ def _error(model: Fibre) -> Iterator[Property]:
             v.FALSE_SECTION, v.MISSED_SECTION, v.WRONG_LENGTH, v.NO_END_OF_SECTION, v.FLIGHT_DIFFERS, v.REFLECTION_DIFFERS
         )),
         statement="F says why",
-        trace=CHECKED,
+        requirements=CHECKED,
         unconditional=True,
     )  # fmt: skip
 
@@ -277,6 +277,8 @@ def _error(model: Fibre) -> Iterator[Property]:
 def _reached(model: Fibre) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
-    yield reachable("located", valid & own.counted, statement="a train can be located by counting", trace=COUNTS)
-    yield reachable("error", machine.flag("error"), statement="F can come", trace=CHECKED)
-    yield reachable("section passed", own.signal.eq(v.PASSED) & valid, statement="a section can be passed", trace=SEEN)
+    yield reachable("located", valid & own.counted, statement="a train can be located by counting", requirements=COUNTS)
+    yield reachable("error", machine.flag("error"), statement="F can come", requirements=CHECKED)
+    yield reachable(
+        "section passed", own.signal.eq(v.PASSED) & valid, statement="a section can be passed", requirements=SEEN
+    )

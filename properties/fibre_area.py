@@ -69,7 +69,7 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         "containment",
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
         statement="the position that is given out holds the front of the train that the fibre follows",
-        trace=CLAIM,
+        requirements=CLAIM,
         assumption=LAW,
     )
     told = of(report.machine)
@@ -78,28 +78,28 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         "the pattern lies between its ends",
         _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
         statement="from min safe rear to max safe front, what is told to the area holds both ends of the pattern",
-        trace=(*CLAIM, *CLEAR),
+        requirements=(*CLAIM, *CLEAR),
         assumption=LAW,
     )
     yield always(
         "the area is told the truth",
         _report_law(model),
         statement="what the area assumes of a train's report is kept by the machines before it",
-        trace=CLEAR,
+        requirements=CLEAR,
         assumption=LAW,
     )
     yield always(
         "the verification is told the truth",
         seen.bool(place_law(verified.own)),
         statement="what the verification assumes of the front's interval is kept by the fibre machines",
-        trace=CLAIM,
+        requirements=CLAIM,
         assumption=LAW,
     )
     yield always(
         "wires are in range",
         _wired_in_range(model),
         statement="whatever a machine is told by an earlier one lies in its input's range: nothing is clipped",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
     tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
@@ -108,7 +108,7 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         "tolerance",
         _trusted(model).implies((over <= tolerance) & (under <= tolerance)),
         statement="a position that is given out is never wider than the tolerable error and the run of an edge's cycle",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
 
@@ -140,7 +140,7 @@ def _withdrawal(model: FibreArea) -> Iterator[Property]:
             f"{name} withholds",
             wrong.implies(nothing),
             statement=f"{what} withholds the position, and tells the sections nothing, in the same cycle",
-            trace=trace,
+            requirements=trace,
             unconditional=True,
         )
 
@@ -214,7 +214,7 @@ def _latch(model: FibreArea) -> Iterator[Property]:
             f"error F of the {end} is latched",
             (was_known & _error(model, end) & ~leaves).implies(mode.eq(untrusted)),
             statement=f"F of the {end}, with a reference stored, makes the train untrusted until another accepted record",
-            trace=ERROR,
+            requirements=ERROR,
             unconditional=True,
         )
     was_untrusted = earlier_bool(seen.bool(verified.machine.mode.eq(untrusted)))
@@ -222,7 +222,7 @@ def _latch(model: FibreArea) -> Iterator[Property]:
         "a mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(leaves | (due & seen.bool(verified.own.sound))),
         statement="an untrusted train becomes anything else only by a sound record in its own cycle, or by leaving",
-        trace=(*CLAIM, *STAY),
+        requirements=(*CLAIM, *STAY),
         unconditional=True,
     )
     given = earlier_bool(_trusted(model))
@@ -230,14 +230,14 @@ def _latch(model: FibreArea) -> Iterator[Property]:
         "what was given out is revoked",
         (given & mode.eq(untrusted)).implies(seen.bool(verified.machine.flag("revoked"))),
         statement="a position that was given out is revoked in the cycle in which the train becomes untrusted",
-        trace=(*CLAIM, *ERROR),
+        requirements=(*CLAIM, *ERROR),
         unconditional=True,
     )
     yield always(
         "no train without a reference",
         (earlier_bool(seen.bool(verified.machine.mode.eq(none))) & mode.ne(none)).implies(due),
         statement="nothing is verified before a reference came for this train",
-        trace=(*CLAIM, *STAY),
+        requirements=(*CLAIM, *STAY),
         unconditional=True,
     )
 
@@ -259,14 +259,14 @@ def _sections(model: FibreArea) -> Iterator[Property]:
         "only a trusted train narrows",
         judged.implies(_trusted(model) & _told(model) & (age <= limit)),
         statement="the area narrows where a train may be only on a report that is trusted and fresh in that very cycle",
-        trace=CLEAR,
+        requirements=CLEAR,
         unconditional=True,
     )
     yield always(
         "only a count makes whole",
         (integer & _told(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
-        trace=(*COUNTS, *CLEAR),
+        requirements=(*COUNTS, *CLEAR),
         unconditional=True,
     )
     low, high = of.num(slot.low), of.num(slot.high)
@@ -276,7 +276,7 @@ def _sections(model: FibreArea) -> Iterator[Property]:
         "an untrusted train only grows",
         stays.implies(((low <= earlier_num(low)) | low.eq(-edge)) & ((high >= earlier_num(high)) | high.eq(edge))),
         statement="while the train is not trusted, neither end of where it may be comes nearer to the other",
-        trace=CLEAR,
+        requirements=CLEAR,
         unconditional=True,
     )
 
@@ -294,17 +294,17 @@ def _of_sections(model: FibreArea) -> Iterator[Property]:
 def _reached(model: FibreArea) -> Iterator[Property]:
     of, verified = model.composition.of, model.verification
     seen = of(verified.machine)
-    yield reachable("trusted", _trusted(model), statement="a train can be trusted", trace=CLAIM)
+    yield reachable("trusted", _trusted(model), statement="a train can be trusted", requirements=CLAIM)
     yield reachable(
         "revoked",
         seen.bool(verified.machine.flag("revoked")),
         statement="what was given out can be revoked",
-        trace=ERROR,
+        requirements=ERROR,
     )
     first = model.sections[0].machine
     yield reachable(
         "clear beside a trusted train",
         _trusted(model) & of(first).bool(first.flag("clear")),
         statement="a section can be clear while a trusted train is in the area",
-        trace=CLEAR,
+        requirements=CLEAR,
     )

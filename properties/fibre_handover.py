@@ -32,7 +32,7 @@ def _truth(model: FibreHandover) -> Iterator[Property]:
                 between(here.num(exact_to(low, NM)), truth, here.num(exact_to(high, NM)))
             ),
             statement=f"a position that the {side} area trusts holds the train's front",
-            trace=CLAIM,
+            requirements=CLAIM,
             assumption=LAW,
         )
     voice = of(model.speaker.machine)
@@ -42,14 +42,14 @@ def _truth(model: FibreHandover) -> Iterator[Property]:
         "containment",
         given.implies(between(exact_to(low, NM), truth, exact_to(high, NM))),
         statement="the position that is given out holds the train's front, whichever area it comes from",
-        trace=CLAIM,
+        requirements=CLAIM,
         assumption=LAW,
     )
     yield always(
         "nobody trusts, nothing is given out",
         (~_trusted(model, model.giving) & ~_trusted(model, model.taking)).implies(~given & low.eq(0) & high.eq(0)),
         statement="where neither area trusts the train, no position is given out",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
 
@@ -64,7 +64,7 @@ def _both(model: FibreHandover) -> Iterator[Property]:
         "both only where the place is shared",
         mode.eq(both).implies(between(exact_to(begins, NM), truth, exact_to(ends, NM))),
         statement="both areas give the position of a train out only while it is in the stretch that they share",
-        trace=BORDER,
+        requirements=BORDER,
         assumption=LAW,
     )
     yield always(
@@ -72,7 +72,7 @@ def _both(model: FibreHandover) -> Iterator[Property]:
         (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
         & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
         statement="the giving area never speaks of a train beyond the shared stretch, nor the taking one of one before it",
-        trace=BORDER,
+        requirements=BORDER,
         assumption=LAW,
     )
 
@@ -90,28 +90,28 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         "a lost handover is untrusted",
         of(border).bool(border.fired("record lost on the way", "trust lost on the way")).implies(mode.eq(untrusted)),
         statement="a record that did not arrive in time makes the train untrusted in the taking area in the same cycle",
-        trace=STAY,
+        requirements=STAY,
         unconditional=True,
     )
     yield always(
         "and stays so",
         on_the_way.eq(lost).implies(mode.eq(untrusted)),
         statement="after a lost handover the taking area does not trust the train before it is gone",
-        trace=STAY,
+        requirements=STAY,
         unconditional=True,
     )
     yield always(
         "nothing is trusted before the record arrived",
         on_the_way.one_of(before, offered).implies(mode.eq(none)),
         statement="the taking area verifies nothing, and trusts nothing, before the record arrived",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
     yield always(
         "only a trusted train goes over",
         arrives.implies(_trusted(model, giving)),
         statement="a record arrives only in a cycle in which the giving area trusts the train",
-        trace=STAY,
+        requirements=STAY,
         unconditional=True,
     )
     kept = [(one.kept_count, one.kept_low, one.kept_high) for one in (taking.own, giving.own)]
@@ -120,14 +120,14 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         "the same record on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(same),
         statement="the taking area verifies against the very record that the giving area verified against",
-        trace=STAY,
+        requirements=STAY,
         unconditional=True,
     )
     yield always(
         "gone is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
         statement="of a train that is gone nothing is kept for the next one",
-        trace=STAY,
+        requirements=STAY,
         unconditional=True,
     )
     counted = taking.own.associated & taking.own.seen_count.present
@@ -135,7 +135,7 @@ def _record(model: FibreHandover) -> Iterator[Property]:
         "another train is not taken over",
         here.bool(counted & taking.own.seen_count.value.ne(taking.own.kept_count)).implies(~_trusted(model, taking)),
         statement="a train with another number of axles than the record is not trusted in the taking area",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
 
@@ -149,6 +149,8 @@ def _reached(model: FibreHandover) -> Iterator[Property]:
     mode = model.composition.of(voice).num(voice.mode)
     way = model.composition.of(border).num(border.mode)
     _, _, taking, both = voice.modes
-    yield reachable("taken over", mode.eq(taking), statement="a train can be taken over", trace=BORDER)
-    yield reachable("both", mode.eq(both), statement="both areas can give the same train's position", trace=BORDER)
-    yield reachable("lost", way.eq(border.modes[3]), statement="a handover can be lost", trace=BORDER)
+    yield reachable("taken over", mode.eq(taking), statement="a train can be taken over", requirements=BORDER)
+    yield reachable(
+        "both", mode.eq(both), statement="both areas can give the same train's position", requirements=BORDER
+    )
+    yield reachable("lost", way.eq(border.modes[3]), statement="a handover can be lost", requirements=BORDER)

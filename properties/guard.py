@@ -33,14 +33,14 @@ def _safety(model: Guard) -> Iterator[Property]:
         "containment",
         valid.implies(between(exact_to(position - under, NM), own.truth, exact_to(position + over, NM))),
         statement="the reported interval along the way holds the vehicle",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         "window",
         machine.flag("holding").implies(_between_mm(machine.output("window_from_mm"), own.truth, machine.output("window_to_mm"))),
         statement="the window that fixes are compared with holds the vehicle, also where it is too wide to report",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )  # fmt: skip
     tolerance = own.config.tolerance_mm
@@ -48,14 +48,14 @@ def _safety(model: Guard) -> Iterator[Property]:
         "tolerance",
         between(0, under, tolerance) & between(0, over, tolerance),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "what is passed is reported",
         machine.flag("passed").implies(valid),
         statement="a fix that is passed on comes with a valid interval",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -76,7 +76,7 @@ def _charged(model: Guard) -> Iterator[Property]:
         machine.fired(*BEGINS).implies((own.low <= place - charge) & (own.high >= place + charge)),
         statement="an interval that begins with a fix is as wide as its error, its distance off the track, and its age at full "
         "speed make it",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     low, high = num_in_step(machine, box.low), num_in_step(machine, box.high)
@@ -85,7 +85,7 @@ def _charged(model: Guard) -> Iterator[Property]:
         "a fix narrows to its charge only",
         (in_step(machine, model.holding) & machine.flag("passed")).implies(narrowed),
         statement="a fix that is passed on narrows what is held no further than to what it may be off itself",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -103,7 +103,7 @@ def _withheld(model: Guard) -> Iterator[Property]:
             own.low.eq(low) & own.high.eq(high) & own.slow.eq(slow) & own.fast.eq(fast)
         ),
         statement="after a delivery that is not passed on, place and speed are held exactly as if nothing had been delivered",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     grown = (own.low <= before(own.low)) | (before(own.slow) > 0)
@@ -114,7 +114,7 @@ def _withheld(model: Guard) -> Iterator[Property]:
         )
         & (grown | ~was_holding | ~holding | passed),
         statement="without a fix that is passed on, the interval never becomes narrower",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -127,7 +127,7 @@ def _gates(model: Guard) -> Iterator[Property]:
         "faults are never passed",
         (own.fault.ne(NO_FAULT) | ~own.fix.present).implies(~passed),
         statement="what is no fix, or not finite, stale, late, repeated or out of order, is not passed on",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     off = own.offset > own.config.offset_limit_mm
@@ -135,28 +135,28 @@ def _gates(model: Guard) -> Iterator[Property]:
         "the map is kept",
         (off | own.ambiguous | own.elsewhere).implies(~passed),
         statement="a fix off the track, on no clear track, or where no way leads in the time, is not passed on",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "the place itself is inside",
         passed.implies(between(own.low, exact_to(own.fix.value, NM), own.high)),
         statement="a position that is passed on lies in the interval that is passed on with it",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "where the vehicle can be",
         (passed & was_holding).implies(between(low, own.low, high) & between(low, own.high, high)),
         statement="what is passed on while an interval is held lies in what the vehicle can have reached",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "an implausible fix costs the trust",
         (was_holding & in_step(machine, judged.implausible)).implies(machine.mode.ne(machine.modes[2]) & own.agreed.eq(0)),
         statement="a fix that contradicts map or motion puts the receiver on probation in the same step",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )  # fmt: skip
 
@@ -171,14 +171,14 @@ def _coming_back(model: Guard) -> Iterator[Property]:
         "no resurrection",
         (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(back & before(own.agreed).eq(most - 1)),
         statement="a receiver that was in doubt is believed again only with the fix that completes the row of agreeing ones",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "only a passed fix reports",
         (valid & ~earlier_bool(valid)).implies(passed & machine.mode.eq(passing)),
         statement="a position that was not reported is reported again only with a fix that is passed on",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -186,21 +186,21 @@ def _coming_back(model: Guard) -> Iterator[Property]:
         (own.agreed <= before(own.agreed) + 1)
         & ((own.agreed > before(own.agreed)).implies(own.judged.one_of(PASSED, UNCONFIRMED))),
         statement="the row grows by one, and only with a fix that keeps every gate",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "only a full row passes",
         passed.implies(own.agreed.eq(most)),
         statement="nothing is passed on before as many fixes in a row agree as are asked for",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "passing is trust",
         machine.mode.eq(passing).implies(own.agreed.eq(most)) & machine.mode.eq(probation).implies(own.agreed < most),
         statement="fixes are passed on exactly while the row is full",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -215,12 +215,12 @@ def _use(model: Guard) -> Iterator[Property]:
         "every agreeing fix counts",
         (agrees & (was > 0)).implies(one_more) & (agrees & (was >= most - 1)).implies(passed),
         statement="a row grows with each fix that agrees, and is passed on when it is full, unless the window ends first",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield reachable(
         "probation is survived",
         machine.fired("receiver believed again"),
         statement="a receiver can regain its trust without losing the interval",
-        trace=TRACE,
+        requirements=TRACE,
     )

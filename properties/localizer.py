@@ -34,7 +34,7 @@ def _host(whole: Localizer) -> Iterator[Property]:
         "tolerance",
         (under <= tolerance) & (over <= tolerance),
         statement="the position that the host gets is never wider than the tolerable error",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield _of_the_front(whole)
@@ -49,7 +49,7 @@ def _of_the_guard(whole: Localizer) -> Property:
         "containment",
         guard.flag("restrictive") | between(exact_to(position - under, NM), truth, exact_to(position + over, NM)),
         statement="the position that the host gets holds the true position of the front end",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     return replace(whole.composition.inherited(guard, own), name=own.name)
@@ -62,7 +62,7 @@ def _of_the_front(whole: Localizer) -> Property:
         "min safe front end",
         counts.flag("valid").implies(exact_to(counts.output("min_safe_front_mm"), NM) <= truth),
         statement="the front end is never behind the min safe front end",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     return replace(whole.composition.inherited(counts, own), name=own.name)
@@ -95,7 +95,7 @@ def _responses(whole: Localizer) -> Iterator[Property]:
         "same-step entry",
         (~valid).implies(restrictive),
         statement="the step in which arbitration withholds is the step in which the vehicle is restrictive",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     stated = _stated(whole)
@@ -103,7 +103,7 @@ def _responses(whole: Localizer) -> Iterator[Property]:
         "every source withdrawn",
         all_of(~one for one in stated.values()).implies(restrictive),
         statement="the step in which the last source withdraws is the step in which the vehicle is restrictive",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     referred = counts.bool(whole.arbitration.machine.flag("reference_accepted"))
@@ -112,7 +112,7 @@ def _responses(whole: Localizer) -> Iterator[Property]:
         (earlier_bool(restrictive) & ~restrictive).implies(referred & valid),
         statement="the restrictive state is left only in a step in which a source accepted an absolute reference and all "
         "sources that state a position agree",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     guard = whole.composition.of(whole.guard)
@@ -120,7 +120,7 @@ def _responses(whole: Localizer) -> Iterator[Property]:
         "reason stated",
         guard.num(whole.guard.output("reason")).eq(LOCATED).iff(~restrictive),
         statement="a reason is stated exactly while the vehicle is restrictive",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -133,7 +133,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         "trackside containment",
         valid.implies(between(exact_to(position - under, NM), whole.motion.own.truth, exact_to(position + over, NM))),
         statement="the position that the trackside sees, its age charged, holds the true position of the front end",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     limit = whole.config.uplink.age_limit_cycles
@@ -144,7 +144,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         earlier_bool(valid) & ~seen.bool(arrives),
         ~valid | seen.bool(arrives),
         statement="a vehicle that is not heard of any more is known to the trackside for no longer than the age limit",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(~valid | (seen.num(whole.uplink.own.held.age) >= waited)),
     )

@@ -59,7 +59,7 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
         "both views agree",
         (here & there).implies((low <= seen_high) & (seen_low <= high)),
         statement="where the vehicle passes on a position and the trackside sees one, both intervals have the true place in common",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     machine, own = whole.far_uplink.machine, whole.far_uplink.own
@@ -71,7 +71,7 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
             between(exact_to(position - under, NM), of.num(own.truth), exact_to(position + over, NM))
         ),
         statement="what the trackside is told of the train's far end holds it, its age charged",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
 
@@ -97,14 +97,14 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
         "the trackside's view is never the narrower one",
         all_of([*alike, *kept, *widened]),
         statement="what is sent is what is passed on on board; it arrives as it was sent, and is given out no narrower",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "a report counts once",
         _counted_once(whole),
         statement="the area is told of a train only in a cycle in which a report arrives: one that is held says nothing more",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -129,7 +129,7 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
         f"{name} is never clear with this train in it",
         (free & there.bool(slots[0].there)).implies(~inside),
         statement="no part of the train that the localizer locates, counted into the area, is in a section that is reported clear",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     link = whole.localizer.uplink.machine
@@ -141,6 +141,6 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
         f"{name} is not cleared by a silent uplink",
         (~landed & others & counted & ~swept & ~earlier_bool(free)).implies(~free),
         statement="while no report of this train arrives, nothing but what counters and other trains tell makes a section clear",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )

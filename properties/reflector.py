@@ -49,7 +49,7 @@ def _safety(model: ReflectorMachine) -> Iterator[Property]:
         "containment",
         valid.implies(between(position - under, own.ghosts.truth, position + over)),
         statement="in every zone the reported interval holds the true position of end A",
-        trace=("RFL-1", "RFL-2", "RFL-3", "RFL-5", "RFL-D2"),
+        requirements=("RFL-1", "RFL-2", "RFL-3", "RFL-5", "RFL-D2"),
         assumption=LAW,
     )
     tolerance = own.config.tolerance_mm
@@ -57,7 +57,7 @@ def _safety(model: ReflectorMachine) -> Iterator[Property]:
         "tolerance",
         (machine.output("over_mm") <= tolerance) & (machine.output("under_mm") <= tolerance),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        trace=("RFL-1",),
+        requirements=("RFL-1",),
         unconditional=True,
     )
     names = ("position_mm", "over_mm", "under_mm", "range_mm", "reflector_position_mm")
@@ -65,7 +65,7 @@ def _safety(model: ReflectorMachine) -> Iterator[Property]:
         "no report when invalid",
         (~valid).implies(all_of(machine.output(name).eq(0) for name in names) & ~machine.flag("precise")),
         statement="nothing is reported without a valid position",
-        trace=("RFL-1", "RFL-D3"),
+        requirements=("RFL-1", "RFL-D3"),
         unconditional=True,
     )
     yield always(
@@ -74,14 +74,14 @@ def _safety(model: ReflectorMachine) -> Iterator[Property]:
             in_step(machine, own.balise.read & ~own.contradicted & ~own.odometer.failed)
         ),
         statement="a position is reported again only through a balise",
-        trace=("RFL-5", "RFL-D3"),
+        requirements=("RFL-5", "RFL-D3"),
         unconditional=True,
     )
     yield always(
         "error stated",
         own.error.eq(NO_ERROR).iff(machine.flag("ready")),
         statement="whenever the machine is not ready for precise positioning, it says why",
-        trace=("RFL-6", "RFL-D3"),
+        requirements=("RFL-6", "RFL-D3"),
         unconditional=True,
     )
 
@@ -99,7 +99,7 @@ def _identity(model: ReflectorMachine) -> Iterator[Property]:
             all_of(_is_what_it_seems(model, one, reflector) for one in judgements),
             statement=f"an echo that fits the {name} was reflected by that very reflector, however many others the line "
             "has",
-            trace=("RFL-3", "RFL-10"),
+            requirements=("RFL-3", "RFL-10"),
             assumption=LAW,
         )
 
@@ -127,7 +127,7 @@ def _view(model: ReflectorMachine) -> Iterator[Property]:
         (precise | machine.output("source").eq(BY_REFLECTOR)).implies(any_of(strong)),
         statement="only an echo with the minimum intensity, judged to fit, makes the reflector the source of the position; "
         "without one the source is never the reflector",
-        trace=("RFL-1", "RFL-10"),
+        requirements=("RFL-1", "RFL-10"),
         unconditional=True,
     )
     both = (*cycle.target.judgements, *cycle.ahead.judgements)
@@ -136,7 +136,7 @@ def _view(model: ReflectorMachine) -> Iterator[Property]:
         precise.implies(any_of(_reports(model, one) for one in both)),
         statement="in the view zone the interval is that of one fitting echo: its range from the reflector's place, its "
         "error bound and the survey's; never narrower because of what was known before",
-        trace=("RFL-2", "RFL-3", "RFL-D2"),
+        requirements=("RFL-2", "RFL-3", "RFL-D2"),
         unconditional=True,
     )
 
@@ -151,7 +151,7 @@ def _search(model: ReflectorMachine) -> Iterator[Property]:
             ~precise & ~own.recognised
         ),
         statement="in the odometry zone no echo, however strong, is taken for a reflector",
-        trace=("RFL-1", "RFL-10"),
+        requirements=("RFL-1", "RFL-10"),
         unconditional=True,
     )
     yield always(
@@ -162,21 +162,21 @@ def _search(model: ReflectorMachine) -> Iterator[Property]:
         ),
         statement="the search begins as early as the odometry error asks for, and only if no other reflector of the model "
         "fits into the interval",
-        trace=("RFL-1", "RFL-8"),
+        requirements=("RFL-1", "RFL-8"),
         unconditional=True,
     )
     yield always(
         "no unfit neighbour",
         (model.in_mode("VIEW") & ~_was(model, "VIEW")).implies(machine.fired(*SIGHTED)),
         statement="the view zone begins with a measurement of the reflector that was looked for, and with nothing else",
-        trace=("RFL-1",),
+        requirements=("RFL-1",),
         unconditional=True,
     )
     yield always(
         "error is constant",
         machine.fired("reflector tracked").implies(in_step(machine, cycle.steady)),
         statement="in the view zone each measured position agrees with the distance run since the reflector came into view",
-        trace=("RFL-D2",),
+        requirements=("RFL-D2",),
         unconditional=True,
     )
 
@@ -208,7 +208,7 @@ def _leaving(model: ReflectorMachine) -> Iterator[Property]:
         "goes on from the last position",
         left.implies(ran_on & grew) if own.odometer.constant_nm else left.implies(ran_on),
         statement="after the view zone the position is the last measured one plus the distance run, and both margins grow",
-        trace=("RFL-D2",),
+        requirements=("RFL-D2",),
         unconditional=True,
     )
     unaided = valid & earlier_bool(valid) & ~precise & ~own.balise.read
@@ -218,7 +218,7 @@ def _leaving(model: ReflectorMachine) -> Iterator[Property]:
         unaided.implies(ran_on & kept),
         statement="without a balise and without a measured reflector the position moves by the measured distance alone, and "
         "no margin shrinks",
-        trace=("RFL-1", "RFL-D2", "RFL-D3"),
+        requirements=("RFL-1", "RFL-D2", "RFL-D3"),
         unconditional=True,
     )
     yield within(
@@ -227,7 +227,7 @@ def _leaving(model: ReflectorMachine) -> Iterator[Property]:
         model.in_mode("VIEW", "COAST") & ~own.frame,
         own.frame | ~model.in_mode("VIEW", "COAST"),
         statement="missing frames are no lost reflector until the permitted pause is over; then odometry goes on",
-        trace=("RFL-D2",),
+        requirements=("RFL-D2",),
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(model.in_mode("COAST") & (waited <= own.pauses + 1)),
     )
@@ -241,21 +241,21 @@ def _self_test(model: ReflectorMachine) -> Iterator[Property]:
         "ready only after the self-test",
         ready.implies(since(ready, machine.fired(*PASSED))),
         statement="precise positioning is possible only after a self-test that passed, and since then without a break",
-        trace=("RFL-6",),
+        requirements=("RFL-6",),
         unconditional=True,
     )
     yield always(
         "precise only when ready",
         machine.flag("precise").implies(ready),
         statement="no precise position without a passed self-test",
-        trace=("RFL-6",),
+        requirements=("RFL-6",),
         unconditional=True,
     )
     yield always(
         "the test is the prescribed distance",
         machine.fired(*PASSED).implies(in_step(machine, cycle.reference_holds & cycle.target.accepted)),
         statement="the self-test passes only with a measured reflector whose distance from the balise is the prescribed one",
-        trace=("RFL-6",),
+        requirements=("RFL-6",),
         unconditional=True,
     )
 
@@ -269,14 +269,14 @@ def _failed_test(model: ReflectorMachine) -> Iterator[Property]:
             own.balise.read & own.balise.identity.value.ne(earlier_num(own.procedure))
         ),
         statement="after a failed self-test only a different balise starts another one",
-        trace=("RFL-6", "RFL-D3"),
+        requirements=("RFL-6", "RFL-D3"),
         unconditional=True,
     )
     yield always(
         "a mismatch ends the procedure",
         machine.fired(*FAILED).implies(model.in_mode("NOT_READY") & own.error.ne(NO_ERROR)),
         statement="a reference measurement that does not fit leaves the vehicle not ready, with an error",
-        trace=("RFL-6", "RFL-D3"),
+        requirements=("RFL-6", "RFL-D3"),
         unconditional=True,
     )
     line = own.balise.search.value_or(as_num(0, MM))
@@ -289,7 +289,7 @@ def _failed_test(model: ReflectorMachine) -> Iterator[Property]:
             earlier_num(own.run) + num_in_step(machine, own.odometer.moved) >= earlier_num(own.search_from)
         ),
         statement="where the telegram says from which distance on the reflector is looked for, it is not found before",
-        trace=("RFL-8",),
+        requirements=("RFL-8",),
         unconditional=True,
     )
 
@@ -306,7 +306,7 @@ def _rejection(model: ReflectorMachine) -> Iterator[Property]:
         ),
         statement="a weak, foreign, too near, too coarse, ambiguous or out-of-window echo leaves position and source to "
         "odometry",
-        trace=("RFL-1", "RFL-10", "RFL-D3"),
+        requirements=("RFL-1", "RFL-10", "RFL-D3"),
         unconditional=True,
     )
     yield always(
@@ -315,14 +315,14 @@ def _rejection(model: ReflectorMachine) -> Iterator[Property]:
             model.in_mode("NOT_READY") & ~machine.flag("ready")
         ),
         statement="a reflector that is not found where the map has it leaves the vehicle not ready, with an error",
-        trace=("RFL-D3",),
+        requirements=("RFL-D3",),
         unconditional=True,
     )
     yield always(
         "a contradicted route is not reported",
         own.contradicted.implies(~machine.flag("valid")),
         statement="when direction or turn-off contradict the map, nothing is reported from that step on",
-        trace=("RFL-12", "RFL-D5"),
+        requirements=("RFL-12", "RFL-D5"),
         unconditional=True,
     )
 
@@ -341,7 +341,7 @@ def _availability(model: ReflectorMachine) -> Iterator[Property]:
         ),
         statement="where the spacing of equal models keeps the layout rule, no measurement within the radar's error is "
         "refused as ambiguous",
-        trace=("RFL-8", "RFL-10"),
+        requirements=("RFL-8", "RFL-10"),
         unconditional=True,
     )
     yield always(
@@ -350,11 +350,13 @@ def _availability(model: ReflectorMachine) -> Iterator[Property]:
             in_step(model.machine, ~cycle.passed_unseen & ~cycle.search_opens)
         ),
         statement="in the odometry zone a reflector of the map is either ahead, or was found before; none is passed in silence",
-        trace=("RFL-D3",),
+        requirements=("RFL-D3",),
         unconditional=True,
     )
     for label, text in (("VIEW", "a reflector can be measured"), ("PASSING", "a reflector can be passed")):
-        yield reachable(f"{label.lower()} happens", model.in_mode(label), statement=text, trace=("RFL-1", "RFL-3"))
+        yield reachable(
+            f"{label.lower()} happens", model.in_mode(label), statement=text, requirements=("RFL-1", "RFL-3")
+        )
 
 
 def layout_of(config: ReflectorConfig) -> LayoutConfig:

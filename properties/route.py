@@ -47,14 +47,14 @@ def _safety(model: Route) -> Iterator[Property]:
         "the true route is carried",
         _carried(model).implies(all_of(inside)),
         statement="while anything is reported, the true route is among the hypotheses, and its interval holds the truth",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         "the decided route is true",
         machine.flag("valid").implies(machine.output("route").eq(own.true_route)),
         statement="a route that is stated is the one the vehicle is on",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     position, under, over = (exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "under", "over"))
@@ -62,14 +62,14 @@ def _safety(model: Route) -> Iterator[Property]:
         "containment",
         machine.flag("valid").implies(between(position - under, own.truth, position + over)),
         statement="once the route is decided, the reported interval along it holds the true distance from the start",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         "a right authority is never refuted",
         (_carried(model) & own.authorised.eq(own.true_route)).implies(~machine.flag("refutes_authority")),
         statement="a vehicle on the route of its movement authority is never reported to be off it",
-        trace=("RFL-D6", "RFL-12"),
+        requirements=("RFL-D6", "RFL-12"),
         assumption=LAW,
     )
 
@@ -83,7 +83,7 @@ def _refutation(model: Route) -> Iterator[Property]:
             f"route {route.number} does not come back",
             (route.possible & ~was).implies(begun & route.candidate),
             statement="a refuted route becomes possible again only at a start that leads along it",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         )
         yield always(
@@ -91,7 +91,7 @@ def _refutation(model: Route) -> Iterator[Property]:
             (was & ~route.possible & ~begun & _carried(model)).implies(_contradicts(model, route)),
             statement="a route is given up only for a sighted reflector that it does not have at that place, or a turn that "
             "it does not take; a reflector that is not seen refutes nothing",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         )
         width = route.high - route.low
@@ -101,7 +101,7 @@ def _refutation(model: Route) -> Iterator[Property]:
                 width >= earlier_num(route.high) - earlier_num(route.low)
             ),
             statement="without a recognised reflector no interval narrows",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         )
 
@@ -128,14 +128,14 @@ def _reports(model: Route) -> Iterator[Property]:
         "nothing is reported without a start",
         _carried(model) | (silent & machine.output("route").eq(0)),
         statement="idle or lost, no route and no interval is reported",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "no route left is no report",
         silent.implies(~_carried(model)),
         statement="the cycle in which no route fits any more is the cycle in which nothing is reported",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     widths = []
@@ -146,21 +146,21 @@ def _reports(model: Route) -> Iterator[Property]:
         "tolerance",
         all_of(widths),
         statement="no reported interval is wider than the tolerable error to either side",
-        trace=("RFL-D6", "RFL-D1"),
+        requirements=("RFL-D6", "RFL-D1"),
         unconditional=True,
     )
     yield always(
         "reason stated",
         own.reason.eq(NO_REASON).iff(_carried(model)),
         statement="a reason is stated exactly while nothing is reported",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "no resurrection",
         (_carried(model) & ~earlier_bool(_carried(model))).implies(own.start.present),
         statement="after a contradiction only a new start, with its own reference, begins to report",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     refuted = any_of(own.authorised.eq(route.number) & ~route.possible for route in own.routes)
@@ -168,7 +168,7 @@ def _reports(model: Route) -> Iterator[Property]:
         "authority",
         _carried(model).implies(machine.flag("refutes_authority").iff(refuted)),
         statement="that the route of the movement authority is refuted is reported in the same cycle",
-        trace=("RFL-D6", "RFL-12"),
+        requirements=("RFL-D6", "RFL-12"),
         unconditional=True,
     )
 
@@ -180,5 +180,5 @@ def _reached(model: Route) -> Iterator[Property]:
             f"route {route.number} is decided after others were possible",
             model.machine.fired("one route is left") & route.possible,
             statement="the route can be told from the others by what is seen",
-            trace=TRACE,
+            requirements=TRACE,
         )

@@ -35,7 +35,7 @@ def drift_properties(model: Satellite) -> list[Property]:
         of.bool(own.anchored).implies(between(position - bound, of.num(own.truth), position + bound)),
         statement="however false the signals are, the position is no farther from the truth than the told bound: its "
         "distance from where odometry has carried the last reference, and what odometry may be wrong by",
-        trace=("SAT-1", "SAT-5"),
+        requirements=("SAT-1", "SAT-5"),
         assumption=FALSE_SIGNALS,
     )
     return [bounded, *_anchor(model)]
@@ -55,7 +55,7 @@ def _safety(model: Satellite) -> Iterator[Property]:
         "containment",
         valid.implies(between(position - under, of.num(own.truth), position + over)),
         statement="the reported interval along the track holds the true position",
-        trace=("SAT-1", "SAT-5", "SAT-6"),
+        requirements=("SAT-1", "SAT-5", "SAT-6"),
         assumption=LAW,
     )
     tolerance = own.config.tolerance_mm
@@ -63,21 +63,21 @@ def _safety(model: Satellite) -> Iterator[Property]:
         "tolerance",
         (of.num(machine.output("over_mm")) <= tolerance) & (of.num(machine.output("under_mm")) <= tolerance),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        trace=("SAT-5",),
+        requirements=("SAT-5",),
         unconditional=True,
     )
     yield always(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(of.bool(machine.fired("trusted reference"))),
         statement="a position is reported again only through a trusted reference: no solution starts it",
-        trace=("SAT-1", "SAT-5"),
+        requirements=("SAT-1", "SAT-5"),
         unconditional=True,
     )
     yield always(
         "reason stated",
         of.num(own.reason).eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
-        trace=("SAT-5",),
+        requirements=("SAT-5",),
         unconditional=True,
     )
 
@@ -93,14 +93,14 @@ def _solutions(model: Satellite) -> Iterator[Property]:
         "only usable satellites count",
         accepted.implies(all_of(~flag | standing.eq(USABLE) for flag, (_, standing) in zip(used, _channels(model), strict=True))),
         statement="the state is computed only from satellites that are in the list of usable ones in the same cycle",
-        trace=("SAT-5",),
+        requirements=("SAT-5",),
         unconditional=True,
     )  # fmt: skip
     yield always(
         "an excluded one never counts",
         any_of(flag & standing.eq(EXCLUDED) for flag, (_, standing) in zip(used, _channels(model), strict=True)).implies(~accepted),
         statement="a solution with a satellite that violates the criterion does not change the state",
-        trace=("SAT-1", "SAT-5"),
+        requirements=("SAT-1", "SAT-5"),
         unconditional=True,
     )  # fmt: skip
     valid = [model.composition.of(model.selection.machine).bool(one.ephemeris) for one, _ in _channels(model)]
@@ -108,7 +108,7 @@ def _solutions(model: Satellite) -> Iterator[Property]:
         "no expired data count",
         accepted.implies(all_of(~flag | ephemeris for flag, ephemeris in zip(used, valid, strict=True))),
         statement="a solution with a satellite whose ephemeris has expired does not change the state",
-        trace=("SAT-6", "SAT-D1"),
+        requirements=("SAT-6", "SAT-D1"),
         unconditional=True,
     )
     total = as_num(0, COUNT)
@@ -119,14 +119,14 @@ def _solutions(model: Satellite) -> Iterator[Property]:
         accepted.implies(total >= of.num(own.unknowns) + SPARE[own.config.redundancy]),
         statement="fewer satellites than the unknowns, and those that the redundancy asks for beyond them, give no fix: "
         "along the track 2 solve, 3 detect, 4 exclude; free of it 4, 5, 6",
-        trace=("SAT-5",),
+        requirements=("SAT-5",),
         unconditional=True,
     )
     yield always(
         "what does not count changes nothing",
         of.bool(model.machine.fired("solution counts")).implies(accepted),
         statement="the state takes on a solution only where it was accepted",
-        trace=("SAT-5",),
+        requirements=("SAT-5",),
         unconditional=True,
     )
 
@@ -146,7 +146,7 @@ def _prediction(model: Satellite) -> Iterator[Property]:
         "the prediction is the state before",
         coasting.implies(of.num(own.position).eq(position) & of.num(own.speed).eq(speed)),
         statement="without a solution the state is E*(t): place, speed and change of the cycle before, and no input",
-        trace=("SAT-1", "SAT-D1"),
+        requirements=("SAT-1", "SAT-D1"),
         unconditional=True,
     )
     found = _rewritten(solved(own), of.num)
@@ -155,7 +155,7 @@ def _prediction(model: Satellite) -> Iterator[Property]:
         "a solution meets the prediction",
         of.num(own.judged).eq(ACCEPTED).implies(found.meets(ahead)),
         statement="a solution counts only where its interval and the predicted one have a place and a speed in common",
-        trace=("SAT-1", "SAT-5"),
+        requirements=("SAT-1", "SAT-5"),
         unconditional=True,
     )
     off, off_speed = _prediction_errors(model)
@@ -165,7 +165,7 @@ def _prediction(model: Satellite) -> Iterator[Property]:
         earlier_bool(of.bool(model.machine.flag("valid"))).implies((off <= within) & (off_speed <= within_speed)),
         statement="the truth is off E*(t) by no more than the state was, its error of speed over the cycle, and A T2; its "
         "speed by no more than it was, and 2 A T: predictor and train may accelerate against each other",
-        trace=("SAT-1", "SAT-4", "SAT-D1"),
+        requirements=("SAT-1", "SAT-4", "SAT-D1"),
         assumption=MOVES,
     )
 
@@ -205,7 +205,7 @@ def _threshold_rule(model: Satellite) -> Iterator[Property]:
             standing.eq(EXCLUDED).implies(~_healthy_while_braking(model, one)),
             statement="a satellite whose errors are within the noise is kept through every change of speed that a train can "
             "make, while the state was no farther off than the configuration says: the threshold rule",
-            trace=("SAT-4",),
+            requirements=("SAT-4",),
             assumption=f"{MOVES}; what the prediction's error makes of a difference is no greater than that error",
         )
 
@@ -259,14 +259,14 @@ def _coasting(model: Satellite) -> Iterator[Property]:
         (coasting & earlier_bool(valid)).implies(all_of([*wider, *faster])),
         statement="without a solution that counts the interval grows in every cycle and shrinks on neither side; that of the "
         "speed grows by the greatest acceleration, until it holds every speed there is",
-        trace=("SAT-1",),
+        requirements=("SAT-1",),
         unconditional=True,
     )
     yield always(
         "coasting ends",
         coasting.implies(coasted.eq(earlier_num(coasted) + 1)) & (coasted <= own.config.coast_limit_cycles),
         statement="cycles of coasting are counted one by one, and never more than the limit",
-        trace=("SAT-1",),
+        requirements=("SAT-1",),
         unconditional=True,
     )
 
@@ -283,7 +283,7 @@ def _anchor(model: Satellite) -> Iterator[Property]:
         of.bool(own.anchored).implies(between(-(state.over + margin), of.num(own.anchor_offset), state.under + margin)),
         statement="a position is reported no farther from where odometry has carried the last reference than both may be "
         "wrong by",
-        trace=("SAT-1", "SAT-5"),
+        requirements=("SAT-1", "SAT-5"),
         unconditional=True,
     )
     if own.config.drift_check == "required":
@@ -291,12 +291,12 @@ def _anchor(model: Satellite) -> Iterator[Property]:
             "nothing without odometry",
             of.bool(machine.flag("valid")).implies(of.bool(own.anchored)),
             statement="nothing is reported that is not held against odometry since a reference",
-            trace=("SAT-1", "SAT-5"),
+            requirements=("SAT-1", "SAT-5"),
             unconditional=True,
         )
     yield reachable(
         "a drift is found",
         of.bool(machine.fired("common drift")),
         statement="a position that has drifted away from odometry ends",
-        trace=("SAT-1", "SAT-5"),
+        requirements=("SAT-1", "SAT-5"),
     )

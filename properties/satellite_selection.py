@@ -24,14 +24,14 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
         f"{name}: a violation is not usable",
         usable.implies(~any_of(_violations(model, one))),
         statement="a satellite that violates the criterion in this cycle is not in the list of usable ones in this cycle",
-        trace=("SAT-1", "SAT-3", "SAT-4"),
+        requirements=("SAT-1", "SAT-3", "SAT-4"),
         unconditional=True,
     )
     yield always(
         f"{name}: no expired data",
         usable.implies(one.ephemeris & one.identity.present),
         statement="no satellite without valid ephemeris, or not in view, is usable",
-        trace=("SAT-1", "SAT-D1"),
+        requirements=("SAT-1", "SAT-D1"),
         unconditional=True,
     )
     known = one.identity.value.eq(earlier_num(one.held)) if config.warm_up_cycles > 1 else one.identity.present
@@ -44,7 +44,7 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
         f"{name}: no covariance, not usable",
         usable.implies(spread & known & one.warm.eq(config.warm_up_cycles)),
         statement="a satellite that has no covariance over a window yet, or that has just come, is not usable",
-        trace=("SAT-3", "SAT-4"),
+        requirements=("SAT-3", "SAT-4"),
         unconditional=True,
     )
     yield always(
@@ -52,7 +52,7 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
         one.standing.eq(EXCLUDED).implies(~_healthy(model, one)),
         statement="a satellite whose errors are within the noise is not excluded while the prediction and the clock are "
         "within their bounds: the thresholds lie above all together",
-        trace=("SAT-4",),
+        requirements=("SAT-4",),
         assumption=LAW,
     )
     yield always(
@@ -62,7 +62,7 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
         ),
         statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
         "exclusions count for nothing, as the list starts anew from all visible ones",
-        trace=("SAT-1", "SAT-D1"),
+        requirements=("SAT-1", "SAT-D1"),
         unconditional=True,
     )
 
@@ -124,7 +124,7 @@ def _subset(model: Selection) -> Property:
         all_of(strict),
         statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
         "as well",
-        trace=("SAT-4",),
+        requirements=("SAT-4",),
         unconditional=True,
     )
 
@@ -140,7 +140,7 @@ def _once(model: Selection) -> Iterator[Property]:
                 all_of(~earlier.identity.present | earlier.identity.value.ne(told) for earlier in channels[:number])
             ),
             statement="a satellite that an earlier channel receives as well is not usable here: it counts once",
-            trace=("SAT-1", "SAT-D1"),
+            requirements=("SAT-1", "SAT-D1"),
             unconditional=True,
         )
 
@@ -150,5 +150,5 @@ def _reached(model: Selection) -> Iterator[Property]:
         "all channels usable",
         model.own.usable.eq(model.own.config.channels),
         statement="every channel can be usable at once",
-        trace=("SAT-1",),
+        requirements=("SAT-1",),
     )

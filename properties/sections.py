@@ -37,28 +37,28 @@ def _area(model: Sections) -> Iterator[Property]:
             f"train {one.number} containment",
             of.bool(one.there.implies(one.present & inside)),
             statement="a train in the area is in its slot's interval, from rear end to front end",
-            trace=("FVA-9",),
+            requirements=("FVA-9",),
             assumption=LAW,
         )
         yield always(
             f"train {one.number} narrows only by an accepted report",
             _widens(of, one),
             statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
-            trace=("FVA-9",),
+            requirements=("FVA-9",),
             unconditional=True,
         )
         yield always(
             f"train {one.number} report is charged its age",
             _aged(of, one),
             statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
-            trace=("FVA-9",),
+            requirements=("FVA-9",),
             unconditional=True,
         )
         yield always(
             f"train {one.number} that may be split is believed at its leading end only",
             _leads(of, one),
             statement="a report of a train that is not known to be whole narrows nothing at the end that does not lead",
-            trace=("FVA-9",),
+            requirements=("FVA-9",),
             unconditional=True,
         )
     loose = own.loose.implies(
@@ -70,7 +70,7 @@ def _area(model: Sections) -> Iterator[Property]:
         "loose vehicles are accounted for",
         of.bool(loose),
         statement="a vehicle that was never counted is only where the area says that one may be",
-        trace=("FVA-9",),
+        requirements=("FVA-9",),
         assumption=LAW,
     )
 
@@ -120,7 +120,7 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         f"{name} names the rule",
         all_of(led),
         statement="the rule told is that of the change of state that happened, and stays while the state does",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -129,7 +129,7 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         & mode.eq(occupied).iff(evidence.eq(TRAIN_FOLLOWED)),
         statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train that is followed and whole, "
         "and neither on anything else",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -137,7 +137,7 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         trust.eq(VERIFIED).implies((age <= config.mute_limit_cycles) & evidence.ne(UNCOUNTED))
         & mode.eq(occupied).implies(trust.eq(VERIFIED)),
         statement="a state told as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -145,7 +145,7 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         mode.eq(occupied).implies(all_of(_in_time(model, one))),
         statement="OCCUPIED by a train that was not heard of beyond the mute timer, or whose integrity was not confirmed beyond its "
         "timer, is told no longer, from the cycle on in which the timer ends",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -175,14 +175,14 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
         free.implies(~any_of(trains)),
         statement="a section in which any part of any train is, from min safe rear to max safe front, is never FREE: with "
         "several trains, entering, leaving, reversing, lost and coming back",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         f"{name} is never clear with a vehicle that was not counted",
         free.implies(~loose),
         statement="a vehicle that was never counted never stands in a FREE section",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
 
@@ -204,7 +204,7 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
         f"{name} is clear only on evidence",
         free.implies(all_of(apart)),
         statement="FREE is stated only where every counted train is known to be elsewhere",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
@@ -214,6 +214,6 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
         f"{name} is not cleared by silence",
         (quiet & ~earlier_bool(free)).implies(~free),
         statement="withheld, stale or missing reports never move a section towards FREE",
-        trace=("FVA-9",),
+        requirements=("FVA-9",),
         unconditional=True,
     )

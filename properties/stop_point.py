@@ -30,14 +30,14 @@ def _forwards(model: StopPoint) -> Iterator[Property]:
         order.one_of(PROCEED, CREEP).implies(own.truth <= ends),
         statement="while a stop is pending, no order to go on or to start towards the platform's end is given to a vehicle "
         "that stands or runs beyond the stop window",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         "creeping is slow",
         order.eq(CREEP).implies(own.true_speed <= own.config.reduced_speed_mm_s),
         statement="the order to creep into the window is taken back before the vehicle can be faster than the reduced speed",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
@@ -48,7 +48,7 @@ def _forwards(model: StopPoint) -> Iterator[Property]:
         ),
         statement="the vehicle may proceed only while the braking distance from its speed, with reaction and speed error, is "
         "shorter than the distance to the stop",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )  # fmt: skip
 
@@ -61,14 +61,14 @@ def _backwards(model: StopPoint) -> Iterator[Property]:
         order.eq(REVERSE).implies(-own.true_speed <= own.config.reduced_speed_mm_s),
         statement="the order to reverse is never given, and never upheld, to a vehicle that may run backwards faster than the "
         "reduced speed",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         "reversing is permitted and measured",
         order.eq(REVERSE).implies(own.permitted & own.precise & own.valid),
         statement="reversing needs, in every cycle, the permission and a measured distance to the reflector",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -78,14 +78,14 @@ def _backwards(model: StopPoint) -> Iterator[Property]:
             & earlier_bool(model.in_mode("OVERRUN"))
         ),
         statement="reversing begins only at standstill, after an overrun, and no farther beyond the window than allowed",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "reversing ends in the window",
         order.eq(REVERSE).implies(in_step(machine, model.judged.beyond)),
         statement="the order to reverse ends when the vehicle is no longer possibly beyond the window",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
 
@@ -99,14 +99,14 @@ def _stopping(model: StopPoint) -> Iterator[Property]:
         (place & own.precise & own.reason.ne(TOO_COARSE)).implies(window),
         statement="a vehicle that is said to be in position stands within the stop window, whenever the measurement is fine "
         "enough to tell",
-        trace=TRACE,
+        requirements=TRACE,
         assumption=LAW,
     )
     yield always(
         "in position only on a measurement",
         (place & ~earlier_bool(place)).implies(own.precise & in_step(machine, model.judged.standing)),
         statement="a vehicle is said to be in position only at standstill and on a measured distance",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -115,14 +115,14 @@ def _stopping(model: StopPoint) -> Iterator[Property]:
             all_of(var.eq(earlier_num(var)) for var in (own.stop, own.before, own.after, own.pending))
         ),
         statement="after the brake order another selection no longer moves the stop",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield reachable(
         "repositioned",
         place & once(machine.fired("repositions")),
         statement="a vehicle that ran too far comes to stand in position",
-        trace=TRACE,
+        requirements=TRACE,
     )
 
 
@@ -133,14 +133,14 @@ def _order(model: StopPoint) -> Iterator[Property]:
         "without a position nothing moves",
         (~own.valid).implies(order.one_of(NO_ORDER, HOLD)),
         statement="in the step in which the position is lost, a pending stop holds the vehicle",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
         "held with a reason",
         model.in_mode("HELD").implies(own.reason.ne(NO_REASON) & order.eq(HOLD)),
         statement="a stop that cannot be made holds the vehicle and says why",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield always(
@@ -149,13 +149,13 @@ def _order(model: StopPoint) -> Iterator[Property]:
             own.departure | own.released
         ),
         statement="a pending stop ends by departure from its place, or because whoever is in charge releases it",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     yield never(
         "no movement out of the brake order",
         earlier_num(order).eq(BRAKE) & order.one_of(PROCEED, CREEP, REVERSE),
         statement="after the brake order comes standstill, an overrun or a hold; never at once an order to move",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )

@@ -27,25 +27,25 @@ def properties(model: TrainOrder) -> list[Property]:
             "a pattern holds its train",
             fired.implies(all_of(held)),
             statement="the train that a pattern is said to be is within that pattern, however near others are",
-            trace=TRACE,
+            requirements=TRACE,
             assumption=LAW,
         ),
         always(
             "another number of patterns belongs to nobody",
             (~guard(machine, own.matched)).implies(~associated),
             statement="more or fewer patterns than trains, or patterns that overlap: none belongs to anyone, in that cycle",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         ),
         always(
             "a fault ends the order",
             own.fault.implies(~associated & ~machine.flag("ordered")),
             statement="with a disturbed counter no order is known, until the area is empty",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         ),
         *_order(model),
-        reachable("associated", associated, statement="patterns can be told apart", trace=TRACE),
+        reachable("associated", associated, statement="patterns can be told apart", requirements=TRACE),
     ]
 
 
@@ -60,7 +60,7 @@ def _order(model: TrainOrder) -> Iterator[Property]:
         "an order begins with an empty area",
         (before(machine.mode).eq(unknown) & is_ordered).implies(own.clear & nobody),
         statement="an order is known again only in a cycle in which the counters tell that the area is empty",
-        trace=TRACE,
+        requirements=TRACE,
         unconditional=True,
     )
     several = any_of(one & other for n, one in enumerate(events) for other in events[:n])
@@ -78,7 +78,7 @@ def _order(model: TrainOrder) -> Iterator[Property]:
             f"{name} ends the order",
             (was_ordered & event).implies(~is_ordered & nobody & ~machine.flag("associated")),
             statement=f"{what}: no order is known any more, and no pattern belongs to anyone, in that cycle",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         )
     for name, moved in _moved(model).items():
@@ -86,7 +86,7 @@ def _order(model: TrainOrder) -> Iterator[Property]:
             f"the order follows: {name}",
             (was_ordered & is_ordered & ~machine.fired("area is empty")).implies(moved),
             statement="the order changes only by the event of the cycle, at the end of the area where it happened",
-            trace=TRACE,
+            requirements=TRACE,
             unconditional=True,
         )
 

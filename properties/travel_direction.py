@@ -26,7 +26,7 @@ def _stated(model: TravelDirection) -> list[Property]:
             "direction is true",
             stated.eq(ALONG).implies(own.runs_along) & stated.eq(AGAINST).implies(~own.runs_along),
             statement="a stated direction is the one in which the vehicle runs",
-            trace=("RFL-D5",),
+            requirements=("RFL-D5",),
             assumption=LAW,
         ),
         always(
@@ -35,14 +35,14 @@ def _stated(model: TravelDirection) -> list[Property]:
                 before(machine.mode).eq(half) & own.ahead.eq(before(own.awaited)) & before(own.awaited).ne(NO_MODEL)
             ),
             statement="a direction is stated only after a balise whose one neighbour was passed and whose other is seen ahead",
-            trace=("RFL-D5",),
+            requirements=("RFL-D5",),
             unconditional=True,
         ),
         reachable(
             "against is found",
             stated.eq(AGAINST) & machine.flag("contradicts"),
             statement="a vehicle that runs against the expected direction is found out",
-            trace=("RFL-D5",),
+            requirements=("RFL-D5",),
         ),
     ]
 
@@ -59,21 +59,21 @@ def _withheld(model: TravelDirection) -> list[Property]:
                 own.balise & own.before.ne(own.after) & own.before.ne(NO_MODEL) & own.after.ne(NO_MODEL)
             ),
             statement="a balise between equal models, or without one on either side, starts no decision",
-            trace=("RFL-D5",),
+            requirements=("RFL-D5",),
             unconditional=True,
         ),
         always(
             "turning forgets",
             own.backwards.implies(stated.eq(UNKNOWN) & own.last.eq(NO_MODEL)),
             statement="after moving backwards nothing is stated until another balise",
-            trace=("RFL-D5",),
+            requirements=("RFL-D5",),
             unconditional=True,
         ),
         always(
             "half is not stated",
             machine.mode.one_of(unknown, half).implies(stated.eq(UNKNOWN) & ~machine.flag("contradicts")),
             statement="one model alone states no direction and contradicts no route",
-            trace=("RFL-D5",),
+            requirements=("RFL-D5",),
             unconditional=True,
         ),
     ]

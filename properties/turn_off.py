@@ -24,14 +24,14 @@ def _course(model: TurnOff) -> list[Property]:
             "course is true",
             all_of(course.eq(label).implies(own.true.eq(label)) for label in COURSE[1:]),
             statement="straight, left or right are stated only where the vehicle takes that course",
-            trace=("RFL-12",),
+            requirements=("RFL-12",),
             assumption=LAW,
         ),
         always(
             "course only after the switch",
             mode.ne(decided).implies(course.eq(UNDECIDED)),
             statement="nothing is stated until the lateral motion has decided",
-            trace=("RFL-12",),
+            requirements=("RFL-12",),
             unconditional=True,
         ),
         always(
@@ -42,14 +42,14 @@ def _course(model: TurnOff) -> list[Property]:
                 )
             ),
             statement="a course other than that by map and movement authority is flagged in the step in which it is seen",
-            trace=("RFL-12",),
+            requirements=("RFL-12",),
             unconditional=True,
         ),
         reachable(
             "a contradiction is found",
             machine.flag("contradicts"),
             statement="a vehicle that takes another course than authorised is found out",
-            trace=("RFL-12",),
+            requirements=("RFL-12",),
         ),
     ]
 
@@ -69,7 +69,7 @@ def _noting(model: TurnOff) -> list[Property]:
                 & course.eq(STRAIGHT)
             ),
             statement="straight on is stated only when the vehicle is surely through and a turn would have shown",
-            trace=("RFL-12",),
+            requirements=("RFL-12",),
             unconditional=True,
         ),
         always(
@@ -79,7 +79,7 @@ def _noting(model: TurnOff) -> list[Property]:
                 | (own.measured & (own.high < own.here) & own.noted.eq(own.lateral))
             ),
             statement="the lateral place is noted only while the vehicle is surely before the switch, from a measurement",
-            trace=("RFL-12",),
+            requirements=("RFL-12",),
             unconditional=True,
         ),
     ]

@@ -147,7 +147,7 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
         yield Transition(
             "contradiction while withheld", lost, lost, clash, {**_nothing(own), **named, own.reason: CONTRADICTION}, TRACE, 1
         )  # fmt: skip
-    yield Transition("nothing to give out", lost, lost, set=_nothing(own), trace=TRACE, rank=2)
+    yield Transition("nothing to give out", lost, lost, set=_nothing(own), requirements=TRACE, rank=2)
 
 
 def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:

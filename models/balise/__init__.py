@@ -148,7 +148,7 @@ def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
         yield Transition("first group is trusted", lost, located, cycle.accepted, sure, ("RFL-5",), 8)
     else:
         yield from _candidate(cycle, mode, told, first, sure)
-    yield Transition("wait for a group", lost, lost, set=told, trace=("RFL-D4",), rank=10)
+    yield Transition("wait for a group", lost, lost, set=told, requirements=("RFL-D4",), rank=10)
 
 
 def _candidate(
@@ -162,7 +162,7 @@ def _candidate(
     yield Transition("group is a candidate", (lost, candidate), candidate, is_candidate, first, ("RFL-D4",), 8)
     yield Transition("group confirms the candidate", candidate, located, cycle.accepted, sure, ("RFL-5", "RFL-D4"), 8)
     yield Transition("candidate lost", candidate, lost, gone, {**told, **cycle.forget()}, ("RFL-D4",), 9)
-    yield Transition("carry the candidate", candidate, candidate, set=carried, trace=("RFL-D4",), rank=10)
+    yield Transition("carry the candidate", candidate, candidate, set=carried, requirements=("RFL-D4",), rank=10)
 
 
 def _definitions(cycle: Judged) -> dict[str, Expr]:

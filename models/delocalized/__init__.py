@@ -62,9 +62,9 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
             Transition(
                 "position lost", localized, delocalized, ~usable, {**nothing, reason: stated}, ("MRK-D1", "MRK-D2"), 0
             ),
-            Transition("position passed on", localized, localized, set=passed, trace=("MRK-D1",), rank=1),
+            Transition("position passed on", localized, localized, set=passed, requirements=("MRK-D1",), rank=1),
             Transition("reference accepted", delocalized, localized, usable & reference, passed, ("MRK-D1",), 1),
-            Transition("stay restrictive", delocalized, delocalized, set=nothing, trace=("MRK-D2",), rank=2),
+            Transition("stay restrictive", delocalized, delocalized, set=nothing, requirements=("MRK-D2",), rank=2),
         ],
         ghosts={truth: ANY},
         ghost_inputs=[next_truth],

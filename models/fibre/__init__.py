@@ -120,8 +120,8 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     yield from _counting(own, cycle, waiting, counting, located)
     started = {**cycle.nowhere(), **cycle.enter(cycle.one), own.why: v.ONLY_COUNTING}
     yield Transition("first signal", waiting, counting, cycle.enters, started, (*SEEN, *COUNTS), 3)
-    yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), trace=SEEN, rank=6)
-    yield Transition("error stays", faulted, faulted, set=cycle.heard(), trace=CHECKED, rank=6)
+    yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), requirements=SEEN, rank=6)
+    yield Transition("error stays", faulted, faulted, set=cycle.heard(), requirements=CHECKED, rank=6)
 
 
 def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[Transition]:

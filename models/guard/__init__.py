@@ -126,7 +126,7 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
             mode,
             mode,
             set=coast(own.agreed, _withheld(cycle)),
-            trace=TRACE,
+            requirements=TRACE,
             rank=5,
         )
 
@@ -149,8 +149,8 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
     yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, TRACE, 9)
     waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}
-    yield Transition("carry what agrees", recovering, recovering, set=waiting, trace=TRACE, rank=10)
-    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.alone}, trace=TRACE, rank=10)
+    yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=TRACE, rank=10)
+    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.alone}, requirements=TRACE, rank=10)
 
 
 def _carried(own: Parts, box: Box) -> dict[Var, Expr]:

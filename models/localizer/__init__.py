@@ -62,7 +62,7 @@ class More:
     machines: tuple[Machine, ...] = ()
     wires: Mapping[Var, Expr] = field(default_factory=dict)
     shared: tuple[Var, ...] = ()
-    owes: tuple[Machine | Clause, ...] = ()
+    discharge: tuple[Machine | Clause, ...] = ()
 
 
 def _no_more(_: Motion, __: Machine, ___: Transmission) -> More:
@@ -110,7 +110,7 @@ def compose_machines(
         machines,
         wires,
         shared=[*moves.shared, *more.shared],
-        owes=[*owed, *links, counts.machine, guard, uplink.machine, *more.owes],
+        discharge=[*owed, *links, counts.machine, guard, uplink.machine, *more.discharge],
     )
     return Localizer(config, whole, moves, pieces, downlink, counts, guard, uplink)
 

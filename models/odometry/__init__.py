@@ -147,7 +147,9 @@ def _located(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Trans
         name = f"hand over to {ENDS[device]} device"
         yield Transition(name, located[other], located[device], _leads(own, cycle, device), keep, ("MRK-D3",), 5)
     for device, target in enumerate(located):
-        yield Transition(f"run on {ENDS[device]} device", target, target, set=keep, trace=("MRK-4", "MRK-D4"), rank=6)
+        yield Transition(
+            f"run on {ENDS[device]} device", target, target, set=keep, requirements=("MRK-4", "MRK-D4"), rank=6
+        )
 
 
 def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -181,8 +183,8 @@ def _unlocated(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tra
     carried: dict[Var, Expr] = {**cycle.listen(), **cycle.run_on(), **kept}
     dropped = {**cycle.listen(), **cycle.forget(), **_no_devices(own)}
     yield Transition("candidate lost", candidate, lost, ~cycle.any_prolonged, dropped, ("MRK-D1",), 8)
-    yield Transition("carry the candidate", candidate, candidate, set=carried, trace=("MRK-D1",), rank=9)
-    yield Transition("wait for a marker", lost, lost, set=cycle.listen(), trace=("MRK-D1",), rank=9)
+    yield Transition("carry the candidate", candidate, candidate, set=carried, requirements=("MRK-D1",), rank=9)
+    yield Transition("wait for a marker", lost, lost, set=cycle.listen(), requirements=("MRK-D1",), rank=9)
 
 
 def _index(own: Parts, device: Device) -> int:

@@ -66,8 +66,8 @@ def _line(source: Odometry) -> tuple[Machine, dict[Var, Expr]]:
         state={},
         outputs={},
         transitions=[
-            Transition("marker read", running, running, known, trace=("MRK-1",), rank=0),
-            Transition("no marker", running, running, trace=("MRK-1",), rank=1),
+            Transition("marker read", running, running, known, requirements=("MRK-1",), rank=0),
+            Transition("no marker", running, running, requirements=("MRK-1",), rank=1),
         ],
         ghosts={last: 0, last_place: ANY},
         ghost_moves={last: ite(known, marker.value, last), last_place: ite(known, place.value, last_place)},

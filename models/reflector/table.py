@@ -141,7 +141,7 @@ def _zones(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transit
     paused, missed = {**kept, own.pauses: own.pauses + 1}, {**kept, own.misses: own.misses + 1}
     yield Transition("measurement pauses", (view, coast), coast, ~own.frame, paused, ("RFL-D2",), 12)
     yield Transition("echo missing", (view, coast), coast, own.frame, missed, ("RFL-D2",), 12)
-    yield Transition("passing goes on", passing, passing, set=kept, trace=("RFL-D2",), rank=12)
+    yield Transition("passing goes on", passing, passing, set=kept, requirements=("RFL-D2",), rank=12)
 
 
 def _going_on(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -149,17 +149,17 @@ def _going_on(own: Parts, cycle: Judged, mode: tuple[Lit, ...]) -> Iterator[Tran
     lost, unready, reference, odometry, search, *_ = mode
     hold = _hold(cycle)
     yield Transition(
-        "reference measurement goes on", reference, reference, set={**hold, own.run: cycle.run}, trace=("RFL-6",),
+        "reference measurement goes on", reference, reference, set={**hold, own.run: cycle.run}, requirements=("RFL-6",),
         rank=13,
     )  # fmt: skip
-    yield Transition("search goes on", search, search, set=hold, trace=("RFL-1", "RFL-8"), rank=13)
-    yield Transition("odometry zone", odometry, odometry, set=hold, trace=("RFL-1",), rank=13)
-    yield Transition("not ready", unready, unready, set=hold, trace=("RFL-D3",), rank=13)
+    yield Transition("search goes on", search, search, set=hold, requirements=("RFL-1", "RFL-8"), rank=13)
+    yield Transition("odometry zone", odometry, odometry, set=hold, requirements=("RFL-1",), rank=13)
+    yield Transition("not ready", unready, unready, set=hold, requirements=("RFL-D3",), rank=13)
     placed = _unready(cycle, NO_SELF_TEST)
     yield Transition(
         "balise without self-test", lost, unready, own.balise.read & cycle.tolerable, placed, ("RFL-5",), 13
     )
-    yield Transition("wait for a balise", lost, lost, set=_drop(cycle, None), trace=("RFL-5",), rank=14)
+    yield Transition("wait for a balise", lost, lost, set=_drop(cycle, None), requirements=("RFL-5",), rank=14)
 
 
 # ------------------------------------------------------------------ updates

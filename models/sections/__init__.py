@@ -252,4 +252,6 @@ def _table(
         )
     for mode in table:
         longer = minimum(since + 1, since.high)
-        yield Transition(f"stay {mode.label.lower()}", mode, mode, set={**kept, since: longer}, trace=TRACE, rank=1)
+        yield Transition(
+            f"stay {mode.label.lower()}", mode, mode, set={**kept, since: longer}, requirements=TRACE, rank=1
+        )

@@ -73,11 +73,11 @@ def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[
     ahead, measured_beyond = (approach, braking, creeping), own.precise & cycle.beyond
     yield Transition("overruns", ahead, overrun, measured_beyond, near, TRACE, 4)
     yield Transition("brakes", approach, braking, cycle.brake_now | ~cycle.short, near, TRACE, 5)
-    yield Transition("proceeds", approach, approach, set=near, trace=TRACE, rank=6)
+    yield Transition("proceeds", approach, approach, set=near, requirements=TRACE, rank=6)
     measured = cycle.standing & own.precise
     yield Transition("stops in place", braking, stopped, measured & cycle.inside, near, TRACE, 5)
     yield Transition("stops short", braking, short, measured & cycle.short, near, TRACE, 5)
-    yield Transition("brakes on", braking, braking, set=near, trace=TRACE, rank=6)
+    yield Transition("brakes on", braking, braking, set=near, requirements=TRACE, rank=6)
 
 
 def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -117,8 +117,8 @@ def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tran
         ("stands beyond", overrun),
         ("reverses on", repositioning),
     ):
-        yield Transition(name, mode, mode, set=_near(cycle), trace=TRACE, rank=10)
-    yield Transition("held", held, held, set={own.distance: as_num(0, MM)}, trace=TRACE, rank=10)
+        yield Transition(name, mode, mode, set=_near(cycle), requirements=TRACE, rank=10)
+    yield Transition("held", held, held, set={own.distance: as_num(0, MM)}, requirements=TRACE, rank=10)
 
 
 def _near(cycle: Judged) -> Updates:

@@ -41,4 +41,4 @@ def compose_machines(config: OdometryConfig | None = None) -> Supervised:
         sees["source_under_mm"]: says.output("under_mm"),
         next(iter(guard.ghost_inputs)): source.own.truth,
     }
-    return Supervised(compose("supervised_odometry", [says, guard], wires, owes=[guard]), source, guard)
+    return Supervised(compose("supervised_odometry", [says, guard], wires, discharge=[guard]), source, guard)

@@ -163,7 +163,7 @@ def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transit
     yield Transition("confirmed against", half, against, own.confirmed & ~own.along, nothing, TRACE, 2)
     yield Transition("refuted", half, unknown, own.refuted, nothing, TRACE, 2)
     for mode in table:
-        yield Transition(f"stay {mode.label.lower()}", mode, mode, set=heard, trace=TRACE, rank=3)
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, set=heard, requirements=TRACE, rank=3)
 
 
 def _recognition_law(own: Parts, half: Bool) -> Bool:

@@ -237,10 +237,10 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("turns right", over, decided, own.measured & (own.motion > turn), seen(RIGHT), trace, 3)
     goes_on = own.measured & own.through & (abs_(own.motion) <= straight)
     yield Transition("runs straight on", over, decided, goes_on, seen(STRAIGHT), trace, 4)
-    yield Transition("watch", over, over, set=watched, trace=trace, rank=5)
+    yield Transition("watch", over, over, set=watched, requirements=trace, rank=5)
     forgotten: dict[Var, Expr] = {own.here: as_num(own.here.low, MM), own.course: UNDECIDED, own.asked: UNDECIDED}
     yield Transition("back before the switch", (decided, unseen), idle, own.before, forgotten, trace, 5)
-    yield Transition("keep the course", decided, decided, set={own.asked: own.authorised}, trace=trace, rank=6)
+    yield Transition("keep the course", decided, decided, set={own.asked: own.authorised}, requirements=trace, rank=6)
 
 
 def _lateral_law(own: Parts, current: Num, table: tuple[Lit, ...], announced: Bool) -> Bool:

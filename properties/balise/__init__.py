@@ -41,14 +41,14 @@ def _safety(model: Balise) -> Iterator[Property]:
         "containment",
         valid.implies(between(position - under, own.world.truth, position + over)),
         statement="the reported interval holds the true position of the front end",
-        trace=("RFL-5", "RFL-D4"),
+        requirements=("RFL-5", "RFL-D4"),
         assumption=LAW,
     )
     yield always(
         "tolerance",
         (machine.output("over_mm") <= tolerance) & (machine.output("under_mm") <= tolerance),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     silent = [machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under", "reflector", "search")]
@@ -62,21 +62,21 @@ def _safety(model: Balise) -> Iterator[Property]:
         "no report when invalid",
         (~valid).implies(all_of(nothing)),
         statement="nothing is reported, and no group expected, without a valid position",
-        trace=("RFL-D4", "RFL-9"),
+        requirements=("RFL-D4", "RFL-9"),
         unconditional=True,
     )
     yield always(
         "reason stated",
         own.memory.reason.eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
         "contradiction delocalizes",
         own.memory.verdict.eq(v.CONTRADICTED).implies(~valid),
         statement="when a group and the interval cannot both be true, nothing is reported any more in the same step",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
 
@@ -92,7 +92,7 @@ def _references(model: Balise) -> Iterator[Property]:
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired(confirmed) & machine.flag("reference_accepted")),
         statement="a position is reported again only through a group that passed every check",
-        trace=("RFL-5", "RFL-D4"),
+        requirements=("RFL-5", "RFL-D4"),
         unconditional=True,
     )
     accepted = own.memory.verdict.eq(v.ACCEPTED)
@@ -101,7 +101,7 @@ def _references(model: Balise) -> Iterator[Property]:
         own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.whole),
         statement="a group counts only if every balise of it was read, with right check bits, no longer ago than permitted, "
         "while running forwards",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     if not config.free_references:
@@ -111,7 +111,7 @@ def _references(model: Balise) -> Iterator[Property]:
             statement="a located vehicle takes a position only from a group that was announced, in the announced "
             "orientation, and inside its window: the max safe front end has reached the first place where it can be "
             "read, and the min safe front end had not passed the last one",
-            trace=("RFL-D4",),
+            requirements=("RFL-D4",),
             unconditional=True,
         )
     expected, placed = own.linking.slots[0], own.read.place.present
@@ -123,7 +123,7 @@ def _references(model: Balise) -> Iterator[Property]:
         ),
         statement="the expected group, read whole, in the announced orientation and inside its window, is accepted, unless it "
         "and the interval exclude each other",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
 
@@ -135,7 +135,7 @@ def _charged_and_facing(model: Balise) -> Iterator[Property]:
         "accuracy by precedence",
         (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
         statement="an accepted group is charged with the location accuracy of linking, else the national one, else the default",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     national = own.national
@@ -145,7 +145,7 @@ def _charged_and_facing(model: Balise) -> Iterator[Property]:
         "a national value stays",
         ite(national.received.present, told, as_before),
         statement="a national location accuracy is in force from its reception on, until another one is received",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
@@ -155,7 +155,7 @@ def _charged_and_facing(model: Balise) -> Iterator[Property]:
             & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))
         ),
         statement="the direction of travel is stated only after a group with an orientation of its own, or a second group",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
 
@@ -177,14 +177,14 @@ def _resets(model: Balise) -> Iterator[Property]:
         "a reset never widens",
         kept.implies((interval.low >= moved.low) & (interval.high <= moved.high) & (interval.margin <= moved.margin)),
         statement="no telegram moves an end of the interval outward or makes the margin greater than odometry alone had it",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
         "a reset keeps the truth",
         (accepted & valid).implies(between(interval.low, own.world.truth, interval.high)),
         statement="what the telegram and the interval have in common holds the true position",
-        trace=("RFL-5", "RFL-D4"),
+        requirements=("RFL-5", "RFL-D4"),
         assumption=LAW,
     )
     advance = interval.low - step.old.low
@@ -194,14 +194,14 @@ def _resets(model: Balise) -> Iterator[Property]:
         (kept & ~accepted).implies(advance <= estimated),
         statement="without an accepted group the min safe front end advances by no more than the distance estimated "
         "(OCORA 7244)",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
         "margins never shrink",
         (kept & ~accepted).implies((interval.over >= step.old.over) & (interval.under >= step.old.under)),
         statement="without an accepted group neither margin shrinks",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     told = own.reflector.known & ~earlier_bool(own.reflector.known)
@@ -212,7 +212,7 @@ def _resets(model: Balise) -> Iterator[Property]:
         "reflector told by an accepted telegram",
         (told | new).implies(counted & own.reflector.place.eq(own.memory.place + reach)),
         statement="the distance to the next reflector is taken only from a telegram that counts, from its group's place on",
-        trace=("RFL-9",),
+        requirements=("RFL-9",),
         unconditional=True,
     )
 
@@ -228,7 +228,7 @@ def _rejection(model: Balise) -> Iterator[Property]:
         "rejected telegrams change nothing",
         (kept & own.memory.verdict.ne(v.ACCEPTED)).implies(as_odometry),
         statement="after a telegram that is not accepted, position and margins are those that odometry alone gives",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     for name, fault in _faults(step).items():
@@ -236,7 +236,7 @@ def _rejection(model: Balise) -> Iterator[Property]:
             f"{name} changes nothing",
             (kept & fault).implies(as_odometry),
             statement=f"a telegram that is {name} leaves the interval as odometry alone gives it",
-            trace=("RFL-D4",),
+            requirements=("RFL-D4",),
             unconditional=True,
         )
 
@@ -273,7 +273,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
         ~odometer.step.present,
         odometer.step.present | ~machine.flag("valid"),
         statement="when the odometer is silent, nothing is reported after the permitted gap at the latest",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
         helper=lambda waited: waited <= odometer.gap,
     )
@@ -288,6 +288,6 @@ def _sensors(model: Balise) -> Iterator[Property]:
         odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),
         statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
         "last one",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )

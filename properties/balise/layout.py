@@ -35,7 +35,7 @@ def _windows(model: Balise) -> Iterator[Property]:
             all_of([valid, farther.held, _apart(model, nearer, farther)]).implies(~both),
             statement="where the audit found the expectation windows of two announced groups apart, the vehicle is never "
             "inside both (3.4.4.4.5)",
-            trace=("RFL-D4",),
+            requirements=("RFL-D4",),
             unconditional=True,
         )
     first, second = slots[:2]
@@ -43,7 +43,7 @@ def _windows(model: Balise) -> Iterator[Property]:
         "two groups ahead on an audited line",
         all_of([valid, second.held, _apart(model, first, second), _open(model, first)]),
         statement="the layout rule leaves room for two announced groups, the first of them inside its window",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
     )
 
 
@@ -75,7 +75,7 @@ def _reckoning(model: Balise) -> Iterator[Property]:
         as_reckoned(own),
         statement="where the whole run since the last group was measured, the margin is at most the audit's odometry error "
         "for that distance",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     line, limit = own.config.position_limit_mm * NM_PER_MM, (own.config.tolerance_mm - 1) * NM_PER_MM
@@ -88,6 +88,6 @@ def _reckoning(model: Balise) -> Iterator[Property]:
         lost.implies(reckoned_nm(own.config, run, earlier_num(own.memory.accuracy)) > limit),
         statement="where the whole run since the last group was measured, the position is lost to the tolerance only at a "
         "distance at which the audit's odometry error passes it",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )

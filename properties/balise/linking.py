@@ -26,14 +26,14 @@ def _windows(model: Balise) -> Iterator[Property]:
         (kept & held & ~seen & passed).implies(own.memory.ended.eq(1) & _given_up(model)),
         statement="a group that was not read is given up in the very step in which the min safe front end passes the last "
         "place where it can be read, with its linking reaction",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
         "no window closes early",
         (kept & (own.memory.ended > 0)).implies(seen | (held & passed)),
         statement="an announced group is given up only when it, or a later one, was read, or its window has closed",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
@@ -42,7 +42,7 @@ def _windows(model: Balise) -> Iterator[Property]:
             own.linking.slots[0].group.eq(earlier_num(own.linking.slots[0].group))
         ),
         statement="a group stays expected until it is read, its window closes, or linking is renewed",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
 
@@ -73,14 +73,14 @@ def _reactions(model: Balise) -> Iterator[Property]:
         (misses & (earlier_num(memory.missed) >= 1)).implies(braking),
         statement="when the second announced group in a row is missed, at least the service brake is ordered in the same "
         "step, whatever its linking reaction",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
         "missed groups are counted",
         step.kept.implies(memory.missed.eq(_count(step))),
         statement="groups given up one after the other are counted until one is accepted",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     wrong = memory.verdict.eq(v.WRONG_DIRECTION) & located & step.announced
@@ -88,7 +88,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
         "wrong direction trips",
         wrong.implies(memory.reaction.eq(TRAIN_TRIP)),
         statement="an announced group passed in the other orientation trips the train in the same step (3.16.2.3.2)",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     yield always(
@@ -96,7 +96,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
         memory.reaction.ne(NO_REACTION).implies((memory.ended > 0) & located),
         statement="a group that linking does not speak of, or a damaged telegram, is rejected without any reaction "
         "(3.16.2.4.3); only a group given up causes one",
-        trace=("RFL-D4",),
+        requirements=("RFL-D4",),
         unconditional=True,
     )
     for name, event in _events(step).items():
@@ -104,7 +104,7 @@ def _reactions(model: Balise) -> Iterator[Property]:
             f"told: {name}",
             (step.kept & event).implies(machine.fired(name)),
             statement=f"whenever it happens, the table says so: {name}",
-            trace=("RFL-D4",),
+            requirements=("RFL-D4",),
             unconditional=True,
         )
 

@@ -30,7 +30,7 @@ def _safety(model: Odometry) -> Iterator[Property]:
         "containment",
         valid.implies(between(position - under, own.truth, position + over)),
         statement="the reported interval holds the true position of end A",
-        trace=("MRK-1", "MRK-4", "MRK-5", "MRK-D6"),
+        requirements=("MRK-1", "MRK-4", "MRK-5", "MRK-D6"),
         assumption=LAW,
     )
     yield always(
@@ -38,7 +38,7 @@ def _safety(model: Odometry) -> Iterator[Property]:
         (machine.output("over_mm") <= own.config.tolerance_mm)
         & (machine.output("under_mm") <= own.config.tolerance_mm),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        trace=("MRK-D1",),
+        requirements=("MRK-D1",),
         unconditional=True,
     )
     silent = all_of(machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under", "distance_run"))
@@ -46,7 +46,7 @@ def _safety(model: Odometry) -> Iterator[Property]:
         "no report when invalid",
         (~valid).implies(silent & machine.output("values").eq(NO_VALUES)),
         statement="nothing is reported without a valid position",
-        trace=("MRK-D1", "MRK-D2"),
+        requirements=("MRK-D1", "MRK-D2"),
         unconditional=True,
     )
     alive = any_of(unit.alive for unit in own.units)
@@ -54,14 +54,14 @@ def _safety(model: Odometry) -> Iterator[Property]:
         "same-step loss",
         (~alive).implies(~valid),
         statement="the cycle in which the last usable value is lost is the cycle in which nothing is reported any more",
-        trace=("MRK-D1",),
+        requirements=("MRK-D1",),
         unconditional=True,
     )
     yield always(
         "reason stated",
         own.reason.eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
-        trace=("MRK-D1",),
+        requirements=("MRK-D1",),
         unconditional=True,
     )
 
@@ -76,7 +76,7 @@ def _references(model: Odometry) -> Iterator[Property]:
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired(*confirmed) & machine.flag("reference_accepted")),
         statement="a position is reported again only through a marker that passed every check",
-        trace=("MRK-1", "MRK-D1"),
+        requirements=("MRK-1", "MRK-D1"),
         unconditional=True,
     )
     accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
@@ -84,7 +84,7 @@ def _references(model: Odometry) -> Iterator[Property]:
         "margin never shrinks",
         (valid & earlier_bool(valid) & ~accepted).implies(model.lead.margin >= earlier_num(model.lead.margin)),
         statement="without an accepted reading the reported margin never shrinks",
-        trace=("MRK-D1", "MRK-D3"),
+        requirements=("MRK-D1", "MRK-D3"),
         unconditional=True,
     )
     for end, reader in enumerate(own.readers):
@@ -93,7 +93,7 @@ def _references(model: Odometry) -> Iterator[Property]:
             reader.verdict.eq(ACCEPTED).implies(_entitled(model, end, reader)),
             statement="a reading counts only for a known marker: a leading one for a new marker ahead, a trailing one for "
             "a marker that the leading reader has read and the trailing one has not",
-            trace=("MRK-1", "MRK-5"),
+            requirements=("MRK-1", "MRK-5"),
             unconditional=True,
         )
 
@@ -116,7 +116,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
         "the smallest margin leads",
         valid.implies(all_of(value.alive.implies(lead.margin <= value.margin) for value in units)),
         statement="the reported margin is the smallest of all usable ones: no switch is ever to a worse one",
-        trace=("MRK-D3", "MRK-D4"),
+        requirements=("MRK-D3", "MRK-D4"),
         unconditional=True,
     )
     front = any_of(unit.alive for unit in own.devices[0].units)
@@ -127,7 +127,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
         (front & ~candidate).implies(valid & all_of(best)),
         statement="whenever the front device alone would have a position, one is reported, with a margin that is not "
         "greater than the front device's (which no reading of the other device touches)",
-        trace=("MRK-1", "MRK-D3", "MRK-D5"),
+        requirements=("MRK-1", "MRK-D3", "MRK-D5"),
         unconditional=True,
     )
     leading = [f"leading reading at {end}" for end in ("front", "rear")]
@@ -136,14 +136,14 @@ def _selection(model: Odometry) -> Iterator[Property]:
         "M1 after the leading reading",
         machine.fired(*leading).implies(machine.output("values").eq(M1)),
         statement="a leading reading that sets its device makes values M1 count",
-        trace=("MRK-1", "MRK-5"),
+        requirements=("MRK-1", "MRK-5"),
         unconditional=True,
     )
     yield always(
         "M2 after the trailing reading",
         machine.fired(*trailing).implies(machine.output("values").eq(M2)),
         statement="the trailing reading of the same marker makes values M2 count",
-        trace=("MRK-1", "MRK-5"),
+        requirements=("MRK-1", "MRK-5"),
         unconditional=True,
     )
 
@@ -161,7 +161,7 @@ def _rejection(model: Odometry) -> Iterator[Property]:
                 kept.implies(_ran_on(unit, other)),
                 statement="a foreign, repeated, unpaired or implausible marker, or one of the other device, narrows no margin: "
                 "the position moves by the measured distance alone, and both margins grow alike",
-                trace=("MRK-1", "MRK-D1", "MRK-4"),
+                requirements=("MRK-1", "MRK-D1", "MRK-4"),
                 unconditional=True,
             )
 
@@ -191,7 +191,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         ~heard,
         heard | ~machine.flag("valid"),
         statement="when no unit delivers a distance, nothing is reported after the permitted gap at the latest",
-        trace=("MRK-D1",),
+        requirements=("MRK-D1",),
         unconditional=True,
         helper=lambda waited: all_of(waited <= unit.gap for unit in own.units),
     )
@@ -201,7 +201,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
             unit.judged.eq(ADMITTED).implies(unit.step.present & _within_gate(unit)),
             statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
             "last one",
-            trace=("MRK-4", "MRK-D1"),
+            requirements=("MRK-4", "MRK-D1"),
             unconditional=True,
         )
 

@@ -30,7 +30,7 @@ def properties(model: Odometry) -> list[Property]:
             statement="with one faulty unit, the reported interval, widened on both sides by twice the greater law of the "
             "device's two units over the cycles since the reference in which both measured (and the difference of "
             "their one-off constants), holds the true position of end A",
-            trace=SOURCES,
+            requirements=SOURCES,
             assumption=CHECKED,
         )
     ]
@@ -42,7 +42,7 @@ def containment(model: Odometry) -> Property:
         "containment with one faulty unit",
         _contained(model, tuple(as_num(0, NM) for _ in model.own.devices)),
         statement="with one faulty unit, whichever, the reported interval holds the true position of end A",
-        trace=SOURCES,
+        requirements=SOURCES,
         assumption=ONE_FAULT,
     )
 

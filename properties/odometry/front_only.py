@@ -32,7 +32,7 @@ def properties(whole: Comparison) -> list[Property]:
             "valid wherever the front reader alone is",
             valid_alone.implies(valid),
             statement="whenever the machine with the front reader alone reports a position, the one with both does",
-            trace=SOURCES,
+            requirements=SOURCES,
             assumption=GIVEN,
         ),
         always(
@@ -40,7 +40,7 @@ def properties(whole: Comparison) -> list[Property]:
             valid_alone.implies((margin <= margin_alone) & (exact <= exact_alone)),
             statement="whenever the machine with the front reader alone reports a position, the one with both reports a "
             "margin that is not greater, in nm as well as in the mm of its report",
-            trace=SOURCES,
+            requirements=SOURCES,
             assumption=GIVEN,
         ),
     ]
@@ -55,7 +55,7 @@ def line_properties(whole: LineAhead) -> list[Property]:
             "no true reading is refused",
             ~verdict.one_of(REPEATED, OUT_OF_ORDER, OUT_OF_WINDOW),
             statement="on a line ahead no reading at the front is refused as repeated, out of order or out of the window",
-            trace=SOURCES,
+            requirements=SOURCES,
             assumption=ON_A_LINE,
         )
     ]

@@ -27,18 +27,22 @@ def _gain(whole: MarkerField) -> Iterator[Property]:
         valid.implies(run.eq(ite(past < lead, past, past - lead))),
         statement=f"with a vehicle {whole.arrangement.name}, the run is that of end A past its marker up to {of}, and that "
         "of end B past the same marker from there on",
-        trace=SOURCES,
+        requirements=SOURCES,
         assumption=GIVEN,
     )
     yield always(
         "worst run",
         valid.implies(run < worst),
         statement=f"no run between two resets comes to max({of}, D - ({of}))",
-        trace=SOURCES,
+        requirements=SOURCES,
         assumption=GIVEN,
     )
-    yield reachable("worst run attained on M1", valid & run.eq(worst - 1) & (lead > spacing - lead), trace=SOURCES)
-    yield reachable("worst run attained on M2", valid & run.eq(worst - 1) & (lead < spacing - lead), trace=SOURCES)
+    yield reachable(
+        "worst run attained on M1", valid & run.eq(worst - 1) & (lead > spacing - lead), requirements=SOURCES
+    )
+    yield reachable(
+        "worst run attained on M2", valid & run.eq(worst - 1) & (lead < spacing - lead), requirements=SOURCES
+    )
 
 
 def _no_gain(whole: MarkerField) -> Iterator[Property]:
@@ -47,10 +51,10 @@ def _no_gain(whole: MarkerField) -> Iterator[Property]:
         "no gain",
         valid.implies(run.eq(past)),
         statement=f"with a vehicle {whole.arrangement.name}, the run is that of end A past its marker, as with one reader",
-        trace=SOURCES,
+        requirements=SOURCES,
         assumption=GIVEN,
     )
-    yield reachable("a whole spacing is run", valid & run.eq(spacing - 1), trace=SOURCES)
+    yield reachable("a whole spacing is run", valid & run.eq(spacing - 1), requirements=SOURCES)
 
 
 def _terms(whole: MarkerField) -> tuple[Bool, Num, Num, Num]:

@@ -44,7 +44,7 @@ def _truth(model: Verification) -> Iterator[Property]:
         "containment",
         trusted.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         statement="a position that is given out as trusted holds the front of the train",
-        trace=CLAIM,
+        requirements=CLAIM,
         assumption=LAW,
     )
     now = machine.fired("verified", "reference accepted and verified")
@@ -52,7 +52,7 @@ def _truth(model: Verification) -> Iterator[Property]:
         "verified count is the train's",
         (now & own.by_count).implies(own.axles.eq(own.kept_count)),
         statement="in a cycle verified by count, the train followed has as many axles as the counter counted: identity",
-        trace=(*CLAIM, "FVA-D1"),
+        requirements=(*CLAIM, "FVA-D1"),
         assumption=LAW,
     )
     yield always(
@@ -61,7 +61,7 @@ def _truth(model: Verification) -> Iterator[Property]:
             between(exact_to(own.kept_low, UM) - tolerance, own.length, exact_to(own.kept_high, UM) + tolerance)
         ),
         statement="in a cycle verified by length, the train's length agrees with the counter's within both tolerances",
-        trace=(*CLAIM, "FVA-D1"),
+        requirements=(*CLAIM, "FVA-D1"),
         assumption=LAW,
     )
     counted = own.associated & own.seen_count.present
@@ -70,7 +70,7 @@ def _truth(model: Verification) -> Iterator[Property]:
         (counted & own.axles.ne(own.kept_count)).implies(~trusted),
         statement="in a cycle in which the fibre counts a train with another number of axles, nothing is trusted: whether "
         "it is another train or has lost a wagon",
-        trace=(*CLAIM, *STAY),
+        requirements=(*CLAIM, *STAY),
         assumption=LAW,
     )
 
@@ -84,7 +84,7 @@ def _latch(model: Verification) -> Iterator[Property]:
         "trusted is currently verified",
         trusted.implies((own.age <= own.config.currency_cycles) & (own.by_count | own.by_length)),
         statement="nothing is trusted without a verification by count or length at most so many cycles ago",
-        trace=(*CLAIM, *STAY),
+        requirements=(*CLAIM, *STAY),
         unconditional=True,
     )
     yield always(
@@ -93,14 +93,14 @@ def _latch(model: Verification) -> Iterator[Property]:
             own.age.eq(0) & own.associated & (own.seen_count.present | own.seen_length.present)
         ),
         statement="a position is trusted again only in a cycle in which count or length was determined and matched",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
     yield always(
         "mismatch withholds in the same cycle",
         (guard(machine, judged.mismatch) & ~own.leaves).implies(mode.eq(untrusted)),
         statement="whatever does not match, the train is untrusted in the same cycle",
-        trace=(*CLAIM, *COURSE),
+        requirements=(*CLAIM, *COURSE),
         unconditional=True,
     )
     yield always(
@@ -109,14 +109,14 @@ def _latch(model: Verification) -> Iterator[Property]:
             own.leaves | (own.due & own.sound & own.source.ne(v.NOBODY) & (own.record_count > 0))
         ),
         statement="an untrusted train becomes anything else only by an accepted reference, or by leaving",
-        trace=(*CLAIM, *STAY),
+        requirements=(*CLAIM, *STAY),
         unconditional=True,
     )
     yield always(
         "first reason is kept",
         (was_untrusted & mode.eq(untrusted)).implies(own.reason.eq(before(own.reason))),
         statement="the first reason stays until the train is trusted again or gone",
-        trace=COURSE,
+        requirements=COURSE,
         unconditional=True,
     )
     nothing = all_of(machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under"))
@@ -124,21 +124,21 @@ def _latch(model: Verification) -> Iterator[Property]:
         "withheld is nothing",
         (~trusted).implies(nothing & ~machine.flag("handover_trusted")),
         statement="a position that is not trusted is not given out, and not handed over as trusted",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
     yield always(
         "what was given out is revoked",
         (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
         statement="a mismatch revokes in the same cycle what was given out before",
-        trace=(*CLAIM, *COURSE),
+        requirements=(*CLAIM, *COURSE),
         unconditional=True,
     )
     yield always(
         "a reason is told",
         mode.one_of(none, withheld, untrusted).implies(own.reason.ne(v.VERIFIED)),
         statement="whatever is not trusted has a reason",
-        trace=COURSE,
+        requirements=COURSE,
         unconditional=True,
     )
 
@@ -161,7 +161,7 @@ def _inputs(model: Verification) -> Iterator[Property]:
             f"{name} withholds",
             fault.implies(~trusted),
             statement=f"{what} withholds the position in the same cycle",
-            trace=trace,
+            requirements=trace,
             unconditional=True,
         )
     silent = ~own.control_count.present & ~own.control_length.present
@@ -169,7 +169,7 @@ def _inputs(model: Verification) -> Iterator[Property]:
         "silence is no success",
         (silent & own.by_control).implies(was(own.by_control)),
         statement="train control data count as verified only where they came and matched",
-        trace=CONTROL,
+        requirements=CONTROL,
         unconditional=True,
     )
     differs = own.control_count.present & own.control_count.value.ne(own.kept_count)
@@ -177,7 +177,7 @@ def _inputs(model: Verification) -> Iterator[Property]:
         "control data do not repair",
         differs.implies(~trusted),
         statement="train control data that contradict the reference withhold; they never replace it",
-        trace=CONTROL,
+        requirements=CONTROL,
         unconditional=True,
     )
 
@@ -195,7 +195,7 @@ def _entry(model: Verification) -> Iterator[Property]:
         "reference is taken once",
         known.implies(same | (own.due & new)),
         statement="the stored reference changes only in the cycle of another accepted record",
-        trace=(*STAY, *ENTRY),
+        requirements=(*STAY, *ENTRY),
         unconditional=True,
     )
     recent = own.record_age <= own.config.reference_age_limit_cycles
@@ -203,21 +203,21 @@ def _entry(model: Verification) -> Iterator[Property]:
         "only sound references",
         (own.due & known).implies(own.sound & recent & own.source.ne(v.NOBODY) & (own.record_count > 0)),
         statement="a record that is disturbed, old, empty or did not come is not accepted",
-        trace=(*SAFE, *STAY),
+        requirements=(*SAFE, *STAY),
         unconditional=True,
     )
     yield always(
         "a lost hand-over is untrusted",
         (own.due & own.source.eq(v.NOBODY) & ~own.leaves).implies(mode.eq(machine.modes[3])),
         statement="a train for which no reference came when it was due is untrusted in the same cycle",
-        trace=("FVA-D1", *STAY),
+        requirements=("FVA-D1", *STAY),
         unconditional=True,
     )
     yield always(
         "no train without a reference",
         (before(mode).eq(none) & mode.ne(none)).implies(own.due),
         statement="without a reference nothing is ever verified",
-        trace=CLAIM,
+        requirements=CLAIM,
         unconditional=True,
     )
     at_entry = own.reason.one_of(v.SPEED_AT_ENTRY, v.PLACE_AT_ENTRY)
@@ -225,7 +225,7 @@ def _entry(model: Verification) -> Iterator[Property]:
         "place and speed at entry only",
         (at_entry & own.reason.ne(before(own.reason))).implies(own.due & own.source.eq(v.AXLE_COUNTER)),
         statement="place and speed are compared with the record only in its own cycle, and never later",
-        trace=ENTRY,
+        requirements=ENTRY,
         unconditional=True,
     )
     newly = (own.by_speed & ~was(own.by_speed)) | (own.by_place & ~was(own.by_place))
@@ -233,7 +233,7 @@ def _entry(model: Verification) -> Iterator[Property]:
         "verified at entry in that cycle",
         newly.implies(own.due & own.associated),
         statement="place and speed are listed as verified only from a cycle in which they were compared at the counter",
-        trace=ENTRY,
+        requirements=ENTRY,
         unconditional=True,
     )
 
@@ -249,7 +249,7 @@ def _course(model: Verification) -> Iterator[Property]:
             ~trusted | ~was(own.length_known) | machine.fired("train has left")
         ),
         statement="a length that differs from the one before withholds in the same cycle",
-        trace=COURSE,
+        requirements=COURSE,
         unconditional=True,
     )
     ability = max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // v.MS_PER_S
@@ -260,7 +260,7 @@ def _course(model: Verification) -> Iterator[Property]:
         "a speed that no train changes withholds",
         (compared & before(own.faster).eq(0) & ~between(-slack, change, slack)).implies(~trusted),
         statement="between two cycles the speed changes by no more than traction, brakes and both tolerances allow",
-        trace=COURSE,
+        requirements=COURSE,
         unconditional=True,
     )
     step = config.max_speed_mm_s * config.period_ms // v.MS_PER_S + 1 + config.jump_mm
@@ -271,15 +271,15 @@ def _course(model: Verification) -> Iterator[Property]:
         "a jump withholds",
         (placed & ~between(-(below + step), run, above + step)).implies(~trusted),
         statement="between two cycles the front comes no farther than the highest speed and both intervals allow",
-        trace=COURSE,
+        requirements=COURSE,
         unconditional=True,
     )
 
 
 def _reached(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    yield reachable("trusted", machine.flag("trusted"), statement="a train can be trusted", trace=CLAIM)
+    yield reachable("trusted", machine.flag("trusted"), statement="a train can be trusted", requirements=CLAIM)
     both = any_of([own.by_speed & own.by_place & own.by_count & own.by_length])
     yield reachable(
-        "all verified", machine.flag("trusted") & both, statement="all parameters can be verified", trace=ENTRY
+        "all verified", machine.flag("trusted") & both, statement="all parameters can be verified", requirements=ENTRY
     )

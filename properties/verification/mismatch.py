@@ -23,7 +23,7 @@ def properties(model: Verification) -> Iterator[Property]:
     own = model.own
     trusted = model.machine.flag("trusted")
     for name, (differs, statement, trace) in (_parameters(own) | _entry(own) | _record(model)).items():
-        yield always(name, differs.implies(~trusted), statement=statement, trace=trace, unconditional=True)
+        yield always(name, differs.implies(~trusted), statement=statement, requirements=trace, unconditional=True)
 
 
 Clause = tuple[Bool, str, tuple[str, ...]]

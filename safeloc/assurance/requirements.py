@@ -1,6 +1,6 @@
 """The project's requirements: one entry a claim, or a statement that a claim leans on, with its source.
 
-`requirements.toml` beside this file holds them; transitions and properties carry their ids in `trace`. `traceability`
+`requirements.toml` beside this file holds them; transitions and properties carry their ids in `requirements`. `traceability`
 links them both ways: from a requirement to what carries and what shows it, and from a transition or property back.
 """
 
@@ -137,8 +137,13 @@ def traceability(traced: Iterable[Traced]) -> Traceability:
     """Requirements and these machines and properties, linked; a machine that stands in two targets counts once."""
     targets = list(traced)
     items = dict.fromkeys(
-        [Item("transition", m.name, t.name, t.trace) for one in targets for m in one.machines for t in m.transitions]
-        + [Item("property", one.name, prop.name, prop.trace) for one in targets for prop in one.properties]
+        [
+            Item("transition", m.name, t.name, t.requirements)
+            for one in targets
+            for m in one.machines
+            for t in m.transitions
+        ]
+        + [Item("property", one.name, prop.name, prop.requirements) for one in targets for prop in one.properties]
     )
     links = [
         Link(one, _naming(items, "transition", one.id), _naming(items, "property", one.id)) for one in requirements()

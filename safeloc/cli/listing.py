@@ -31,7 +31,7 @@ class _Chosen:
 
     def lists(self, prop: Property) -> bool:
         """Whether a property is one of them; capital letters are like small ones."""
-        answers = {one.casefold() for one in prop.trace}
+        answers = {one.casefold() for one in prop.requirements}
         said = f"{prop.name}\n{prop.statement}".casefold()
         return (self.requirement is None or self.requirement.casefold() in answers) and (
             self.text or ""
@@ -87,7 +87,12 @@ def _machines() -> Listed:
 def _properties(chosen: _Chosen) -> Listed:
     """Those chosen; only the machines that are asked for are made. InputError where there is none."""
     rows = [
-        {"machine": target.name, "name": prop.name, "requirements": " ".join(prop.trace), "statement": prop.statement}
+        {
+            "machine": target.name,
+            "name": prop.name,
+            "requirements": " ".join(prop.requirements),
+            "statement": prop.statement,
+        }
         for target in map(load_target, dict.fromkeys(chosen.machines or ENTRIES))
         for prop in target.properties
         if chosen.lists(prop)

@@ -76,7 +76,7 @@ def _row_remark(row: Transition | None, label: str) -> str:
     if row is None:
         return f" /* {remark(label)} */"
     sources = " or ".join(mode.label for mode in row.sources)
-    ids = f"; {', '.join(row.trace)}" if row.trace else ""
+    ids = f"; {', '.join(row.requirements)}" if row.requirements else ""
     return f" /* {remark(f'{label}: {sources} -> {row.target.label}{ids}')} */"
 
 
@@ -218,4 +218,4 @@ const char *{p}_status_text(int32_t status);
 
 def requirement_ids(system: TransitionSystem) -> list[str]:
     """Every requirement that a transition carries."""
-    return sorted({one for machine in system.machines for row in machine.transitions for one in row.trace})
+    return sorted({one for machine in system.machines for row in machine.transitions for one in row.requirements})

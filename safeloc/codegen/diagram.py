@@ -39,7 +39,16 @@ def to_table(machine: Machine) -> list[Row]:
         file, _, line = t.src.rpartition(":")
         declared = f"{file.rpartition('/')[2]}:{line}"
         rows.append(
-            Row(t.name, sources, t.target.label, infix(share(t.when), 160, names), sets, t.rank, t.trace, declared)
+            Row(
+                t.name,
+                sources,
+                t.target.label,
+                infix(share(t.when), 160, names),
+                sets,
+                t.rank,
+                t.requirements,
+                declared,
+            )
         )
     return rows
 

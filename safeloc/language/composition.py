@@ -2,7 +2,7 @@
 
 A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
 
-What a machine assumes of its environment is assumed of the whole, unless it is named in `owes`: then the machines
+What a machine assumes of its environment is assumed of the whole, unless it is named in `discharge`: then the machines
 before it have to keep it, which is proved together with the lemmas (assume-guarantee, safeloc.proof.provers.inherited).
 A single clause of an assumption can be owed as well; the rest of it is then still assumed of the whole.
 """
@@ -18,6 +18,7 @@ from safeloc.language.checks.system import check_system
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
 from safeloc.language.machine import Any_, Initial, Machine
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import refuse_old_keywords
 from safeloc.language.spec import Property
 from safeloc.language.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
 from safeloc.language.terms import Sharing, Substitution, variables
@@ -80,27 +81,28 @@ def _before(var: Expr) -> Expr:
     return before(var) if isinstance(var, NumVar) else was(var)
 
 
+@refuse_old_keywords(ModelError, {"owes": "discharge"})
 def compose(
     name: str,
     machines: Sequence[Machine],
     wires: Mapping[Var, Expr],
     *,
     shared: Sequence[Var] = (),
-    owes: Sequence[Machine | Clause] = (),
+    discharge: Sequence[Machine | Clause] = (),
 ) -> Composition:
     """Several machines as one TransitionSystem.
 
-    wires   an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
-            means the state after the step (so an output of theirs is written as `earlier.output("x")`)
-    shared  input or ghost variables that several machines declare as the very same object, kept once
-    owes    machines whose assumption is not assumed of the whole: it is owed by the others, and proved; or a clause of it
+    wires      an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
+               means the state after the step (so an output of theirs is written as `earlier.output("x")`)
+    shared     input or ghost variables that several machines declare as the very same object, kept once
+    discharge  machines whose assumption is not assumed of the whole: it is owed by the others, and proved; or a clause of it
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for whatever
     safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire that reads a
     machine that is not earlier, and a ghost that something on board would hear.
     """
     lowered = [(machine, lower(machine)) for machine in machines]
-    plan = Plan(name, machines, [system for _, system in lowered], wires, shared, owes, declared_at())
+    plan = Plan(name, machines, [system for _, system in lowered], wires, shared, discharge, declared_at())
     check_plan(plan)
     rename: dict[Machine, Substitution] = {}
     kept: dict[Var, Var] = {var: var for var in shared}
@@ -127,7 +129,7 @@ def compose(
             after[var] = move
         after |= {var: step(var) for var in system.inputs}
         plain |= {**own, **told}
-        owed, assumed = _divided(machine, system, owes)
+        owed, assumed = _divided(machine, system, discharge)
         ghosts = in_range([var for var in wired if var in system.ghosts])
         part = Part(
             replace(system, name=f"{name} {machine.name}", whole=name),
@@ -166,11 +168,11 @@ def _may_be_heard(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
     return all_of([in_range([var for var in wired if var not in system.ghosts]), absent_is_canonical(optionals)])
 
 
-def _divided(machine: Machine, system: TransitionSystem, owes: Sequence[Machine | Clause]) -> tuple[Bool, Bool]:
+def _divided(machine: Machine, system: TransitionSystem, discharge: Sequence[Machine | Clause]) -> tuple[Bool, Bool]:
     """What the machine assumes, divided into what is owed by the machines before it and what is assumed of the whole."""
-    if machine in owes:
+    if machine in discharge:
         return system.assume, TRUE
-    named = {one.name for one in owes if isinstance(one, Clause) and one.machine is machine}
+    named = {one.name for one in discharge if isinstance(one, Clause) and one.machine is machine}
     if not named:
         return TRUE, system.assume
     owed = [term for name, term in machine.clauses.items() if name in named]

@@ -13,9 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
-from safeloc.errors import declared_at
+from safeloc.errors import ModelError, declared_at
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, members
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import refuse_old_keywords
 from safeloc.language.units import Enumeration
 
 
@@ -34,12 +35,13 @@ Initial = Value | Lit | Any_
 STAY_NAME: Final = "(stay)"
 
 
+@refuse_old_keywords(ModelError, {"trace": "requirements"})
 @dataclass(frozen=True, eq=False)
 class Transition:
     """One row of the transition table.
 
     Transitions of one `rank` must have disjoint guards (an obligation proves it); of two different ranks the lower
-    is tried first. `trace` holds requirement ids.
+    is tried first. `requirements` holds the ids of those it answers for.
     """
 
     name: str
@@ -47,7 +49,7 @@ class Transition:
     target: Lit
     when: Bool = TRUE
     set: Mapping[Var, Expr | Value] = field(default_factory=dict)
-    trace: tuple[str, ...] = ()
+    requirements: tuple[str, ...] = ()
     rank: int = 0
     src: str = field(default_factory=declared_at)
 

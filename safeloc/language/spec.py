@@ -18,19 +18,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from safeloc.errors import declared_at
+from safeloc.errors import PropertyError, declared_at
 from safeloc.language.checks.properties import Reading, check_property, check_reading, check_watching
 from safeloc.language.checks.system import check_system
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Node, Past, Value
+from safeloc.language.renamed import refuse_old_keywords
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.language.units import COUNT
 
+RENAMED = {"trace": "requirements"}
 NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
+@refuse_old_keywords(PropertyError, RENAMED)
 @dataclass(frozen=True, eq=False)
 class Property:
     """A named requirement on every run (or, for `reachable`, on some run).
@@ -42,7 +45,7 @@ class Property:
     assumption what the proof relies on, in words
     unconditional  required for ALL inputs in range, whether the environment keeps its assumption or not
     helper     within: a lemma over state and the number of steps waited, proved together with the property
-    trace      requirement ids
+    requirements   ids of the requirements that it shows
     kept_by    of a composition: the machine that has it by itself, and the property over that machine's own terms
                (Composition.inherited)
     """
@@ -54,7 +57,7 @@ class Property:
     steps: int = 0
     given: Bool = TRUE
     statement: str = ""
-    trace: tuple[str, ...] = ()
+    requirements: tuple[str, ...] = ()
     assumption: str = ""
     helper: Callable[[NumVar], Bool] | None = None
     unconditional: bool = False
@@ -73,13 +76,14 @@ class Property:
         return given if self.unconditional or not self.assumption else f"{self.assumption}; {given}"
 
 
+@refuse_old_keywords(PropertyError, RENAMED)
 def always(
     name: str,
     term: Bool,
     *,
     given: Bool = TRUE,
     statement: str = "",
-    trace: tuple[str, ...] = (),
+    requirements: tuple[str, ...] = (),
     assumption: str = "",
     unconditional: bool = False,
 ) -> Property:
@@ -90,19 +94,20 @@ def always(
         term,
         given=given,
         statement=statement or name,
-        trace=trace,
+        requirements=requirements,
         assumption=assumption,
         unconditional=unconditional,
     )
 
 
+@refuse_old_keywords(PropertyError, RENAMED)
 def never(
     name: str,
     term: Bool,
     *,
     given: Bool = TRUE,
     statement: str = "",
-    trace: tuple[str, ...] = (),
+    requirements: tuple[str, ...] = (),
     assumption: str = "",
     unconditional: bool = False,
 ) -> Property:
@@ -113,12 +118,13 @@ def never(
         ~term if isinstance(term, Bool) else term,
         given=given,
         statement=statement or name,
-        trace=trace,
+        requirements=requirements,
         assumption=assumption,
         unconditional=unconditional,
     )
 
 
+@refuse_old_keywords(PropertyError, RENAMED)
 def within(
     name: str,
     steps: int,
@@ -127,7 +133,7 @@ def within(
     *,
     given: Bool = TRUE,
     statement: str = "",
-    trace: tuple[str, ...] = (),
+    requirements: tuple[str, ...] = (),
     assumption: str = "",
     helper: Callable[[NumVar], Bool] | None = None,
     unconditional: bool = False,
@@ -137,17 +143,28 @@ def within(
     The first state is no step: a trigger that only it meets asks for nothing. PropertyError if `steps` is negative.
     """
     return Property(
-        name, "within", trigger, response, steps, given, statement or name, trace, assumption, helper, unconditional
+        name,
+        "within",
+        trigger,
+        response,
+        steps,
+        given,
+        statement or name,
+        requirements,
+        assumption,
+        helper,
+        unconditional,
     )
 
 
+@refuse_old_keywords(PropertyError, RENAMED)
 def reachable(
     name: str,
     term: Bool,
     *,
     given: Bool = TRUE,
     statement: str = "",
-    trace: tuple[str, ...] = (),
+    requirements: tuple[str, ...] = (),
     assumption: str = "",
     unconditional: bool = False,
 ) -> Property:
@@ -158,7 +175,7 @@ def reachable(
         term,
         given=given,
         statement=statement or name,
-        trace=trace,
+        requirements=requirements,
         assumption=assumption,
         unconditional=unconditional,
     )

@@ -221,6 +221,6 @@ def _finding(system: TransitionSystem, prop: Property, result: Result, seconds: 
         result,
         "Hypothesis, plausible and faulty streams",
         seconds,
-        prop.trace,
+        prop.requirements,
         prop.relies_on,
     )

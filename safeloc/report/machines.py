@@ -142,7 +142,7 @@ def _row(t: Transition, guard: str) -> dict[str, Any]:
         "target": t.target.label,
         "guard": guard,
         "rank": t.rank,
-        "requirements": list(t.trace),
+        "requirements": list(t.requirements),
         "declared": f"{file.rpartition('/')[2]}:{line}",
     }
 

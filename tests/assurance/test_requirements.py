@@ -92,8 +92,8 @@ GO = boolean("go")
 
 def lamp(carries: tuple[str, ...], shows: tuple[str, ...]) -> Target:
     """A machine of one transition and one property with these ids."""
-    machine = Machine("lamp", (ON, OFF), [GO], {}, {}, [Transition("go", ON, OFF, GO, trace=carries)])
-    return Target("lamp", (machine,), lower(machine), (always("off", machine.mode.eq(OFF), trace=shows),))
+    machine = Machine("lamp", (ON, OFF), [GO], {}, {}, [Transition("go", ON, OFF, GO, requirements=carries)])
+    return Target("lamp", (machine,), lower(machine), (always("off", machine.mode.eq(OFF), requirements=shows),))
 
 
 @pytest.mark.parametrize(

@@ -153,7 +153,7 @@ def dot_quoted(text: str) -> str:
 def test_table(machine: Machine) -> None:
     """A row a transition, in order: sources, target, rank, requirements, and every variable that it sets."""
     for row, t in zip(to_table(machine), machine.transitions, strict=True):
-        assert (row.name, row.target, row.rank, row.requirements) == (t.name, t.target.label, t.rank, t.trace)
+        assert (row.name, row.target, row.rank, row.requirements) == (t.name, t.target.label, t.rank, t.requirements)
         assert row.source == ", ".join(mode.label for mode in t.sources)
         assert [one.partition(" := ")[0] for one in row.sets] == [var.name for var in t.set]
         assert all(one.partition(" := ")[2] for one in row.sets)

@@ -196,9 +196,9 @@ def _whole(whole: Whole) -> Built:
     alike = [
         one for var in shared.values() for one in ((var.value, var.present) if isinstance(var, Optional) else (var,))
     ]
-    owes = [machines[one] if isinstance(one, str) else Clause(machines[one[0]], one[1]) for one in whole.owes]
+    discharge = [machines[one] if isinstance(one, str) else Clause(machines[one[0]], one[1]) for one in whole.discharge]
     wires = {qualified[name]: term(told, qualified) for name, told in whole.wires.items()}
-    made = compose(whole.name, list(machines.values()), wires, shared=alike, owes=owes)
+    made = compose(whole.name, list(machines.values()), wires, shared=alike, discharge=discharge)
     of: dict[str, Any] = {}
     for world in whole.worlds:
         into = made.of(machines[world.name])

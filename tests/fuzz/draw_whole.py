@@ -24,7 +24,7 @@ def whole(draw: Draw) -> Whole:
         made = replace(made, wires={**made.wires, **_wires(draw, made, world)})
     made = _with_roles(draw, made)
     told = _told_from_the_first_step_on(draw, made)
-    return replace(told or made, owes=(*_owes(draw, told or made), *([told.worlds[1].name] if told else [])))
+    return replace(told or made, discharge=(*_discharged(draw, told or made), *([told.worlds[1].name] if told else [])))
 
 
 def _told_from_the_first_step_on(draw: Draw, made: Whole) -> Whole | None:
@@ -114,7 +114,7 @@ def _told(draw: Draw, var: Var, earlier: Var) -> Term:
     return term if inside or (draw.sometimes(0.1) and not draw.wide) else clamped(var, term)
 
 
-def _owes(draw: Draw, made: Whole) -> list[str | tuple[str, str]]:
+def _discharged(draw: Draw, made: Whole) -> list[str | tuple[str, str]]:
     """A later machine whose assumption the others keep, or a clause of it."""
     owed: list[str | tuple[str, str]] = []
     for world in made.worlds[1:]:

@@ -140,7 +140,7 @@ Q = Var("q", "number", 0, 3)
 AT_LEAST_ONE: Term = ("ge", ("var", "q"), ("lit", 1))
 FIRST = copies("a", X, Var("j", "number", 1, 3))
 THEN = copies("b", Y, Q, assumption=AT_LEAST_ONE)
-WIRED = Whole("w", (FIRST, THEN), {"b.q": ("var", "a.x")}, owes=("b",))
+WIRED = Whole("w", (FIRST, THEN), {"b.q": ("var", "a.x")}, discharge=("b",))
 INHERITED = Claim("q is at least 1", "always", ("ge", ("var", "a.x"), ("lit", 1)), of="b", own=AT_LEAST_ONE)
 
 ROUND = World(

@@ -149,7 +149,7 @@ def test_an_owed_assumption_is_not_assumed_of_the_whole() -> None:
     later = World("b", 1, (Q,), {}, assumption=("le", ("var", "q"), ("lit", 1)))
     first = replace(COUNTER, name="a")
     assumed = search(Whole("w", (first, later), {"b.q": ("var", "a.x")}))
-    owed = search(Whole("w", (first, later), {"b.q": ("var", "a.x")}, owes=("b",)))
+    owed = search(Whole("w", (first, later), {"b.q": ("var", "a.x")}, discharge=("b",)))
     assert 2 == len(assumed.reached(lawful))
     assert 4 == len(owed.reached(lawful))
     assert not all(owed.game.kept("b", edge.known) for _, edge in owed.steps(lawful))  # type: ignore[union-attr]

@@ -193,16 +193,16 @@ def product(inputs: tuple[Var, ...]) -> list[State]:
 class Whole:
     """Several machines in order.
 
-    wires   "machine.input" -> term over the names of earlier machines
-    shared  names of variables that several machines have as one
-    owes    names of machines that assume nothing of the whole, or (machine, clause)
+    wires      "machine.input" -> term over the names of earlier machines
+    shared     names of variables that several machines have as one
+    discharge  names of machines that assume nothing of the whole, or (machine, clause)
     """
 
     name: str
     worlds: tuple[World, ...]
     wires: Mapping[str, Term] = field(default_factory=dict)
     shared: frozenset[str] = frozenset()
-    owes: tuple[str | tuple[str, str], ...] = ()
+    discharge: tuple[str | tuple[str, str], ...] = ()
 
     def called(self, world: World, name: str) -> str:
         """What a machine's variable is called in the whole."""
@@ -328,10 +328,10 @@ class Whole:
         """Of each machine: what is assumed of the whole, and what is owed to it."""
         laws = {}
         for world in self.worlds:
-            owed = [name for name in world.clauses if (world.name, name) in self.owes]
+            owed = [name for name in world.clauses if (world.name, name) in self.discharge]
             assumed = every(world.assumption, *(term for name, term in world.clauses.items() if name not in owed))
             due = every(*(world.clauses[name] for name in owed))
-            if world.name in self.owes:
+            if world.name in self.discharge:
                 assumed, due = TRUE, world.assumed
             laws[world.name] = fast(assumed), fast(due)
         return laws
@@ -369,7 +369,7 @@ class Whole:
         """What runs on board."""
         ghosts = {self.called(world, name) for world in self.worlds for name in world.ghost_names}
         wires = {name: term for name, term in self.wires.items() if name not in ghosts}
-        return replace(self, worlds=tuple(world.board() for world in self.worlds), wires=wires, owes=())
+        return replace(self, worlds=tuple(world.board() for world in self.worlds), wires=wires, discharge=())
 
 
 Game = World | Whole

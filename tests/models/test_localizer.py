@@ -42,7 +42,7 @@ def up_to_the_position(whole: Localizer, changed: Mapping[str, Expr]) -> Transit
         [heard] = [var for var in wires if var.name == name]
         wires[heard] = term
     machines = (whole.motion.machine, *first.machines, *position.machines)
-    return compose("part", machines, wires, shared=whole.motion.shared, owes=[*first.owed, *position.owed]).system
+    return compose("part", machines, wires, shared=whole.motion.shared, discharge=[*first.owed, *position.owed]).system
 
 
 def told(whole: Localizer) -> Num:

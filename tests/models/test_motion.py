@@ -82,7 +82,7 @@ def one_user(whole: Localizer, changed: Mapping[str, Expr]) -> TransitionSystem:
         [heard] = [var for var in wires if var.name == name]
         wires[heard] = term
     return compose(
-        "part", (whole.motion.machine, *piece.machines), wires, shared=whole.motion.shared, owes=piece.owed
+        "part", (whole.motion.machine, *piece.machines), wires, shared=whole.motion.shared, discharge=piece.owed
     ).system
 
 

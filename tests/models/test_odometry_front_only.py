@@ -46,7 +46,7 @@ def test_the_comparison_is_not_empty() -> None:
     assert isinstance(lasts.verdict, Proved)
     other = whole.of_alone.bool(whole.alone.machine.flag("valid"))
     better = whole.of_both.num(whole.both.lead.margin) < whole.of_alone.num(whole.alone.lead.margin)
-    goal = reachable("better", other & better, trace=())
+    goal = reachable("better", other & better, requirements=())
     [finding] = [one for one in prove(whole.composition.system, [goal], Limits(seconds=60)) if one.kind == "property"]
     assert isinstance(finding.result, Proved)
 

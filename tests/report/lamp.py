@@ -25,16 +25,18 @@ machine = Machine(
     state={wear: 0},
     outputs={"wear": wear},
     transitions=[
-        Transition("switch <on>", DARK, LIT, press, {wear: wear + 1}, trace=("MRK-1",)),
-        Transition("burnt out", LIT, DARK, wear >= 3, trace=("MRK-1", "MRK-D1"), rank=0),
+        Transition("switch <on>", DARK, LIT, press, {wear: wear + 1}, requirements=("MRK-1",)),
+        Transition("burnt out", LIT, DARK, wear >= 3, requirements=("MRK-1", "MRK-D1"), rank=0),
         Transition("switch off", LIT, DARK, ~press, rank=1),
     ],
     assumption=wear < 100,
     doc=DOC,
 )
 PROPERTIES = (
-    always("new", machine.mode.eq(LIT).implies(wear >= 1), statement="light wears", trace=("MRK-1",)),
-    never("wears & tears", wear > 1, statement="never <b>twice</b>", trace=("MRK-D1",), assumption="few presses"),
+    always("new", machine.mode.eq(LIT).implies(wear >= 1), statement="light wears", requirements=("MRK-1",)),
+    never(
+        "wears & tears", wear > 1, statement="never <b>twice</b>", requirements=("MRK-D1",), assumption="few presses"
+    ),
 )
 UNDECIDED = Finding(
     "lamp/property/later", "lamp", "property", "something later", Unknown("no <i>time</i>", 4), "none", 0.5, ("MRK-D1",)

@@ -28,7 +28,7 @@ class Plan:
     systems: Sequence[TransitionSystem]
     wires: Mapping[Var, Expr]
     shared: Sequence[Var]
-    owes: Sequence[Machine | Clause]
+    discharge: Sequence[Machine | Clause]
     src: str
 
 
@@ -176,7 +176,7 @@ def _wire_reads(var: Var, term: Expr, earlier: set[Var], twice: set[Var]) -> Ite
 
 
 def _owed_is_assumed(plan: Plan) -> Iterator[str]:
-    for one in plan.owes:
+    for one in plan.discharge:
         machine = one if isinstance(one, Machine) else one.machine
         if machine not in plan.machines:
             yield f"{machine.name!r} is owed something and is not part of it."

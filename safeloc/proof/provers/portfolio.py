@@ -316,7 +316,7 @@ def _finding(goal: Goal, kind: Literal["lemma", "property"], verdict: Verdict, m
         result=verdict,
         method=method,
         seconds=seconds,
-        requirements=prop.trace,
+        requirements=prop.requirements,
         assumption=prop.relies_on,
     )
 

@@ -260,7 +260,9 @@ def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
 def _finding(target: Target, path: Path, prop: Property, verdict: Result, started: float) -> Finding:
     seconds = time.monotonic() - started
     name = f"{target.name}/replay/{name_of(path)}: {prop.name}"
-    return Finding(name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.trace)
+    return Finding(
+        name, target.name, "replay", prop.statement, verdict, f"replay of {path.name}", seconds, prop.requirements
+    )
 
 
 def _border(target: Target, path: Path, steps: int, faults: Sequence[Fault], started: float) -> Finding:

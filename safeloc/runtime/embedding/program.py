@@ -114,7 +114,7 @@ def _part(system: TransitionSystem, machine: Machine) -> Part:
     labels = machine.mode.unit.members
     moves = {
         (number, source.value, one.target.value): Move(
-            machine.name, one.name, source.label, one.target.label, one.trace
+            machine.name, one.name, source.label, one.target.label, one.requirements
         )
         for number, one in enumerate(machine.transitions, 1)
         for source in one.sources

@@ -27,7 +27,7 @@ X, N, START = number("x", COUNT, 0, 100), number("n", COUNT, 0, 100), number("st
 
 def machine(**changed: object) -> Machine:
     """A machine with something of every kind."""
-    rows = [Transition("go", SLOW, FAST, X > 40, {N: X}), Transition("rest", FAST, SLOW, X < N, trace=("R-1",))]
+    rows = [Transition("go", SLOW, FAST, X > 40, {N: X}), Transition("rest", FAST, SLOW, X < N, requirements=("R-1",))]
     given: dict[str, object] = {
         "inputs": [X],
         "state": {N: 0},
@@ -71,7 +71,7 @@ CHANGES: dict[str, Callable[[], Target]] = {
         machine(transitions=[Transition("go", SLOW, FAST, X > 40, {N: X}, rank=1), *machine().transitions[1:]])
     ),
     "requirement": lambda: target(
-        machine(transitions=[machine().transitions[0], replace(machine().transitions[1], trace=("R-2",))])
+        machine(transitions=[machine().transitions[0], replace(machine().transitions[1], requirements=("R-2",))])
     ),
     "first value": lambda: target(machine(state={N: 1})),
     "output": lambda: target(machine(outputs={"told": N + 1})),

@@ -71,7 +71,7 @@ listener = Machine(
     lemmas={"keeps something": KEPT >= 1},
 )
 _wires: dict[Var, Expr] = {HEARD: source.output("level")}
-whole = compose("whole", [source, listener], _wires, owes=[listener])
+whole = compose("whole", [source, listener], _wires, discharge=[listener])
 """Two machines; what the second assumes the first keeps."""
 
 
@@ -87,7 +87,7 @@ leaper = Machine(
     lemmas={"never nothing": LEVEL_B >= 1},
 )
 _tells: dict[Var, Expr] = {HEARD: leaper.output("level")}
-pair = compose("pair", [leaper, listener], _tells, owes=[listener])
+pair = compose("pair", [leaper, listener], _tells, discharge=[listener])
 """A row of the first machine fires only where the assumption is broken: it is shown of that machine by itself."""
 
 

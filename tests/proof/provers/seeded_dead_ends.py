@@ -199,7 +199,7 @@ def owing(mended: bool) -> TransitionSystem:
     add = Transition("add", S, S, TRUE, {a: a + step})
     first = Machine("first", (S,), [step], {a: 0}, {}, [add], assumption=a + step <= 20)
     second = Machine("second", (S,), [q], {b: 0}, {}, [Transition("take", S, S, TRUE, {b: q})], assumption=q <= 20)
-    return compose("owing", [first, second], {q: a}, owes=[second]).system
+    return compose("owing", [first, second], {q: a}, discharge=[second]).system
 
 
 def at_odds(mended: bool) -> TransitionSystem:

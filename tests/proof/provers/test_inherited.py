@@ -26,7 +26,7 @@ IDLE, BUSY = modes("IDLE", "BUSY")
 class Chain:
     """A source whose level never passes its limit, and a follower that assumes as much and remembers the level."""
 
-    def __init__(self, limit: int = 10, assumed: int = 10, widest: int = 20, *, owes: bool = True) -> None:
+    def __init__(self, limit: int = 10, assumed: int = 10, widest: int = 20, *, discharge: bool = True) -> None:
         self.step, self.level = number("step", MM, 0, 3), number("level", MM, 0, 20)
         fits = self.level + self.step <= limit
         self.source = Machine(
@@ -54,10 +54,10 @@ class Chain:
             lemmas={"within what is assumed": self.kept <= assumed, "the truth is low": self.kept + self.truth <= 40},
         )
         wires: dict[Var, Expr] = {self.seen: self.source.output("level")}
-        if owes:
+        if discharge:
             wires[self.next_truth] = number_of(self.source)
         self.whole: Composition = compose(
-            "chain", (self.source, self.follower), wires, owes=[self.follower] if owes else []
+            "chain", (self.source, self.follower), wires, discharge=[self.follower] if discharge else []
         )
 
 
@@ -70,7 +70,7 @@ def number_of(machine: Machine) -> NumVar:
 
 def test_facts_of_each_machine_hold_in_the_whole() -> None:
     """Nothing is owed beyond ranges: the follower's facts come under the whole's names."""
-    known = base(Chain(owes=False).whole.system)
+    known = base(Chain(discharge=False).whole.system)
     assert "source: below the limit" in told(known.always)
     assert "follower: within what is assumed" in told(known.facts)
     assert "range of follower.kept" in told(known.always)
@@ -116,7 +116,7 @@ def test_a_contract_that_is_kept_is_a_finding() -> None:
 
 def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
     """The follower hears up to 4, the source tells up to 10: what holds for all inputs in range holds no more."""
-    chain = Chain(limit=10, assumed=10, widest=4, owes=False)
+    chain = Chain(limit=10, assumed=10, widest=4, discharge=False)
     known = base(chain.whole.system)
     assert "what follower hears is in range" in told(known.refuted)
     assert "range of source.level" in told(known.always)
@@ -124,12 +124,12 @@ def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
 
 def owed_by_clause(limit: int, assumed: int) -> Composition:
     """The chain, whose follower is owed a low level; that the truth is low is still assumed."""
-    chain = Chain(limit=limit, assumed=assumed, owes=False)
+    chain = Chain(limit=limit, assumed=assumed, discharge=False)
     follower = replace(
         chain.follower, assumption=chain.next_truth <= 5, clauses={"the level is low": chain.seen <= assumed}
     )
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
-    return compose("chain", (chain.source, follower), wires, owes=[Clause(follower, "the level is low")])
+    return compose("chain", (chain.source, follower), wires, discharge=[Clause(follower, "the level is low")])
 
 
 def test_a_clause_is_owed_and_the_rest_is_assumed() -> None:
@@ -151,16 +151,16 @@ def test_a_clause_that_is_not_kept_loses_the_facts() -> None:
 
 def test_what_cannot_be_owed_is_refused() -> None:
     """A machine that is not part of the whole, and a clause that the machine does not have."""
-    chain = Chain(owes=False)
+    chain = Chain(discharge=False)
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
     with pytest.raises(
         ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' is owed something and is not part of it\.$"
     ):
-        compose("chain", [chain.source], {}, owes=[chain.follower])
+        compose("chain", [chain.source], {}, discharge=[chain.follower])
     with pytest.raises(
         ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' has no clause 'high'; it has \[\]\.$"
     ):
-        compose("chain", [chain.source, chain.follower], wires, owes=[Clause(chain.follower, "high")])
+        compose("chain", [chain.source, chain.follower], wires, discharge=[Clause(chain.follower, "high")])
 
 
 @pytest.mark.parametrize("limit", [4, 5])

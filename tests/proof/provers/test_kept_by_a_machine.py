@@ -44,7 +44,7 @@ class Follower:
             assumption=TRUE if assumed is None else self.heard <= assumed,
         )
         wires: dict[Var, Expr] = {self.heard: self.source.output("level")}
-        self.whole: Composition = compose("chain", [self.source, self.follower], wires, owes=[self.follower])
+        self.whole: Composition = compose("chain", [self.source, self.follower], wires, discharge=[self.follower])
 
     def small(self) -> Property:
         """It never rises by more than ten."""

@@ -179,7 +179,7 @@ def test_a_base_that_never_comes_proves_nothing(monkeypatch: pytest.MonkeyPatch)
 
 def test_requirements_and_assumption_are_handed_on() -> None:
     """A finding carries what the property states."""
-    claim = always("claim", LEVEL <= 10, statement="never too full", trace=("MRK-1",), assumption="none")
+    claim = always("claim", LEVEL <= 10, statement="never too full", requirements=("MRK-1",), assumption="none")
     [finding] = prove(system(counter()), [claim], LIMITS)
     assert (finding.statement, finding.requirements, finding.assumption) == ("never too full", ("MRK-1",), "none")
     assert finding.method.startswith("1-induction, re-checked by cvc5 ")

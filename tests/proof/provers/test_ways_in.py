@@ -111,7 +111,7 @@ def test_an_inherited_property_holds_in_the_first_state_too() -> None:
     second = Machine("b", (T,), [heard], {Y: 0}, {}, [Transition("s", T, T, TRUE, {Y: heard})], assumption=heard >= 1)
     step = Transition("follow", S, S, TRUE, {X: first.inputs[0]})  # type: ignore[dict-item] # it is a variable
     first = replace(first, transitions=[step])
-    whole = compose("w", [first, second], {heard: X}, owes=[second])
+    whole = compose("w", [first, second], {heard: X}, discharge=[second])
     prop = whole.inherited(second, always("at least 1", heard >= 1))
     assert said(whole.system, prop) == ["violated"]
     assert Monitor(observe(whole.system, prop)).status == Broken(0)
