@@ -96,7 +96,7 @@ def _becomes(part: Part, mine: Antecedent, case: Antecedent) -> bool:
 
 
 def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal] | None:
-    for part in system.parts if case.prop.given is TRUE else ():
+    for part in system.parts if case.prop.further_assumption is TRUE else ():
         term = _over(part, case.term)
         if term is not None:
             own = always("case", ~term, unconditional=case.prop.unconditional)
@@ -145,7 +145,9 @@ def seen(system: TransitionSystem, antecedent: Antecedent, name: str) -> Seen:
 
 
 def _comes(system: TransitionSystem, prop: Property, term: Bool, name: str) -> Goal:
-    return observe(system, reachable(name, term, given=prop.given, unconditional=prop.unconditional))
+    return observe(
+        system, reachable(name, term, further_assumption=prop.further_assumption, unconditional=prop.unconditional)
+    )
 
 
 def _conjuncts(term: Bool) -> Iterator[Bool]:

@@ -51,9 +51,9 @@ class Composition:
         """A property that a machine keeps in every step, as one of the whole; provers ask the machine by itself.
 
         What the machine assumes is assumed of the whole as well, or owed by the machines before it. ModelError for a
-        property that is given something more, or is not of kind `always`.
+        property with a further assumption, or is not of kind `always`.
         """
-        if prop.kind != "always" or prop.given is not TRUE:
+        if prop.kind != "always" or prop.further_assumption is not TRUE:
             raise ModelError(f"{machine.name}: {prop.name!r} is not plainly kept in every step; prove it of the whole.")
         term = inherited_term(self.of(machine), prop)
         return replace(prop, name=f"{machine.name}: {prop.name}", term=term, kept_by=(machine, prop))

@@ -123,8 +123,8 @@ class Checks:
         own = {var: term for one in told for var, term in one.moves.items()}
         self._first: dict[Var, Value] = dict.fromkeys(own, False)
         self._moves: dict[Var, Expr] = {**self._watched.next, **own}
-        given = [goal.prop.given for goal in self._goals]
-        self._advance = program([environment(system), *given, *self._moves.values()])
+        further = [goal.prop.further_assumption for goal in self._goals]
+        self._advance = program([environment(system), *further, *self._moves.values()])
         self._judge = program([*(goal.good for goal in self._goals), *(one.term for one in told)])
 
     def __call__(self, trace: Trace) -> list[Held | Violated | Unknown]:

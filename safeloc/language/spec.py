@@ -29,7 +29,7 @@ from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import Substitution, children, in_order, rebuilt, text, variables
 from safeloc.language.units import COUNT
 
-RENAMED = {"trace": "requirements"}
+RENAMED = {"given": "further_assumption", "trace": "requirements"}
 NO_ASSUMPTION = "none: holds for all inputs in range"
 
 
@@ -38,16 +38,17 @@ NO_ASSUMPTION = "none: holds for all inputs in range"
 class Property:
     """A named requirement on every run (or, for `reachable`, on some run).
 
-    kind       always: `term` holds in every step; within: each `term` is followed by `response` in at most `steps`
-               further steps; reachable: some run comes to `term`
-    given      a further assumption on every step, over state before, inputs and ghosts; reported with the verdict
-    statement  the requirement in words
-    assumption what the proof relies on, in words
-    unconditional  required for ALL inputs in range, whether the environment keeps its assumption or not
-    helper     within: a lemma over state and the number of steps waited, proved together with the property
-    requirements   ids of the requirements that it shows
-    kept_by    of a composition: the machine that has it by itself, and the property over that machine's own terms
-               (Composition.inherited)
+    kind                always: `term` holds in every step; within: each `term` is followed by `response` in at most
+                        `steps` further steps; reachable: some run comes to `term`
+    further_assumption  what holds in every step besides what the machine assumes, over state before, inputs and ghosts;
+                        reported with the verdict
+    statement           the requirement in words
+    requirements        ids of the requirements that it shows
+    assumption          what the proof relies on, in words
+    helper              within: a lemma over state and the number of steps waited, proved together with the property
+    unconditional       required for ALL inputs in range, whether the environment keeps its assumption or not
+    kept_by             of a composition: the machine that has it by itself, and the property over that machine's own
+                        terms (Composition.inherited)
     """
 
     name: str
@@ -55,7 +56,7 @@ class Property:
     term: Bool
     response: Bool = TRUE
     steps: int = 0
-    given: Bool = TRUE
+    further_assumption: Bool = TRUE
     statement: str = ""
     requirements: tuple[str, ...] = ()
     assumption: str = ""
@@ -69,11 +70,11 @@ class Property:
 
     @property
     def relies_on(self) -> str:
-        """What the verdict relies on, in words: the assumption and whatever the property is given besides."""
-        if self.given is TRUE:
+        """What the verdict relies on, in words: the assumption and the property's further assumption."""
+        if self.further_assumption is TRUE:
             return NO_ASSUMPTION if self.unconditional else self.assumption
-        given = f"given in every step: {text(self.given)}"
-        return given if self.unconditional or not self.assumption else f"{self.assumption}; {given}"
+        further = f"further assumption in every step: {text(self.further_assumption)}"
+        return further if self.unconditional or not self.assumption else f"{self.assumption}; {further}"
 
 
 @refuse_old_keywords(PropertyError, RENAMED)
@@ -81,7 +82,7 @@ def always(
     name: str,
     term: Bool,
     *,
-    given: Bool = TRUE,
+    further_assumption: Bool = TRUE,
     statement: str = "",
     requirements: tuple[str, ...] = (),
     assumption: str = "",
@@ -92,7 +93,7 @@ def always(
         name,
         "always",
         term,
-        given=given,
+        further_assumption=further_assumption,
         statement=statement or name,
         requirements=requirements,
         assumption=assumption,
@@ -105,7 +106,7 @@ def never(
     name: str,
     term: Bool,
     *,
-    given: Bool = TRUE,
+    further_assumption: Bool = TRUE,
     statement: str = "",
     requirements: tuple[str, ...] = (),
     assumption: str = "",
@@ -116,7 +117,7 @@ def never(
         name,
         "always",
         ~term if isinstance(term, Bool) else term,
-        given=given,
+        further_assumption=further_assumption,
         statement=statement or name,
         requirements=requirements,
         assumption=assumption,
@@ -131,7 +132,7 @@ def within(
     trigger: Bool,
     response: Bool,
     *,
-    given: Bool = TRUE,
+    further_assumption: Bool = TRUE,
     statement: str = "",
     requirements: tuple[str, ...] = (),
     assumption: str = "",
@@ -148,7 +149,7 @@ def within(
         trigger,
         response,
         steps,
-        given,
+        further_assumption,
         statement or name,
         requirements,
         assumption,
@@ -162,7 +163,7 @@ def reachable(
     name: str,
     term: Bool,
     *,
-    given: Bool = TRUE,
+    further_assumption: Bool = TRUE,
     statement: str = "",
     requirements: tuple[str, ...] = (),
     assumption: str = "",
@@ -173,7 +174,7 @@ def reachable(
         name,
         "reachable",
         term,
-        given=given,
+        further_assumption=further_assumption,
         statement=statement or name,
         requirements=requirements,
         assumption=assumption,
@@ -258,8 +259,12 @@ def waiting_for(prop: Property) -> NumVar | None:
 def _relied_on(system: TransitionSystem, prop: Property) -> TransitionSystem:
     """The system under what the property relies on; the very same one where that is the system's own assumption."""
     if not prop.unconditional:
-        return system if prop.given is TRUE else replace(system, assume=all_of([system.assume, prop.given]))
-    return replace(system, assume=prop.given, init=first_without_the_world(system))
+        return (
+            system
+            if prop.further_assumption is TRUE
+            else replace(system, assume=all_of([system.assume, prop.further_assumption]))
+        )
+    return replace(system, assume=prop.further_assumption, init=first_without_the_world(system))
 
 
 def _is_initially(var: Var, value: Value) -> Bool:

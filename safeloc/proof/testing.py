@@ -181,7 +181,7 @@ def _results(
 def _held(prop: Property, held: Held, statistics: Statistics) -> Result:
     """Held, unless no step at all kept what the property relies on, or a case that it speaks of never occurred."""
     if statistics.steps and not statistics.admitted[prop]:
-        return Unknown("no step kept what the property is given, or assumes: nothing was tested", 0)
+        return Unknown("no step kept the property's further assumption, or the machine's: nothing was tested", 0)
     never = [one.words for place, one in enumerate(cases(prop)) if not statistics.occurred[prop, place]]
     if never and prop.kept_by is not None:  # the machine by itself comes there; that the whole did not is told
         return replace(held, notes={**held.notes, NEVER: "; ".join(never)})

@@ -115,7 +115,7 @@ class Built:
             term(claim.term, self.names),
             term(claim.response, self.names),
             claim.steps,
-            term(claim.given, self.names),
+            term(claim.further_assumption, self.names),
             unconditional=claim.unconditional,
             helper=None if helper is None else lambda waiting: term(helper, {**self.names, WAITING: waiting > 0}),
         )

@@ -40,14 +40,16 @@ class Claims:
     def one(self, name: str) -> Claim:
         """A claim."""
         kind = weighted(self.rng, KINDS)
-        given = self._given() if self.draw.sometimes(0.15) else TRUE
+        further = self._further() if self.draw.sometimes(0.15) else TRUE
         free = self.draw.sometimes(0.15)
         if kind == "within":
-            return self._within(name, given, free)
+            return self._within(name, further, free)
         term = self._sharp() if self.draw.sometimes(0.5) else self._stepwise(1)
         if kind == "reachable" and self.draw.sometimes(0.5):
             term = ("not", term)
-        return Claim(name, "reachable" if kind == "reachable" else "always", term, given=given, unconditional=free)
+        return Claim(
+            name, "reachable" if kind == "reachable" else "always", term, further_assumption=further, unconditional=free
+        )
 
     # -------------------------------------------------------------- terms
 
@@ -110,16 +112,16 @@ class Claims:
         name, count = self.rng.choice(rows_of(self.game))
         return ("among", ("var", name), *self.rng.sample(range(count + 1), self.rng.randint(1, count)))
 
-    def _given(self) -> Term:
+    def _further(self) -> Term:
         return self._pen(inputs=True).atom()
 
     # -------------------------------------------------------------- within
 
-    def _within(self, name: str, given: Term, free: bool) -> Claim:
+    def _within(self, name: str, further: Term, free: bool) -> Claim:
         trigger, response = self._stepwise(1), self._stepwise(0)
         if self.draw.sometimes(0.4):
             response = ("or", response, self._sharp())
-        claim = Claim(name, "within", trigger, response, self.rng.randint(0, 3), given, free)
+        claim = Claim(name, "within", trigger, response, self.rng.randint(0, 3), further, free)
         if self.draw.trap("helper reads inputs", 0.1):
             pen = Pen(self.rng, self.game.own_inputs)
             return replace(claim, helper=("implies", ("var", WAITING), pen.atom()))

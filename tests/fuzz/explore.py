@@ -128,7 +128,7 @@ class Truth:
     depth     of the shortest run that breaks it (for `reachable`: that comes there); None where there is none
     known     whether the search saw enough to say so; a depth that is known is the shortest
     goes_on   whether each of its runs can go on
-    lasts     whether some run keeps what it is given for five steps
+    lasts     whether some run keeps its further assumption for five steps
     """
 
     depth: int | None
@@ -139,10 +139,10 @@ class Truth:
 
 def allowed_by(claim: Claim) -> Callable[[Edge], int]:
     """The steps that a claim speaks of."""
-    given = fast(claim.given)
+    further = fast(claim.further_assumption)
     if claim.unconditional:
-        return lambda edge: given(edge.known)
-    return lambda edge: edge.lawful and given(edge.known)
+        return lambda edge: further(edge.known)
+    return lambda edge: edge.lawful and further(edge.known)
 
 
 def truth(space: Space, claim: Claim) -> Truth:

@@ -35,7 +35,7 @@ class Claim:
     term: Term
     response: Term = TRUE
     steps: int = 0
-    given: Term = TRUE
+    further_assumption: Term = TRUE
     unconditional: bool = False
     helper: Term | None = None
     of: str = ""

@@ -79,7 +79,7 @@ def _about(whole: Whole, world: World, one: Claim, term: Term) -> tuple[Claim, T
     """A case that reads one machine only, over that machine's own names."""
     names = [*world.state_names, *(name for var in world.own_inputs for name in var.names), "fired"]
     back = {whole.called(world, name): name for name in names}
-    if one.given != TRUE or any(leaf[1] not in back for leaf in below(term) if leaf[0] in ("var", "was")):
+    if one.further_assumption != TRUE or any(leaf[1] not in back for leaf in below(term) if leaf[0] in ("var", "was")):
         return None
     mine = rewritten(term, lambda leaf: (leaf[0], back[leaf[1]]))
     return Claim("case", "always", ("not", mine), unconditional=one.unconditional), mine

@@ -30,7 +30,9 @@ def cases(claim: Claim) -> list[Term]:
 def comes(claim: Claim, case: Term, state_names: tuple[str, ...]) -> Claim:
     """The claim that some run comes to the case where the claim looks at it: one about steps does not see the first state."""
     seen = case if requires_first(claim, state_names) else ("once", case)
-    return Claim("case", "reachable", seen, given=claim.given, unconditional=claim.unconditional)
+    return Claim(
+        "case", "reachable", seen, further_assumption=claim.further_assumption, unconditional=claim.unconditional
+    )
 
 
 def _of_parts(term: Term) -> Iterator[Term]:

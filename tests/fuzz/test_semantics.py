@@ -117,13 +117,15 @@ def test_within_counts_from_the_trigger(expected: int, steps: int) -> None:
 
 
 def test_a_dead_end_is_found() -> None:
-    """Where the assumption allows no step any more, a run ends; what a claim is given may end it as well."""
+    """Where the assumption allows no step any more, a run ends; its further assumption may end it as well."""
     space = search(replace(COUNTER, assumption=("and", at_most(1), ("var", "go"))))
     assert [{"mode": 0, "x": 2}] == [space.states[state] for state in space.dead_ends(lawful)]
     assert [True, False] == [space.lasts(lawful, steps) for steps in (2, 3)]
-    given = truth(search(COUNTER), Claim("c", "always", at_most(3), given=("and", at_most(0), ("var", "go"))))
-    assert not given.goes_on
-    assert not given.lasts
+    further = truth(
+        search(COUNTER), Claim("c", "always", at_most(3), further_assumption=("and", at_most(0), ("var", "go")))
+    )
+    assert not further.goes_on
+    assert not further.lasts
 
 
 def test_a_trigger_that_never_comes_is_told() -> None:

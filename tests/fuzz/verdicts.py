@@ -130,17 +130,17 @@ def _shown(case: Case, one: Claim, true: Truth, name: str, trace: object, allowe
 
 
 def _says_nothing(case: Case, one: Claim, true: Truth, name: str, told: Sequence[Outcome]) -> bool:
-    """Whether a case never occurs is asked where all properties are; whether what is given lasts, by the portfolio."""
+    """Whether a case never occurs is asked where all properties are; whether a further assumption lasts, by the portfolio."""
     together = name in ("prove", "inherited")
-    ends = one.given != TRUE and not true.lasts
+    ends = one.further_assumption != TRUE and not true.lasts
     return (together and silent(case, one, told)) or ((together or name == "portfolio") and ends)
 
 
 def _may_be_empty(case: Case, one: Claim, true: Truth) -> bool:
-    """Whether a case never occurs, or what is given ends, as far as the search saw."""
+    """Whether a case never occurs, or its further assumption ends, as far as the search saw."""
     if true.depth is not None:
         return False
-    ends = one.given != TRUE and not (true.known and true.goes_on)
+    ends = one.further_assumption != TRUE and not (true.known and true.goes_on)
     return ends or not all(occurs(case.spoken_of(one), one, term) for term in cases(one))
 
 

@@ -59,6 +59,31 @@ OLD: dict[str, tuple[Callable[[], object], type[SafelocError], str]] = {
         PropertyError,
         "reachable: the keyword 'trace' is now 'requirements'; write requirements=.",
     ),
+    "given of Property": (
+        lambda: Property("on", "always", TRUE, given=TRUE),  # type: ignore[call-arg]
+        PropertyError,
+        "Property: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
+    ),
+    "given of always": (
+        lambda: always("on", TRUE, given=TRUE),  # type: ignore[call-arg]
+        PropertyError,
+        "always: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
+    ),
+    "given of never": (
+        lambda: never("on", TRUE, given=TRUE),  # type: ignore[call-arg]
+        PropertyError,
+        "never: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
+    ),
+    "given of within": (
+        lambda: within("on", 3, TRUE, TRUE, given=TRUE),  # type: ignore[call-arg]
+        PropertyError,
+        "within: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
+    ),
+    "given of reachable": (
+        lambda: reachable("on", TRUE, given=TRUE),  # type: ignore[call-arg]
+        PropertyError,
+        "reachable: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
+    ),
 }
 
 

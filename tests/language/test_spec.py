@@ -123,7 +123,7 @@ def test_past_operators_inside_one_another(term: tuple[Bool, Callable[[Runs], li
 
 @given(RUNS, st.booleans(), st.booleans())
 def test_what_is_given_and_what_is_assumed(run_: Runs, assumed: bool, unconditional: bool) -> None:
-    """A property says nothing from the step on in which what it is given, or the assumption, is broken.
+    """A property says nothing from the step on in which its further assumption, or the machine's, is broken.
 
     Unconditional ones leave the assumption aside, but not what they are given. The monitor says the same.
     """
@@ -131,7 +131,7 @@ def test_what_is_given_and_what_is_assumed(run_: Runs, assumed: bool, unconditio
     world = lower(
         Machine("world", (ON,), [P, Q], {N: 0}, {}, MACHINE.transitions, assumption=kept if assumed else TRUE)
     )
-    prop = always("no q", ~Q, given=~P, unconditional=unconditional)
+    prop = always("no q", ~Q, further_assumption=~P, unconditional=unconditional)
     trace = run(world, [{"p": p, "q": q} for p, q in run_])
     lawful = [not p and (unconditional or not assumed or n <= 3) for n, (p, _) in enumerate(run_)]
     end = (first_false(lawful) or len(run_) + 1) - 1
@@ -181,9 +181,12 @@ def test_a_state_property_is_required_of_the_first_state() -> None:
         (within("strange", 3, P, boolean("elsewhere")), "reads 'elsewhere', which watched does not have"),
         (never("strange", once(boolean("elsewhere"))), "reads 'elsewhere', which watched does not have"),
         (always("strange", was(P)), r"reads 'before\.p': before\(\) is for state variables"),
-        (always("strange", P, given=before(N) > 0), r"`given` reads 'before\.n'; it may read state before the step"),
-        (always("strange", P, given=MACHINE.fired("count")), "`given` reads 'fired'"),
-        (always("strange", P, given=boolean("elsewhere")), "`given` reads 'elsewhere'"),
+        (
+            always("strange", P, further_assumption=before(N) > 0),
+            r"the further assumption reads 'before\.n'; it may read state before the step",
+        ),
+        (always("strange", P, further_assumption=MACHINE.fired("count")), "the further assumption reads 'fired'"),
+        (always("strange", P, further_assumption=boolean("elsewhere")), "the further assumption reads 'elsewhere'"),
     ],
 )
 def test_unknown_reads_are_refused(prop: Property, message: str) -> None:

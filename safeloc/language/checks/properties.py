@@ -64,13 +64,17 @@ def _kind_is_known(prop: Property) -> Iterator[str]:
 
 
 def _terms_are_truth_values(prop: Property) -> Iterator[str]:
-    for what, term in (("term", prop.term), ("response", prop.response), ("given", prop.given)):
+    for what, term in (
+        ("term", prop.term),
+        ("response", prop.response),
+        ("further assumption", prop.further_assumption),
+    ):
         if not isinstance(term, Bool):
             yield f"its {what} is {term!r}, not a truth-valued term; a constant is written TRUE or FALSE."
 
 
 def _terms_are_well_formed(prop: Property) -> Iterator[str]:
-    yield from malformed([prop.term, prop.response, prop.given])
+    yield from malformed([prop.term, prop.response, prop.further_assumption])
 
 
 def _steps_can_be_counted(prop: Property) -> Iterator[str]:
@@ -110,13 +114,13 @@ def _terms_read_what_is_there(reading: Reading) -> Iterator[str]:
             yield f"it reads {var.name!r}, which {system.name} does not have."
 
 
-def _given_reads_the_step(reading: Reading) -> Iterator[str]:
+def _further_assumption_reads_the_step(reading: Reading) -> Iterator[str]:
     known: set[Var] = {*reading.system.state, *reading.system.inputs}
-    for var in variables([reading.prop.given]):
+    for var in variables([reading.prop.further_assumption]):
         if var not in known:
-            yield f"`given` reads {var.name!r}; it may read state before the step, inputs and ghosts."
-    if any(isinstance(node, Past) for node in in_order([reading.prop.given])):
-        yield "`given` uses a past operator; say it with state, or make it part of the property."
+            yield f"the further assumption reads {var.name!r}; it may read state before the step, inputs and ghosts."
+    if any(isinstance(node, Past) for node in in_order([reading.prop.further_assumption])):
+        yield "the further assumption uses a past operator; say it with state, or make it part of the property."
 
 
 def _helper_speaks_of_states(reading: Reading) -> Iterator[str]:
@@ -140,7 +144,7 @@ def _helper_speaks_of_states(reading: Reading) -> Iterator[str]:
 
 READING: tuple[Rule[Reading], ...] = (
     Rule("a property reads what is there", "a crash", _terms_read_what_is_there),
-    Rule("what is given reads the step", "a crash", _given_reads_the_step),
+    Rule("a further assumption reads the step", "a crash", _further_assumption_reads_the_step),
     Rule("a helper speaks of states", "a wrong verdict", _helper_speaks_of_states),
 )
 

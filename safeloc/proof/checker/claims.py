@@ -135,7 +135,9 @@ class Claims:
         if row["verdict"] == "violated":
             return NO_PROOF, "a violation without a run"
         if prop.kept_by is None or self._proved(row, goal):
-            lasts = prop.given is TRUE or self._goes_on(self.theory.whole, goal.plain, lawful=not prop.unconditional)
+            lasts = prop.further_assumption is TRUE or self._goes_on(
+                self.theory.whole, goal.plain, lawful=not prop.unconditional
+            )
             return proven(self._proved(row, goal) and lasts)
         return self._inherited(row, prop, goal)
 
@@ -158,7 +160,7 @@ class Claims:
         if alone.observers and not goal.observers and not (at_first and at_first <= {*row["certificates"]}):
             return WRONG, "it is not shown of the first state"
         speaker = self.theory.parts[part.name][1]
-        lasts = own.given is TRUE or self._goes_on(speaker, alone.plain, lawful=not own.unconditional)
+        lasts = own.further_assumption is TRUE or self._goes_on(speaker, alone.plain, lawful=not own.unconditional)
         return proven(self._proved(row, alone) and lasts)
 
     def _nodes(self, goal: Goal) -> list[object]:

@@ -247,7 +247,7 @@ class Theory:
         for goal in goals:
             try:
                 lawful = not goal.prop.unconditional
-                frame = speaker.frame(goal.system, self.write.conjuncts([goal.prop.given]), lawful=lawful)
+                frame = speaker.frame(goal.system, self.write.conjuncts([goal.prop.further_assumption]), lawful=lawful)
                 missing = self.write.conjuncts([goal.good]) - self._shown(frame, together)
                 if missing:
                     raise RefusedError(f"{len(missing)} parts of the property are not shown")

@@ -30,7 +30,7 @@ from safeloc.proof.provers.cover import Cover, Group, Learned, State, cover_fact
 from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.falsify import falsify
-from safeloc.proof.provers.given import EMPTY
+from safeloc.proof.provers.further_assumption import EMPTY
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.recheck import ENGINE, certify, file_name
@@ -101,7 +101,7 @@ class _Search:
     @property
     def name(self) -> str:
         """What is to be shown, as certificates are called."""
-        return f"{self.of.name}: what it is given can be kept for ever" if self.of else LASTS
+        return f"{self.of.name}: its further assumption can be kept for ever" if self.of else LASTS
 
     def _share(self, part: float) -> Deadline:
         return deadline(self.ends.left * part)
@@ -309,12 +309,12 @@ def _after(system: TransitionSystem, first: Inputs, stream: Sequence[Inputs]) ->
     return state
 
 
-# ------------------------------------------------------------------ what a property is given besides
+# ------------------------------------------------------------------ the further assumption of a property
 
 
-def given_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verdict:
+def further_assumption_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verdict:
     """A proof under a further assumption, if that can be kept for ever; else Vacuous, or Unknown where it is not decided."""
-    if goal.prop.given is TRUE:
+    if goal.prop.further_assumption is TRUE:
         return proved
     known = base(goal.original, seconds=limits.seconds)
     remember(goal.plain, replace(known, facts={}, kept={}) if goal.prop.unconditional else known)
@@ -325,6 +325,8 @@ def given_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verdict:
         case Violated(trace=None):
             return Vacuous(EMPTY)
         case Violated(trace=trace, reason=reason):
-            return Vacuous(f"what the property is given comes to an end: {reason}", trace)
+            return Vacuous(f"the further assumption comes to an end: {reason}", trace)
         case _:
-            return Unknown(f"proved, but not known whether what it is given can be kept for ever: {verdict.reason}")
+            return Unknown(
+                f"proved, but not known whether its further assumption can be kept for ever: {verdict.reason}"
+            )

@@ -17,7 +17,7 @@ from safeloc.language.terms import Substitution
 from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.facts import about
-from safeloc.proof.provers.given import nothing_given
+from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import Undecided, conjuncts, unproved
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.recheck import ENGINE, certify
@@ -53,7 +53,7 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
 
 
 def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], seconds: float) -> Verdict:
-    empty = nothing_given(goal, seconds)
+    empty = nothing_begins(goal, seconds)
     if empty is not None:
         return empty
     made = [certify(query, seconds=seconds, relies_on=list(known.certificates)) for query in texts_of]

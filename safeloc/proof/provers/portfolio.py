@@ -22,7 +22,7 @@ from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
-from safeloc.proof.provers.dead_ends import given_lasts
+from safeloc.proof.provers.dead_ends import further_assumption_lasts
 from safeloc.proof.provers.evidence import confirmed
 from safeloc.proof.provers.facts import Fact, about, owed_to
 from safeloc.proof.provers.falsify import falsify
@@ -51,7 +51,7 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     for name, engine, share in _ENGINES:
         verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share)))
         if isinstance(verdict, Proved):
-            return given_lasts(goal, verdict, limits)
+            return further_assumption_lasts(goal, verdict, limits)
         if not isinstance(verdict, Unknown):
             return verdict
         said.append(f"{name}: {verdict.reason}")
@@ -184,7 +184,7 @@ def _inherited(goal: Goal) -> tuple[Part, Property] | None:
         return None
     machine, own = goal.prop.kept_by
     part = next((part for part in goal.original.parts if part.machine is machine), None)
-    plain = own.kind == goal.prop.kind == "always" and own.given is goal.prop.given is TRUE
+    plain = own.kind == goal.prop.kind == "always" and own.further_assumption is goal.prop.further_assumption is TRUE
     if part is None or not plain or own.unconditional != goal.prop.unconditional:
         return None
     return (part, own) if alike(inherited_term(part.into, own), goal.prop.term) else None
@@ -291,7 +291,7 @@ def _decided(claim: _Claim, cases: _Cases, verdict: Verdict, seconds: float) -> 
 
 def _task(claim: _Claim, limits: Limits) -> Task:
     goal = claim.goal
-    end = _end(limits) * (1 if goal.prop.given is TRUE else 2)  # what is given has to be shown to last as well
+    end = _end(limits) * (1 if goal.prop.further_assumption is TRUE else 2)  # that has to be shown to last as well
     return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), end)
 
 

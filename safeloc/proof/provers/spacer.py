@@ -22,7 +22,7 @@ from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.proof.provers.asking import units
 from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.facts import about
-from safeloc.proof.provers.given import nothing_given
+from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts
 from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline, milliseconds
@@ -100,7 +100,7 @@ def _body(answer: z3.ExprRef, state: list[z3.ExprRef]) -> z3.ExprRef:
 
 def _confirmed(goal: Goal, known: Base, invariant: Bool, ends: Deadline) -> Verdict:
     """The invariant's three queries, by z3 and by cvc5."""
-    empty = nothing_given(goal, ends.left)
+    empty = nothing_begins(goal, ends.left)
     if empty is not None:
         return empty
     certificates = dict(known.certificates)

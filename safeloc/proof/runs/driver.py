@@ -91,13 +91,15 @@ class Driver:
         self._occurring = Occurring(system, watched.state, self.properties)
         flags, begin = self._occurring.moves, self._occurring.initial
         allowed = BoolVar("observer.allowed")
-        given: dict[Var, Expr] = {BoolVar(f"observer.given {n}"): goal.prop.given for n, goal in enumerate(self.goals)}
+        further: dict[Var, Expr] = {
+            BoolVar(f"observer.further {n}"): goal.prop.further_assumption for n, goal in enumerate(self.goals)
+        }
         outputs: dict[str, Expr] = {f"good {n}": goal.good for n, goal in enumerate(self.goals)}
         self._whole = replace(
             watched,
-            state=(*watched.state, *flags, *given, allowed),
-            next={**watched.next, **flags, **given, allowed: environment(system)},
-            initial={**watched.initial, **begin, **dict.fromkeys(given, True), allowed: True},
+            state=(*watched.state, *flags, *further, allowed),
+            next={**watched.next, **flags, **further, allowed: environment(system)},
+            initial={**watched.initial, **begin, **dict.fromkeys(further, True), allowed: True},
             init=first_without_the_world(system),  # whether the environment begins so is looked at for each run
             outputs=outputs,
         )

@@ -253,7 +253,7 @@ def _truth_mm(path: Path, stream: StepStream, index: int) -> int | None:
 def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
     """Whether the property speaks of nothing that the system lacks."""
     known: set[Var] = {*system.state, *system.inputs, *system.fired}
-    read = variables([prop.term, prop.response, prop.given])
+    read = variables([prop.term, prop.response, prop.further_assumption])
     return all((var if var.before is None else var.before) in known for var in read)
 
 

@@ -308,9 +308,9 @@ def claim_about_a_stranger() -> None:
     fails(lambda: proves(lower(plain()), number("stranger", ONE, 0, 9) <= 9))
 
 
-def past_in_given() -> None:
-    """What is given speaks of one step."""
-    fails(lambda: prove_one(observe(lower(plain()), always("p", X >= 0, given=previous(GO))), LIMITS))
+def past_in_further_assumption() -> None:
+    """A further assumption speaks of one step."""
+    fails(lambda: prove_one(observe(lower(plain()), always("p", X >= 0, further_assumption=previous(GO))), LIMITS))
 
 
 def helper_that_reads_an_input() -> None:
@@ -381,7 +381,7 @@ OFFENCES: dict[str, Offence] = {
     "a property's terms are well formed": Offence(claim_by_hand),
     "a property's steps can be counted": Offence(fewer_than_no_steps),
     "a property reads what is there": Offence(claim_about_a_stranger),
-    "what is given reads the step": Offence(past_in_given),
+    "a further assumption reads the step": Offence(past_in_further_assumption),
     "a helper speaks of states": Offence(helper_that_reads_an_input),
     "observers have distinct names": Offence(two_goals_of_one_name),
 }

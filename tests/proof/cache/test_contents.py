@@ -91,7 +91,9 @@ CHANGES: dict[str, Callable[[], Target]] = {
     "helper": lambda: target(
         properties=(asked(machine())[0], replace(asked(machine())[1], helper=lambda waiting: waiting <= 4))
     ),
-    "given": lambda: target(properties=(replace(asked(machine())[0], given=X < 50), asked(machine())[1])),
+    "further assumption": lambda: target(
+        properties=(replace(asked(machine())[0], further_assumption=X < 50), asked(machine())[1])
+    ),
     "unconditional": lambda: target(properties=(replace(asked(machine())[0], unconditional=True), asked(machine())[1])),
     "reported": lambda: target(reported=None),
     "truth": lambda: target(reported=Reported(truth="elsewhere_nm")),

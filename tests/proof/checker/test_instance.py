@@ -58,7 +58,7 @@ def test_a_witness_function_that_names_the_input_itself(proofs: dict[str, Eviden
 def test_what_a_property_is_given_has_to_last() -> None:
     """The proof stands, and without the witness functions the property is not confirmed: it might be of no run at all."""
     target = load_target("tests.proof.checker.declared:tracking")
-    given = always("known is near while it ticks", before(PLACE) <= KNOWN, given=TICK)
+    given = always("known is near while it ticks", before(PLACE) <= KNOWN, further_assumption=TICK)
     asked = replace(target, properties=(given,))
     evidence = kept(asked, prove(asked.system, asked.properties, LIMITS))
     [name] = [row["id"] for row in evidence.rows if row["kind"] == "property"]

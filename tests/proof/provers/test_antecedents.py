@@ -100,7 +100,7 @@ def test_what_the_assumption_forbids_is_vacuous_under_it_only() -> None:
 
 def test_what_is_given_counts() -> None:
     """The further assumption of a property may keep its own case from occurring."""
-    given = always("given", IN_B.implies(N >= 1), given=X <= 5)
+    given = always("given", IN_B.implies(N >= 1), further_assumption=X <= 5)
     assert ["vacuous", "proved"] == [
         word(one.result) for one in prove(lower(GATE), [given, always("not", IN_B.implies(N >= 1))], Limits(seconds=20))
     ]

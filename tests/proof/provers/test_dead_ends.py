@@ -172,52 +172,52 @@ def test_an_assumption_that_lasts_is_proved_to() -> None:
         assert verdict.certificates
 
 
-# ------------------------------------------------------------------ what a property is given
+# ------------------------------------------------------------------ the further assumption of a property
 
 
-def small(given: Bool) -> Property:
-    """A property that holds only where what is given keeps x small."""
-    return always("x is never 20", X < 20, given=given)
+def small(further: Bool) -> Property:
+    """A property that holds only where its further assumption keeps x small."""
+    return always("x is never 20", X < 20, further_assumption=further)
 
 
-def test_a_given_that_dies_is_told_as_vacuous() -> None:
+def test_a_further_assumption_that_dies_is_told_as_vacuous() -> None:
     """With the run into its end, however late that is."""
     for last in (7, 19):
         (found,) = prove(lower(machine(TRUE)), [small(X < last)], LIMITS)
         assert isinstance(found.result, Vacuous)
         assert found.result.trace is not None
         assert last == len(found.result.trace.steps)
-        assert "what the property is given comes to an end" in found.result.reason
+        assert "the further assumption comes to an end" in found.result.reason
 
 
-def test_a_given_that_lasts_is_part_of_the_proof() -> None:
+def test_a_further_assumption_that_lasts_is_part_of_the_proof() -> None:
     """The proof's certificates show that it can be kept for ever."""
     counting = Machine("m", (S,), [GO], {X: 0}, {}, [Transition("up", S, S, GO & (X < 20), {X: X + 1})])
-    given = GO.implies(X < 19)
-    (found,) = prove(lower(counting), [small(given)], LIMITS)
+    further = GO.implies(X < 19)
+    (found,) = prove(lower(counting), [small(further)], LIMITS)
     assert isinstance(found.result, Proved)
-    assert any("what-it-is-given" in file for file in found.result.certificates)
+    assert any("its-further-assumption" in file for file in found.result.certificates)
 
 
-def test_a_given_that_nobody_can_judge_leaves_a_proof_open(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_further_assumption_that_nobody_can_judge_leaves_a_proof_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """Proved would say more than is known."""
     monkeypatch.setattr("safeloc.proof.provers.dead_ends.lasts", lambda *_args, **_more: Unknown("no time", 3))
     verdict = prove_one(observe(lower(machine(TRUE)), small(X < 7)), LIMITS)
     assert isinstance(verdict, Unknown)
-    assert "not known whether what it is given can be kept for ever: no time" in verdict.reason
+    assert "not known whether its further assumption can be kept for ever: no time" in verdict.reason
 
 
-@pytest.mark.parametrize("given", [GO & ~GO, FALSE], ids=["contradiction", "false"])
-def test_engines_by_themselves_do_not_prove_from_a_contradiction(given: Bool) -> None:
+@pytest.mark.parametrize("further", [GO & ~GO, FALSE], ids=["contradiction", "false"])
+def test_engines_by_themselves_do_not_prove_from_a_contradiction(further: Bool) -> None:
     """They say that nothing is said."""
-    goal = observe(lower(machine(TRUE)), always("x is 0", X <= 0, given=given))
+    goal = observe(lower(machine(TRUE)), always("x is 0", X <= 0, further_assumption=further))
     for engine in (kinduction, spacer, prove_one):
         verdict = engine(goal, LIMITS)
         assert isinstance(verdict, Vacuous), engine
-        assert "empty: no run keeps what the property is given" in verdict.reason
+        assert "empty: no run keeps the further assumption" in verdict.reason
 
 
 def test_what_is_unreachable_under_a_contradiction_is_vacuous() -> None:
     """No run comes there, since there is no run."""
-    goal = observe(lower(machine(TRUE)), reachable("x is 9", X.eq(9), given=GO & ~GO))
+    goal = observe(lower(machine(TRUE)), reachable("x is 9", X.eq(9), further_assumption=GO & ~GO))
     assert isinstance(prove_one(goal, LIMITS), Vacuous)

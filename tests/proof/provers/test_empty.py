@@ -1,4 +1,4 @@
-"""What is proved of nothing is not called proved: contradictory givens, assumptions that end, misdeclared properties."""
+"""What is proved of nothing is not called proved: contradictory further assumptions, assumptions that end, misdeclared properties."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ GATE = Machine("gate", (A, B), [X], {}, {}, [Transition("go", A, B, X > 5), Tran
 NEVER_B = GATE.mode.eq(B)
 
 
-@pytest.mark.parametrize("given", [(X > 5) & (X < 5), FALSE], ids=["contradiction", "false"])
-def test_a_contradictory_given_proves_nothing(given: Bool) -> None:
+@pytest.mark.parametrize("further", [(X > 5) & (X < 5), FALSE], ids=["contradiction", "false"])
+def test_a_contradictory_further_assumption_proves_nothing(further: Bool) -> None:
     """Neither a proof nor a test stands on steps that cannot be."""
-    prop = never("b", NEVER_B, given=given)
+    prop = never("b", NEVER_B, further_assumption=further)
     (proof,) = prove(lower(GATE), [prop], Limits())
     assert isinstance(proof.result, Vacuous)
-    assert "empty: no run keeps what the property is given" in proof.result.reason
+    assert "empty: no run keeps the further assumption" in proof.result.reason
     (tested,) = run_tests(lower(GATE), [prop], examples=5, steps=10, seed=0)
     assert isinstance(tested.result, Unknown)
     assert "nothing was tested" in tested.result.reason
 
 
-def test_what_is_given_is_reported() -> None:
+def test_a_further_assumption_is_reported() -> None:
     """A verdict never says `none` where the property relies on something."""
     assert NO_ASSUMPTION == never("b", NEVER_B, unconditional=True).relies_on
-    free = never("b", NEVER_B, given=X <= 5, unconditional=True)
-    assert "given in every step: (<= x 5)" == free.relies_on
+    free = never("b", NEVER_B, further_assumption=X <= 5, unconditional=True)
+    assert "further assumption in every step: (<= x 5)" == free.relies_on
     assert (
-        "dry rails; given in every step: (<= x 5)"
-        == never("b", NEVER_B, given=X <= 5, assumption="dry rails").relies_on
+        "dry rails; further assumption in every step: (<= x 5)"
+        == never("b", NEVER_B, further_assumption=X <= 5, assumption="dry rails").relies_on
     )
     (proof,) = prove(lower(GATE), [free], Limits())
     (tested,) = run_tests(lower(GATE), [free], examples=5, steps=10, seed=0)
@@ -74,7 +74,7 @@ def test_an_assumption_that_ends_is_found() -> None:
         ({"name": "n" * 121}, "a name is 1 to 120 printable characters"),
         ({"kind": "allways"}, "kind 'allways' is none of always, within, reachable"),
         ({"term": True}, "its term is True, not a truth-valued term"),
-        ({"given": 1}, "its given is 1, not a truth-valued term"),
+        ({"further_assumption": 1}, "its further assumption is 1, not a truth-valued term"),
         ({"steps": -3}, "steps is -3; it must be a whole number, 0 or more"),
         ({"steps": 1.5}, r"steps is 1\.5; it must be"),
     ],
@@ -103,8 +103,6 @@ def test_numbers_that_are_no_member_are_refused() -> None:
 
 def test_no_name_of_a_property_is_taken_by_the_base() -> None:
     """Certificates are named by their content, so that a property may be called like a part of the base."""
-    [finding] = prove(lower(GATE), [never("always", NEVER_B, given=X <= 5)], Limits())
+    [finding] = prove(lower(GATE), [never("always", NEVER_B, further_assumption=X <= 5)], Limits())
     assert isinstance(finding.result, Proved)
-    assert (
-        len(finding.result.certificates) == 6
-    )  # base and property, start and step; that what is given lasts, and by what inputs
+    assert len(finding.result.certificates) == 6  # base and property, start and step; that it lasts, and by what inputs

@@ -99,7 +99,7 @@ def test_it_is_the_same_property() -> None:
 def test_what_is_given_something_more_is_refused() -> None:
     """The whole may not keep that, and a run to somewhere is not kept in every step."""
     chain = Follower()
-    for prop in (replace(chain.small(), given=chain.heard <= 4), reachable("small", chain.kept > 4)):
+    for prop in (replace(chain.small(), further_assumption=chain.heard <= 4), reachable("small", chain.kept > 4)):
         with pytest.raises(ModelError, match=r"^follower: 'small' is not plainly kept in every step"):
             chain.whole.inherited(chain.follower, prop)
 

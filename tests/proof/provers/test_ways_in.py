@@ -300,8 +300,8 @@ def test_odd_words_are_refused_with_their_place() -> None:
     place = r"test_ways_in\.py:\d+"
     with pytest.raises(PropertyError, match=rf"{place}: property 'x \| y': a name is without \| and"):
         always("x | y", X >= 0)
-    with pytest.raises(PropertyError, match=rf"{place}: property 'p': `given` uses a past operator"):
-        observe(lower(follower()), always("p", X >= 0, given=previous(X > 0)))
+    with pytest.raises(PropertyError, match=rf"{place}: property 'p': the further assumption uses a past operator"):
+        observe(lower(follower()), always("p", X >= 0, further_assumption=previous(X > 0)))
     with pytest.raises(ModelError, match=rf"{place}\):\n  - its name is 'M"):
         follower("M\n(assert false)")
     heard = boolean("j")

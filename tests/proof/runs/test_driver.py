@@ -56,8 +56,8 @@ def test_a_broken_assumption_ends_what_relies_on_it() -> None:
 
 
 def test_what_a_property_is_given_counts_for_it_alone() -> None:
-    """A run that breaks one property's `given` still has to keep the others."""
-    bound, free = always("bound", N <= 3, given=N < 2), always("free", N <= 3)
+    """A run that breaks one property's further assumption still has to keep the others."""
+    bound, free = always("bound", N <= 3, further_assumption=N < 2), always("free", N <= 3)
     for props, culprit in (([bound], None), ([bound, free], free)):
         driver = Driver(_counter(), props, [run(_counter(), _pressed(5))])
         driver.follow(0)

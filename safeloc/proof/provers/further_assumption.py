@@ -10,15 +10,15 @@ from safeloc.language.spec import Goal
 from safeloc.language.verdict import Unknown, Vacuous
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
 
-EMPTY = "empty: no run keeps what the property is given, so that nothing is said by its proof"
+EMPTY = "empty: no run keeps the further assumption, so that nothing is said by its proof"
 
 
-def nothing_given(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
-    """Vacuous where no run begins under what the property is given, Unknown where that is not decided, else None.
+def nothing_begins(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
+    """Vacuous where no run begins under the further assumption, Unknown where that is not decided, else None.
 
     Whether such a run can go on is another question (safeloc.proof.provers.dead_ends).
     """
-    if goal.prop.given is TRUE:
+    if goal.prop.further_assumption is TRUE:
         return None
     unrolling, solver = Unrolling(goal.system), new_solver()
     solver.add(unrolling.initially(), unrolling.transition(0))
@@ -26,5 +26,5 @@ def nothing_given(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
     if answer == z3.unsat:
         return Vacuous(EMPTY)
     if answer == z3.unknown:
-        return Unknown(f"whether any run keeps what the property is given: solver: {why_unknown(solver)}")
+        return Unknown(f"whether any run keeps the further assumption: solver: {why_unknown(solver)}")
     return None
