@@ -99,7 +99,7 @@ def _most_moving(
     return model, still
 
 
-def _all_moving(solver: z3.Solver, wanted: Iterable[z3.BoolRef], ends: Deadline) -> z3.ModelRef | None:
+def _all_moving(solver: z3.Solver, wanted: Iterable[z3.BoolRef | z3.Probe], ends: Deadline) -> z3.ModelRef | None:
     """A run in which all change, if there is one and it is found in a part of the time."""
     own = plain_solver()
     own.add(*solver.assertions(), *wanted)
