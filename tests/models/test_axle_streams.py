@@ -23,7 +23,7 @@ from safeloc.models import (
     train_order_streams,
 )
 from safeloc.models.emitter import EmitterConfig
-from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped.making import STREAMS
