@@ -19,11 +19,11 @@ from safeloc.codegen.fmu import to_fmu
 from safeloc.errors import InputError
 from safeloc.language.expr import Bool
 from safeloc.language.system import without_ghosts
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.lasting import lasting
+from safeloc.proof.provers.proved_base import base
 from safeloc.proof.runs.lawful import first_state
 from safeloc.proof.runs.sampled import sampled_runs
-from safeloc.runtime.embedding.period import configured_period_ms
+from safeloc.runtime.embedding.cycle_length import configured_period_ms
 
 TEXTS: Mapping[str, Callable[[Target], str]] = {
     "python": lambda target: to_python(without_ghosts(target.system)),

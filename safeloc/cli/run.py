@@ -16,15 +16,15 @@ from safeloc.cli.files import same_file
 from safeloc.errors import InputError, SnapshotError
 from safeloc.language.nodes import Value
 from safeloc.runtime.embedding import Program
-from safeloc.runtime.embedding.making import period_of
+from safeloc.runtime.embedding.arguments import period_of
 from safeloc.runtime.service.address import address
+from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.runtime.service.fleet import Fleet, Ways
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.loop import Loop, Parts, exit_code
 from safeloc.runtime.service.messages import VEHICLE
 from safeloc.runtime.service.outlets import Outlet, Stdout, ToFile
-from safeloc.runtime.service.pace import LONGEST_GAP_MS
 from safeloc.runtime.service.saving import Saver, claimed, read_saved
 from safeloc.runtime.service.supervised import Supervised
 from safeloc.runtime.service.tcp import TcpPort

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from safeloc.codegen.c99_names import Names, names_of
-from safeloc.codegen.known import Known
+from safeloc.codegen.simplify_under_facts import Known
 from safeloc.errors import InputError
 from safeloc.language.digest import declaration_digest
 from safeloc.language.expr import Bool, Expr, Num, NumVar, Var

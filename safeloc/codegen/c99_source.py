@@ -10,8 +10,8 @@ from safeloc.codegen.c99_layout import Field, Layout, remark
 from safeloc.codegen.c99_statements import line, statements
 from safeloc.codegen.c99_step import advance, blocks, locals_of, show
 from safeloc.codegen.c99_terms import CEIL_DIV, FLOOR_DIV, constant
-from safeloc.codegen.known import Known
-from safeloc.codegen.live import live
+from safeloc.codegen.dead_code import live
+from safeloc.codegen.simplify_under_facts import Known
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Expr, Lit, NumVar, Truth, Var
 from safeloc.language.terms import Substitution

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import assert_never
 
-from safeloc.codegen.python_blocks import Bind, Block, Choice, End, Test
+from safeloc.codegen.nested_statements import Bind, Block, Choice, End, Test
 
 WIDTH = 118
 Leaf = Callable[[Sequence[str]], Iterable[str]]

@@ -15,10 +15,10 @@ from safeloc.codegen.c99_layout import Field, Layout, remark
 from safeloc.codegen.c99_names import distinct, identifier
 from safeloc.codegen.c99_statements import given_names, line, statements
 from safeloc.codegen.c99_terms import CTerms, constant
-from safeloc.codegen.known import Known
-from safeloc.codegen.live import live
-from safeloc.codegen.python_blocks import Block, Blocks, End, Test
-from safeloc.codegen.python_cases import moves
+from safeloc.codegen.case_splitting import moves
+from safeloc.codegen.dead_code import live
+from safeloc.codegen.nested_statements import Block, Blocks, End, Test
+from safeloc.codegen.simplify_under_facts import Known
 from safeloc.codegen.stages import Stage, at_once, stages
 from safeloc.language.nodes import Var
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from typing import assert_never
 
 from safeloc.codegen.c99_terms import constant
-from safeloc.codegen.known import Known, work
-from safeloc.codegen.shapes import is_magnitude, merged, operations
+from safeloc.codegen.merge_choices import is_magnitude, merged, operations
+from safeloc.codegen.simplify_under_facts import Known, work
 from safeloc.codegen.stages import Stage, at_once, stages
 from safeloc.language.expr import FALSE, BoolVar, Expr, Lit, Num, NumVar, Var
 from safeloc.language.nodes import (

@@ -8,8 +8,8 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.codegen.known import Known
-from safeloc.codegen.shapes import is_magnitude, merged, operands, operations
+from safeloc.codegen.merge_choices import is_magnitude, merged, operands, operations
+from safeloc.codegen.simplify_under_facts import Known
 from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
 from safeloc.language.nodes import (
     Add,

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from safeloc.codegen.python_blocks import Bind, Block, Blocks, Choice, End, Test
-from safeloc.codegen.python_cases import moves
+from safeloc.codegen.case_splitting import moves
+from safeloc.codegen.nested_statements import Bind, Block, Blocks, Choice, End, Test
 from safeloc.codegen.python_terms import PythonTerms
 from safeloc.codegen.stages import Stage, stages
 from safeloc.errors import InputError

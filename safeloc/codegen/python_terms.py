@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import assert_never
 
-from safeloc.codegen.shapes import is_magnitude
-from safeloc.codegen.writing import Writing
+from safeloc.codegen.merge_choices import is_magnitude
+from safeloc.codegen.naming_terms import Writing
 from safeloc.language.nodes import (
     Add,
     And,

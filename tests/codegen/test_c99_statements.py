@@ -5,8 +5,8 @@ from __future__ import annotations
 from safeloc.codegen.c99_layout import Field
 from safeloc.codegen.c99_statements import given, given_names, statements
 from safeloc.codegen.c99_step import _Slot, _writing
-from safeloc.codegen.python_blocks import Bind, Block, Choice, End
-from safeloc.codegen.python_blocks import Test as Branch
+from safeloc.codegen.nested_statements import Bind, Block, Choice, End
+from safeloc.codegen.nested_statements import Test as Branch
 
 SLOT = _Slot("state->x", Field("x", "x", "int64_t", 0, 9, ""), "x")
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.codegen import python_cases
+from safeloc.codegen import case_splitting
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.codegen.python_code import to_python
 from safeloc.errors import InputError
@@ -118,7 +118,7 @@ def test_a_long_conjunction_stays_one_test() -> None:
 
 def test_tests_within_tests_without_end_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the limit the text cannot be loaded."""
-    monkeypatch.setattr(python_cases, "DEEPEST_CASE", 1_000)
+    monkeypatch.setattr(case_splitting, "DEEPEST_CASE", 1_000)
     with pytest.raises(IndentationError):
         compile_system(lower(_long_conjunction()))
 

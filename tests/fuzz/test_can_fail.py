@@ -14,9 +14,9 @@ from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
 from safeloc.proof.provers.antecedents import Never, Open, Outcome, Seen
-from safeloc.proof.provers.base import Base
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.proved_base import Base
 from tests.fuzz import backends, verdicts
 from tests.fuzz.build import build
 from tests.fuzz.case import Case
@@ -64,7 +64,7 @@ def test_a_wrong_verdict_is_told(one: Claim, said: Result, monkeypatch: pytest.M
 
 def test_a_trace_that_is_not_the_shortest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bounded search has to give a shortest run, and a run of the very machine."""
-    from safeloc.proof.provers.evidence import confirmed
+    from safeloc.proof.provers.replayed_evidence import confirmed
 
     def slow(goal: Goal, _: Limits) -> Result:
         return Violated(confirmed(goal, {}, [{"go": False}, {"go": True}, {"go": True}], "slow"), "bmc")

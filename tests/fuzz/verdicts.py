@@ -9,12 +9,12 @@ from safeloc.language.expr import Bool
 from safeloc.language.spec import Goal, observe
 from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
 from safeloc.proof.provers.antecedents import Outcome, found
-from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.spacer import spacer
 from tests.fuzz.build import read
 from tests.fuzz.case import Case

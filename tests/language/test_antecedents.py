@@ -13,7 +13,7 @@ from safeloc.language.spec import Property, always, never, once, reachable, with
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held
-from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.replayed_evidence import replayed
 
 A, B = modes("A", "B")
 X, P, Q = number("x", COUNT, 0, 10), boolean("p"), boolean("q")

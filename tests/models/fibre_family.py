@@ -13,7 +13,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import word
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
-from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.runtime.streams.steps import Cell, read_steps
 
 REMARK = "truth_mm"

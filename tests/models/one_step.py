@@ -9,8 +9,8 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range, lower
 from safeloc.language.terms import Substitution, variables
-from safeloc.proof.provers.base import ranges_and_lemmas
 from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from tests.models.spoilt import rebuilt
 
 

@@ -21,7 +21,7 @@ from safeloc.models.axle_section import simulate as axle_section_streams
 from safeloc.models.emitter import EmitterConfig
 from safeloc.models.emitter import simulate as emitter_streams
 from safeloc.models.train_order import simulate as train_order_streams
-from safeloc.proof.provers.evidence import admissible_run
+from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps

@@ -13,7 +13,7 @@ from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.dead_ends import lasts
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
 

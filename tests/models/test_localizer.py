@@ -16,9 +16,9 @@ from safeloc.language.units import MM
 from safeloc.language.verdict import Proved
 from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.proved_base import base
 from safeloc.properties import arbitration
 from safeloc.properties.localizer import properties
 from tests.proof.provers.small import told as names

@@ -24,10 +24,10 @@ from safeloc.models.localizer.simulation.simulate import NM_PER_MM
 from safeloc.models.localizer_sections import LocalizerSections, LocalizerSectionsConfig, compose_machines, train_ends
 from safeloc.models.localizer_sections.simulate import ENDS, FOLDER, SCENES, SECTION, first_state, simulate, write
 from safeloc.models.sections import SectionsConfig
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.proved_base import base
 from safeloc.proof.testing import run_tests
 from safeloc.properties.localizer_sections import properties
 from tests.models.one_step import changed

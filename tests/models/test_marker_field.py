@@ -13,10 +13,10 @@ from safeloc.models.odometry.field import LONGER, QUEUED, SHORTER, WITHOUT_LENGT
 from safeloc.models.odometry.marker_field import ONE_LAW, MarkerField, compose_field
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.assumption import assumption_kept
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.proved_base import base
 from safeloc.properties.odometry.marker_field import properties
 from tests.proof.provers.small import told
 

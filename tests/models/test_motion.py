@@ -20,9 +20,9 @@ from safeloc.models.localizer import CHECKED, Localizer, LocalizerConfig, Source
 from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.motion.simulate import told
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, RADAR, ErrorLaw
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
+from safeloc.proof.provers.proved_base import base
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.motion import Motion as Drive
 from safeloc.simulation.sensors import Distances, Fault, FaultKind, Law, measure

@@ -11,7 +11,7 @@ from benchmarks.deep_bugs import DEEP_BUGS
 from safeloc.language.spec import observe
 from safeloc.language.system import lower
 from safeloc.language.verdict import Held, Violated
-from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.replayed_evidence import replayed
 from safeloc.proof.testing import PHASES, PropertyBroken, run_tests, state_machine_test
 from tests.examples import EXAMPLES, Example
 

@@ -18,12 +18,12 @@ from safeloc.language.system import TransitionSystem, in_range
 from safeloc.language.terms import Substitution, variables
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
-from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.implication import Refuted, Undecided, unproved
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.never import none_happens
 from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachability import happens, without_assumption
 from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.provers.settle import UNCONFIRMED, settled

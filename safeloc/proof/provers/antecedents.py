@@ -20,16 +20,16 @@ from safeloc.language.system import TransitionSystem, environment, first_without
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.onward import onward
+from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.reachability import first_runs
-from safeloc.proof.provers.recorded import Recording, come_to
+from safeloc.proof.provers.recorded_witnesses import Recording, come_to
 from safeloc.proof.provers.spacer import spacer
-from safeloc.proof.provers.transfer import PackedTrace, pack_trace, unpack_trace
+from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
 from safeloc.proof.provers.workers import Lost, Task
 
 __all__ = ["Case", "Found", "antecedents", "found", "remember", "search_task"]

@@ -14,11 +14,11 @@ from safeloc.language.spec import Goal, observe, reachable
 from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.terms import in_order
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
-from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.facts import about, range_of
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.never import never, none_happens
 from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachability import happens, without_assumption
 from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.provers.settle import settled, settled_but

@@ -21,10 +21,10 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, plain_solver, why_unknown
 from safeloc.proof.provers.dead_ends import LASTS, NO_RUN, lasts
-from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
-from safeloc.proof.provers.recorded import Recording, lasting
+from safeloc.proof.provers.recorded_witnesses import Recording, lasting
+from safeloc.proof.provers.replayed_evidence import admissible_run
 
 ASSUMPTION_STEPS = 5
 RECORDED_STEPS = 65  # of a recorded run that is to show how inputs move

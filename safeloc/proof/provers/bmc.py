@@ -12,8 +12,8 @@ from safeloc.language.spec import Goal, Watch
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
-from safeloc.proof.provers.evidence import confirmed
 from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.replayed_evidence import confirmed
 
 
 @dataclass(frozen=True)

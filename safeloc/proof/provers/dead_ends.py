@@ -25,16 +25,16 @@ from safeloc.language.spec import Goal, Property, always, observe
 from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
-from safeloc.proof.provers.base import Base, base, remember
 from safeloc.proof.provers.cover import Cover, Group, Learned, State, cover_facts
-from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.further_assumption import EMPTY
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
+from safeloc.proof.provers.proved_base import Base, base, remember
 from safeloc.proof.provers.recheck import ENGINE, certify, file_name
-from safeloc.proof.provers.recorded import Recording, lawful_part
+from safeloc.proof.provers.recorded_witnesses import Recording, lawful_part
+from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.provers.spacer import spacer
 
 LASTS = "the assumption can be kept for ever"

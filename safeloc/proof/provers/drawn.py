@@ -16,7 +16,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal, watch
 from safeloc.language.system import environment
 from safeloc.language.trace import Trace
-from safeloc.proof.provers.evidence import confirmed
+from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.runs.allowed import compiled_terms
 from safeloc.proof.runs.lawful import NoFirstStateError, Repair, first_state
 from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile

@@ -15,11 +15,11 @@ from safeloc.language.spec import Goal
 from safeloc.language.system import environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.verdict import Proved, Unknown, Verdict
-from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import Undecided, conjuncts, unproved
 from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recheck import ENGINE, certify
 
 

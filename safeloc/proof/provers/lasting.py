@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from safeloc.language.expr import Bool, NumVar
 from safeloc.language.system import TransitionSystem
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.facts import range_of
+from safeloc.proof.provers.proved_base import base
 
 SECONDS = 120.0
 """For the system, and of a composition for each of its machines; the largest shipped one takes about a minute."""

@@ -30,8 +30,8 @@ from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.overlap import overlap
 from safeloc.proof.provers.portfolio import GRACE_SECONDS, OnFinding, proved_base
 from safeloc.proof.provers.reachability import reached
-from safeloc.proof.provers.recorded import Recording
-from safeloc.proof.provers.transfer import Packed, pack, unpack
+from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
 from safeloc.proof.provers.workers import Lost, Task, in_processes
 from safeloc.proof.results import Finding
 

@@ -19,9 +19,9 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 from safeloc.proof.provers.asking import ask, new_solver
-from safeloc.proof.provers.evidence import confirmed
 from safeloc.proof.provers.limits import Deadline, deadline
-from safeloc.proof.provers.recorded import Recording, Replay, known_first
+from safeloc.proof.provers.recorded_witnesses import Recording, Replay, known_first
+from safeloc.proof.provers.replayed_evidence import confirmed
 
 FURTHER = 3
 MOST_STARTS = 80

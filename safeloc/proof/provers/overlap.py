@@ -10,12 +10,12 @@ from safeloc.language.expr import Bool
 from safeloc.language.machine import Machine, Transition
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.verdict import Proved, Verdict, Violated
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.implication import Failure, Refuted
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.never import never
 from safeloc.proof.provers.obligation import Obligation
+from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.reachability import happens, without_assumption
 from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.provers.settle import settled_but

@@ -20,21 +20,21 @@ from safeloc.language.system import Part, TransitionSystem, in_range
 from safeloc.language.terms import alike, variables
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
-from safeloc.proof.provers.base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
-from safeloc.proof.provers.evidence import confirmed
 from safeloc.proof.provers.facts import Fact, about, owed_to
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.implication import Undecided
 from safeloc.proof.provers.inherited import contract_properties, contracts
 from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Limits, deadline
+from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.recheck import ENGINE
-from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import spacer
-from safeloc.proof.provers.transfer import Packed, pack, pack_base, unpack, unpack_base
+from safeloc.proof.provers.verdicts_as_data import Packed, pack, pack_base, unpack, unpack_base
 from safeloc.proof.provers.workers import Lost, Task, in_processes
 from safeloc.proof.results import Finding
 

@@ -20,16 +20,16 @@ from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.asking import ask, plain_solver
-from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.bmc import run_of
 from safeloc.proof.provers.drawn import drawn
-from safeloc.proof.provers.evidence import confirmed
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
-from safeloc.proof.provers.recorded import Recording, shown
+from safeloc.proof.provers.proved_base import Base, base
+from safeloc.proof.provers.recorded_witnesses import Recording, shown
 from safeloc.proof.provers.relevance import Relevance
+from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.spacer import spacer
 
 EXCLUSION = 0.2

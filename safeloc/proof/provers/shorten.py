@@ -15,8 +15,8 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem, canonical, environment
 from safeloc.language.trace import Trace
-from safeloc.proof.provers.evidence import replayed
 from safeloc.proof.provers.limits import Deadline, deadline, spend
+from safeloc.proof.provers.replayed_evidence import replayed
 
 SECONDS = 3.0
 TRIED_A_SECOND = 20_000  # steps of generated code in a second of effort

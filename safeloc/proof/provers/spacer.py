@@ -20,14 +20,14 @@ from safeloc.language.system import environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.proof.provers.asking import units
-from safeloc.proof.provers.base import Base, base
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts
 from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline, milliseconds
-from safeloc.proof.provers.reading import UnreadableError, read_bool
+from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recheck import ENGINE, certify
+from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 
 
 def spacer(goal: Goal, limits: Limits) -> Verdict:

@@ -11,7 +11,7 @@ from safeloc.proof.provers.antecedents import found
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import CHECKS, obligations
 from safeloc.proof.provers.portfolio import OnFinding, prove
-from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 from safeloc.proof.verification.replay import replay_stream, whole_run

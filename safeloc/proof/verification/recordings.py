@@ -10,8 +10,8 @@ from safeloc.language.expr import NumVar
 from safeloc.language.nodes import Value
 from safeloc.language.units import Enumeration
 from safeloc.runtime.border import Channel, Fault
-from safeloc.runtime.embedding.hearing import Hearing
-from safeloc.runtime.embedding.judging import judged
+from safeloc.runtime.embedding.readable_records import judged
+from safeloc.runtime.embedding.target_inputs import Hearing
 from safeloc.runtime.streams.cycles import Cycle, cycles
 from safeloc.runtime.streams.record_files import read_raw
 from safeloc.runtime.streams.records import Record, Unusable

@@ -25,12 +25,12 @@ from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.runtime.border import Deliveries, Fault, Reason
 from safeloc.runtime.embedding import memory
-from safeloc.runtime.embedding.entries import Told
-from safeloc.runtime.embedding.judging import judged, stated
+from safeloc.runtime.embedding.arguments import NotCopiedError, a_mapping, as_expected, as_program, in_words, period_of
 from safeloc.runtime.embedding.listeners import Listeners
-from safeloc.runtime.embedding.making import NotCopiedError, a_mapping, as_expected, as_program, in_words, period_of
 from safeloc.runtime.embedding.program import Program
+from safeloc.runtime.embedding.readable_records import judged, stated
 from safeloc.runtime.embedding.report import Report
+from safeloc.runtime.embedding.row_layout import Told
 from safeloc.runtime.streams.cycles import Cycle, CycleBuilder
 from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.target import Target

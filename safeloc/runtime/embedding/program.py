@@ -18,8 +18,8 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import Enumeration
 from safeloc.runtime.border import Fault
-from safeloc.runtime.embedding.hearing import Hearing
 from safeloc.runtime.embedding.report import Interval, Move, Report
+from safeloc.runtime.embedding.target_inputs import Hearing
 from safeloc.target import Target
 
 

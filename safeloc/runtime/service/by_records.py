@@ -8,9 +8,9 @@ from typing import Any
 from safeloc.errors import SnapshotError
 from safeloc.runtime.border import Reason
 from safeloc.runtime.embedding.controller import MOST_RECORDS
+from safeloc.runtime.service.clock_lag import Pace
 from safeloc.runtime.service.kept import Kept, KeptRecords, kept_as
 from safeloc.runtime.service.messages import Ended, Said, Step
-from safeloc.runtime.service.pace import Pace
 from safeloc.runtime.service.vehicle import MakeController, Vehicle
 from safeloc.runtime.streams.records import RECORD, Record, Unusable
 

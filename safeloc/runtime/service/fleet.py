@@ -13,9 +13,9 @@ from safeloc.language.nodes import Value
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.service.by_records import RecordsVehicle
 from safeloc.runtime.service.by_steps import StepsVehicle
+from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS, Pace
 from safeloc.runtime.service.lines import Line
 from safeloc.runtime.service.messages import ALONE, Ended, Header, Message, Reader, Refused, Said, Step, shortened
-from safeloc.runtime.service.pace import LONGEST_GAP_MS, Pace
 from safeloc.runtime.service.vehicle import Told, Vehicle
 
 MOST_VEHICLES = 1_000

@@ -15,10 +15,10 @@ from typing import Any
 
 from safeloc.errors import InputError
 from safeloc.runtime.embedding import Controller, Report
+from safeloc.runtime.service.clock_lag import AGREEING_CYCLES, LATEST_MS, OUT_OF_STEP_CYCLES, Pace, Rhythm, Streak
 from safeloc.runtime.service.counting import Agreement, LineCount
 from safeloc.runtime.service.kept import Kept
 from safeloc.runtime.service.messages import Ended, Header, Message, Refused, Said, Step, shortened
-from safeloc.runtime.service.pace import AGREEING_CYCLES, LATEST_MS, OUT_OF_STEP_CYCLES, Pace, Rhythm, Streak
 
 Told = dict[str, Any]
 MakeController = Callable[[int], Controller]

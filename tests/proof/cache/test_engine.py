@@ -82,10 +82,10 @@ def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A package of a few files."""
     for name in (
         "language/spec.py",
-        "proof/provers/base.py",
+        "proof/provers/proved_base.py",
         "models/odometry/__init__.py",
         "report/page.jinja",
-        "proof/provers/__pycache__/base.pyc",
+        "proof/provers/__pycache__/proved_base.pyc",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(name)
@@ -99,10 +99,10 @@ def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     ("file", "engine_changes", "source_changes"),
     [
         ("language/spec.py", True, True),
-        ("proof/provers/base.py", True, True),
+        ("proof/provers/proved_base.py", True, True),
         ("models/odometry/__init__.py", False, True),
         ("report/page.jinja", False, True),
-        ("proof/provers/__pycache__/base.pyc", False, False),
+        ("proof/provers/__pycache__/proved_base.pyc", False, False),
         ("proof/provers/new.py", True, True),
     ],
 )

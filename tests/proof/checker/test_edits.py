@@ -17,7 +17,7 @@ import z3
 
 from safeloc.codegen.smt import Terms, constant
 from safeloc.language.system import environment
-from safeloc.proof.provers.base import base
+from safeloc.proof.provers.proved_base import base
 from tests.proof.checker.evidence import Evidence, refused
 
 SAMPLE, ALL = 40, 1000

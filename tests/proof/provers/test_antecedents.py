@@ -18,7 +18,7 @@ from safeloc.proof.provers.antecedents import Never, Open, Seen, found, search
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
-from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 

@@ -13,13 +13,13 @@ from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
 from safeloc.proof.provers import assumption
 from safeloc.proof.provers.assumption import Ended, assumption_kept, comes_round
 from safeloc.proof.provers.dead_ends import lasts
-from safeloc.proof.provers.evidence import admissible_run
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.portfolio import prove, prove_one
 from safeloc.proof.provers.recheck import decide
-from safeloc.proof.provers.recorded import Recording
+from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.provers.spacer import spacer
 from tests.proof.provers.explicit_dead_ends import dead_end, random_system
 from tests.proof.provers.seeded_dead_ends import SEEDS

@@ -7,9 +7,9 @@ import pytest
 from benchmarks.deep_bugs import DEEP_BUGS, DeepBug
 from safeloc.language.spec import observe
 from safeloc.language.verdict import Unknown, Violated
-from safeloc.proof.provers.evidence import replayed
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.replayed_evidence import replayed
 from tests.examples import EXAMPLES, Example
 
 QUICK = ("off by one in the tolerance", "growth is halved after 70 steps", "an answer one step late")

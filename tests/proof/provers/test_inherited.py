@@ -15,9 +15,9 @@ from safeloc.language.system import lower
 from safeloc.language.terms import variables
 from safeloc.language.units import MM
 from safeloc.language.verdict import Proved, Violated
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.proved_base import base
 from tests.proof.provers.small import told
 
 IDLE, BUSY = modes("IDLE", "BUSY")

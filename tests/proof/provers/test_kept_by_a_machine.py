@@ -15,9 +15,9 @@ from safeloc.language.monitor import check
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import MM
 from safeloc.language.verdict import Held, Proved, Violated
-from safeloc.proof.provers.base import Base, remember
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.proved_base import Base, remember
 from safeloc.proof.results import Finding
 
 IDLE, BUSY = modes("IDLE", "BUSY")

@@ -10,9 +10,9 @@ from safeloc.codegen.smtlib import Query
 from safeloc.language.spec import observe, within
 from safeloc.language.verdict import Unknown, require_proved
 from safeloc.proof.provers import kinduction as module
-from safeloc.proof.provers.base import base
 from safeloc.proof.provers.kinduction import kinduction, queries
 from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import Certificate, certify
 from tests.examples import latch
 from tests.proof.provers.small import FULL_TOGETHER, LEVEL, SAME, TICK, counter, goal, pair, system

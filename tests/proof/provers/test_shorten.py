@@ -10,7 +10,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import Goal, always, observe
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT, MM
-from safeloc.proof.provers.evidence import replayed
+from safeloc.proof.provers.replayed_evidence import replayed
 from safeloc.proof.provers.shorten import shortened
 
 (ON,) = modes("ON")

@@ -24,17 +24,17 @@ from safeloc.proof.provers import kinduction as kinduction_module
 from safeloc.proof.provers import spacer as spacer_module
 from safeloc.proof.provers.assumption import assumption_kept
 from safeloc.proof.provers.bmc import bmc
-from safeloc.proof.provers.evidence import admissible_run, replayed
 from safeloc.proof.provers.implication import Undecided, unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.provers.reachability import first_runs
-from safeloc.proof.provers.reading import UnreadableError, read_bool
+from safeloc.proof.provers.replayed_evidence import admissible_run, replayed
 from safeloc.proof.provers.spacer import spacer
-from safeloc.proof.provers.transfer import unpack
+from safeloc.proof.provers.verdicts_as_data import unpack
 from safeloc.proof.provers.workers import in_processes
+from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 from tests.proof.provers.small import FULL_TOGETHER, LEVEL, TICK, counter, goal, pair, system
 
 

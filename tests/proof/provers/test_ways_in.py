@@ -24,11 +24,11 @@ from safeloc.language.trace import Trace
 from safeloc.language.units import ONE
 from safeloc.language.verdict import Proved, Unknown, Violated, word
 from safeloc.proof.provers import reachability
-from safeloc.proof.provers.evidence import replayed
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove, prove_one
+from safeloc.proof.provers.replayed_evidence import replayed
 from safeloc.proof.results import Finding
 
 LIMITS = Limits(depth=12, seconds=10)

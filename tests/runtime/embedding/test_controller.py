@@ -20,7 +20,7 @@ from safeloc.language.system import lower
 from safeloc.runtime.border import Reason
 from safeloc.runtime.embedding import EVERY, Controller, Program, Report
 from safeloc.runtime.embedding.controller import MOST_RECORDS
-from safeloc.runtime.embedding.period import periods
+from safeloc.runtime.embedding.cycle_length import periods
 from safeloc.runtime.streams.cycles import cycles
 from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord, TruthRecord, Unusable, ValueRecord
 from safeloc.runtime.streams.steps import read_steps

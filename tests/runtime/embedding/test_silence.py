@@ -14,7 +14,7 @@ from safeloc.language.terms import Substitution
 from safeloc.proof.provers.implication import conjuncts, unproved
 from safeloc.runtime.border import Reason
 from safeloc.runtime.embedding import Controller, Program
-from safeloc.runtime.embedding.period import periods
+from safeloc.runtime.embedding.cycle_length import periods
 from safeloc.shipped.hosting import SILENT
 from safeloc.target import Target
 from tests.runtime.embedding.driving import shipped

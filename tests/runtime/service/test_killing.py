@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from safeloc.runtime.embedding import Controller
-from safeloc.runtime.service.pace import AT_ONCE_CYCLES
+from safeloc.runtime.service.clock_lag import AT_ONCE_CYCLES
 from tests.runtime.embedding.driving import distances, drive, trusting
 from tests.runtime.service.processes import ROOT, Data, lines, numbered, ran, read, reports, running, wait_for
 

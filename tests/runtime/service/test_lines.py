@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.runtime.border import Reason
+from safeloc.runtime.service.clock_lag import OUT_OF_STEP_CYCLES, Pace, Streak
 from safeloc.runtime.service.counting import Counted, LineCount
 from safeloc.runtime.service.lines import LONGEST_LINE, Line, LineCutter
 from safeloc.runtime.service.messages import Ended, Envelope, Header, Message, Reader, Refused, Said, Step
-from safeloc.runtime.service.pace import OUT_OF_STEP_CYCLES, Pace, Streak
 from safeloc.runtime.streams.records import DistanceRecord, Unusable
 from tests.runtime.embedding.driving import trusting
 

@@ -10,8 +10,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from safeloc.codegen.known import Known, implied
-from safeloc.codegen.writing import Writing
+from safeloc.codegen.naming_terms import Writing
+from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.language.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
 
 FEWEST_REASONS = 3

@@ -15,9 +15,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.codegen.known import Known, implied, work
-from safeloc.codegen.python_blocks import Block, Blocks, Statement, Targets, Test
-from safeloc.codegen.shapes import chain
+from safeloc.codegen.merge_choices import chain
+from safeloc.codegen.nested_statements import Block, Blocks, Statement, Targets, Test
+from safeloc.codegen.simplify_under_facts import Known, implied, work
 from safeloc.language.nodes import (
     FALSE,
     TRUE,

@@ -7,7 +7,7 @@ import pytest
 from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.runtime.embedding.period import configured_period_ms, periods
+from safeloc.runtime.embedding.cycle_length import configured_period_ms, periods
 
 
 class Part(Config):

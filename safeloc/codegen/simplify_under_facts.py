@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
-from safeloc.codegen.shapes import is_magnitude
+from safeloc.codegen.merge_choices import is_magnitude
 from safeloc.language.nodes import (
     FALSE,
     TRUE,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.codegen.shapes import is_magnitude, merged
+from safeloc.codegen.merge_choices import is_magnitude, merged
 from safeloc.language.expr import Expr, Num, abs_, boolean, ite, maximum, number
 from safeloc.language.interpret import evaluate, read_inputs, start
 from safeloc.language.system import lower

@@ -10,7 +10,7 @@ from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, word
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
-from safeloc.proof.provers.recorded import Recording, lasting, shown
+from safeloc.proof.provers.recorded_witnesses import Recording, lasting, shown
 from safeloc.proof.results import Finding
 
 IDLE, FULL = modes("IDLE", "FULL")

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.proof.provers import base as module
-from safeloc.proof.provers.base import base
+from safeloc.proof.provers import proved_base as module
 from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.implication import Refuted, Undecided
+from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import Certificate, certify
 from tests.proof.provers.small import HIGH, LEVEL, LOW, MODE, TICK, counter, system, told
 

@@ -11,11 +11,11 @@ from safeloc.language.expr import Num
 from safeloc.language.interpret import evaluate
 from safeloc.language.spec import observe
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
-from safeloc.proof.provers.base import base, ranges_and_lemmas
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.transfer import pack, pack_base, pack_term, unpack, unpack_base, unpack_term
+from safeloc.proof.provers.proved_base import base, ranges_and_lemmas
+from safeloc.proof.provers.verdicts_as_data import pack, pack_base, pack_term, unpack, unpack_base, unpack_term
 from tests.examples import EXAMPLES, Example
 from tests.proof.provers.small import LEFT, LEVEL, counter, pair, system
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from safeloc.language.expr import BoolVar, NumVar, Var
 from safeloc.language.interpret import holds
 from safeloc.language.units import ONE
-from safeloc.proof.provers.reading import UnreadableError, read_bool
+from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 
 X, Y, P = NumVar("x", ONE, -50, 50), NumVar("y", ONE, -50, 50), BoolVar("p")
 NAMES: dict[str, Var] = {"x": X, "y": Y, "p": P}

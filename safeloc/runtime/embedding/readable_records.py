@@ -9,8 +9,8 @@ from safeloc.language.expr import NumVar, Var
 from safeloc.language.interpret import admitted
 from safeloc.language.nodes import Value
 from safeloc.runtime.border import Fault, Reason
-from safeloc.runtime.embedding.entries import Told
-from safeloc.runtime.embedding.hearing import Hearing
+from safeloc.runtime.embedding.row_layout import Told
+from safeloc.runtime.embedding.target_inputs import Hearing
 from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from safeloc.codegen.shapes import is_magnitude
+from safeloc.codegen.merge_choices import is_magnitude
 from safeloc.language.nodes import Expr, Lit, Max, Min, Truth, Var
 from safeloc.language.terms import children
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.codegen.known import Known, implied, work
+from safeloc.codegen.simplify_under_facts import Known, implied, work
 from safeloc.language.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
 from safeloc.language.interpret import evaluate, read_inputs, start
 from safeloc.language.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num, Value, Var

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.codegen.live import live
-from safeloc.codegen.python_blocks import Bind, Block, Choice, End
-from safeloc.codegen.python_blocks import Test as Branch
+from safeloc.codegen.dead_code import live
+from safeloc.codegen.nested_statements import Bind, Block, Choice, End
+from safeloc.codegen.nested_statements import Test as Branch
 
 
 def bind(name: str, value: str) -> Bind:

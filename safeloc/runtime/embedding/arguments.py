@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from safeloc.errors import InputError
-from safeloc.runtime.embedding.period import configured_period_ms
+from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.runtime.embedding.program import Program
 from safeloc.target import Target
 

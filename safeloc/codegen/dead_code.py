@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import assert_never
 
-from safeloc.codegen.python_blocks import Bind, Block, Choice, End, Statement, Test
+from safeloc.codegen.nested_statements import Bind, Block, Choice, End, Statement, Test
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 Names = frozenset[str]

@@ -11,7 +11,7 @@ from safeloc.errors import InputError
 from safeloc.language.expr import NumVar
 from safeloc.language.system import TransitionSystem, canonical, without_ghosts
 from safeloc.runtime.border import Channel, Fault, Reason
-from safeloc.runtime.embedding.entries import Entry, Told, beginnings, entries_of, limits, routes_of
+from safeloc.runtime.embedding.row_layout import Entry, Told, beginnings, entries_of, limits, routes_of
 from safeloc.runtime.streams.cycles import Places
 from safeloc.target import Target
 
