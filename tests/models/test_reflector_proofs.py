@@ -12,10 +12,10 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.system import lower
 from safeloc.language.verdict import word
-from safeloc.models.odometry import marker_reading
 from safeloc.models.reflector import ReflectorMachine, build, echo
 from safeloc.models.reflector.echo import AMBIGUOUS, NOT_SEARCHED, OTHER_MODEL, OUT_OF_WINDOW, TOO_COARSE, WEAK
 from safeloc.models.reflector.variables import ReflectorConfig, parts
+from safeloc.models.vocabulary.first_of import first_of
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.reflector import properties
@@ -63,7 +63,7 @@ def test_each_check_of_an_echo_is_needed(dropped: Lit, broken: str, monkeypatch:
     """Without one of the checks some reflector is taken for another, or a property is lost."""
 
     def lenient(*cases: tuple[Bool, Num], default: Num) -> Num:
-        return marker_reading.first_of(*(case for case in cases if case[1] is not dropped), default=default)
+        return first_of(*(case for case in cases if case[1] is not dropped), default=default)
 
     monkeypatch.setattr(echo, "first_of", lenient)
     made = model()

@@ -10,7 +10,8 @@ from safeloc.proof.provers.limits import CLOCK, milliseconds, spend
 
 UNITS_PER_SECOND = 5_000_000
 """Of z3's resource count, in a second of effort: half of our queries make 5 to 10 million in one of an idle processor."""
-MOST_UNITS = 2**32 - 1
+WRAPS = 2**32  # z3 tells its count in 32 bits
+MOST_UNITS = WRAPS - 1
 
 
 def new_solver(seed: int = 0) -> z3.Solver:
@@ -36,7 +37,7 @@ def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResu
     solver.set("timeout", milliseconds(CLOCK * seconds))
     before = _counted(solver)
     answer = solver.check(*assumptions)
-    spend((_counted(solver) - before) / UNITS_PER_SECOND)
+    spend((_counted(solver) - before) % WRAPS / UNITS_PER_SECOND)
     return answer
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import z3
 
@@ -14,6 +14,8 @@ from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.replayed_evidence import confirmed
+
+FIRST_TRY = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,19 @@ def bmc(goal: Goal, limits: Limits) -> Verdict:
 
 
 def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
-    """The shortest run after which `good` fails."""
+    """The shortest run after which `good` fails.
+
+    What z3 does not come to with one seed in a third of the limit, it is asked once more with another one: a question of
+    half a second can take a hundred times as long with the wrong one.
+    """
+    first = _search(goal, replace(limits, seconds=limits.seconds * FIRST_TRY))
+    if not isinstance(first, Exhausted) or first.depth == limits.depth:
+        return first
+    again = _search(goal, replace(limits, seconds=limits.seconds * (1 - FIRST_TRY), seed=limits.seed + 1))
+    return again if not isinstance(again, Exhausted) or again.depth >= first.depth else first
+
+
+def _search(goal: Goal, limits: Limits) -> Trace | Exhausted:
     unrolling, solver = Unrolling(goal.system), new_solver(limits.seed)
     ends = deadline(limits.seconds)
     solver.add(unrolling.initially())

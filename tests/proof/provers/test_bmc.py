@@ -1,11 +1,14 @@
 """Bounded search: shortest traces, honest limits, and nothing that the interpreter does not confirm."""
 
 import pytest
+import z3
 
 from safeloc.codegen.smt import Unrolling
 from safeloc.errors import EngineError
 from safeloc.language.spec import always, observe, reachable
 from safeloc.language.verdict import Proved, Unknown, Violated
+from safeloc.proof.provers import bmc as module
+from safeloc.proof.provers.asking import ask, new_solver
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
 from tests.proof.provers.small import HIGH, LEVEL, MODE, counter, goal, system
@@ -61,3 +64,15 @@ def test_a_trace_that_breaks_nothing_is_found_out(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(Unrolling, "values", without_ticks)
     with pytest.raises(EngineError, match="does not break the property in the interpreter"):
         bmc(observe(system(counter()), always("low", LEVEL <= 2)), Limits())
+
+
+def test_an_unlucky_seed_is_not_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is not decided with one seed is asked once more with another one."""
+    seeds: list[int] = []
+    monkeypatch.setattr(module, "new_solver", lambda seed: seeds.append(seed) or new_solver(seed))
+    monkeypatch.setattr(module, "ask", lambda *given: z3.unknown if seeds[-1] == 7 else ask(*given))
+    assert isinstance(bmc(goal(counter(), LEVEL < 3), Limits(seed=7)), Violated)
+    assert seeds == [7, 8]
+    seeds.clear()
+    assert isinstance(bmc(goal(counter(), LEVEL <= 10), Limits(seed=1, depth=4)), Unknown)
+    assert seeds == [1]  # all of that depth was searched: another seed finds no more
