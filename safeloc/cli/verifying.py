@@ -70,9 +70,8 @@ class Verifying:
                 self._line(text)
             case Found(target, id_, verdict, seconds):
                 self._counts[target][verdict] += 1
-                expected_yet = int(
-                    self._counts[target].total() <= self._expected[target]
-                )  # more may come: cases found by search
+                # more may come than could be foreseen: cases that a search found
+                expected_yet = int(self._counts[target].total() <= self._expected[target])
                 self._bars.advance(self._running[target], expected_yet)
                 self._bars.advance(self._all, expected_yet)
                 self._line(f"{verdict:9} {id_}  ({seconds:.1f} s)")

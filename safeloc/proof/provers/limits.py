@@ -37,11 +37,6 @@ class Limits:
         if not (math.isfinite(self.seconds) and self.seconds > 0):
             raise InputError(f"{declared_at()}: a time limit of {self.seconds} s; it must be positive and finite.")
 
-    @property
-    def milliseconds(self) -> int:
-        """The time limit in ms."""
-        return milliseconds(self.seconds)
-
 
 @dataclass(frozen=True)
 class Deadline:
