@@ -9,7 +9,7 @@ from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import COUNT, NM
 from safeloc.models.fibre import CHECKED, CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
-from safeloc.properties.step import guard
+from safeloc.properties.in_step import in_step
 
 NM_PER_MM, NM_PER_UM = 1_000_000, 1_000
 LAW = "the detector's bounds, true references, and a code in which near sections differ"
@@ -177,14 +177,14 @@ def _code(model: Fibre) -> Iterator[Property]:
     yield always(
         "disagreement raises F",
         (
-            was_located & was(own.real) & guard(machine, cycle.read) & off.ne(0) & (abs_(off) <= own.config.reach)
+            was_located & was(own.real) & in_step(machine, cycle.read) & off.ne(0) & (abs_(off) <= own.config.reach)
         ).implies(mode.ne(located) | own.reference),
         statement="a real section that is passed while the count is wrong ends the location in that cycle",
         requirements=(*CODE, *COUNTS),
         assumption=LAW,
     )
-    wrong = guard(machine, cycle.wrong_length)
-    calm = ~own.reference & ~guard(machine, cycle.silent | cycle.too_wide)
+    wrong = in_step(machine, cycle.wrong_length)
+    calm = ~own.reference & ~in_step(machine, cycle.silent | cycle.too_wide)
     yield always(
         "wrong length raises F",
         (was_located & wrong & calm).implies(mode.eq(faulted)),
@@ -200,7 +200,7 @@ def _code(model: Fibre) -> Iterator[Property]:
         unconditional=True,
     )
     symbol = ite(before(own.band).eq(v.RAISED), as_num(2, COUNT), 0) + ite(
-        guard(machine, cycle.reads_long), as_num(1, COUNT), 0
+        in_step(machine, cycle.reads_long), as_num(1, COUNT), 0
     )
     spelt = machine.fired("symbol read") & before(own.read).eq(0)
     yield always(
@@ -217,7 +217,7 @@ def _error(model: Fibre) -> Iterator[Property]:
     *_, located, faulted = machine.modes
     mode = machine.mode
     was_located = before(mode).eq(located)
-    calm = ~own.reference & ~guard(machine, cycle.silent | cycle.too_wide)
+    calm = ~own.reference & ~in_step(machine, cycle.silent | cycle.too_wide)
     near = ite(own.forwards, own.ahead.near, own.behind.near)
     signal = was_located & calm & own.signal.eq(v.POSITION_SIGNAL)
     additional = {
@@ -243,7 +243,7 @@ def _error(model: Fibre) -> Iterator[Property]:
     }.items():
         yield always(
             f"{name} raises F at once",
-            (was_located & calm & guard(machine, flaw)).implies(machine.flag("error") & ~machine.flag("valid")),
+            (was_located & calm & in_step(machine, flaw)).implies(machine.flag("error") & ~machine.flag("valid")),
             statement=f"a disagreement ({name}) raises F, and ends the location, in the same cycle",
             requirements=CHECKED,
             unconditional=True,

@@ -8,7 +8,7 @@ from safeloc.language.expr import TRUE, Bool, Num, all_of, any_of, as_num, befor
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import COUNT, UM
 from safeloc.models.train_order import TRACE, TrainOrder, place_of
-from safeloc.properties.step import guard
+from safeloc.properties.in_step import in_step
 
 LAW = "no train passes another; as many patterns as trains, lying apart, hold a train each"
 
@@ -32,7 +32,7 @@ def properties(model: TrainOrder) -> list[Property]:
         ),
         always(
             "another number of patterns belongs to nobody",
-            (~guard(machine, own.matched)).implies(~associated),
+            (~in_step(machine, own.matched)).implies(~associated),
             statement="more or fewer patterns than trains, or patterns that overlap: none belongs to anyone, in that cycle",
             requirements=TRACE,
             unconditional=True,

@@ -40,24 +40,27 @@ def module_of(path: Path) -> str:
     return name if name.startswith("safeloc") else f"safeloc.{name}"
 
 
-def imported(path: Path) -> Iterator[str]:
-    """The full names that a file imports, wherever in it."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def imported(code: str) -> Iterator[str]:
+    """Modules and what is taken from them, with their full names; ValueError for a relative import."""
+    for node in ast.walk(ast.parse(code)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
+            if node.level or node.module is None:
+                raise ValueError(f"relative import in line {node.lineno}; full names show which way it goes.")
+            yield node.module
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 @cache
 def rooms() -> nx.DiGraph[str]:
-    """All rooms with the number of their files; an edge from each room to each that it imports, with how often."""
+    """All rooms with the number of their files; an edge from each room to each that it imports, with the number of files that do."""
     homes = {module_of(path): room_of(path) for path in files()}
     graph: nx.DiGraph[str] = nx.DiGraph()
     for path in files():
         room = room_of(path)
         graph.add_node(room, files=graph.nodes.get(room, {}).get("files", 0) + 1)
-        for target in (home(name, homes) for name in imported(path)):
+        for target in {home(name, homes) for name in imported(path.read_text(encoding="utf-8"))}:
             if target not in (None, room):
                 times = graph.get_edge_data(room, target, {"times": 0})["times"]
                 graph.add_edge(room, target, times=times + 1)

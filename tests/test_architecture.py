@@ -6,15 +6,14 @@ knows the engine. Files stay short.
 
 from __future__ import annotations
 
-import ast
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
 
 import safeloc
+from tests.rooms import imported
 
 ROOT = Path(safeloc.__file__).resolve().parent
 MODULES = sorted(
@@ -121,18 +120,6 @@ def name_of(path: Path) -> str:
 def imports(path: Path) -> tuple[str, ...]:
     """Everything a file imports, wherever in it."""
     return tuple(imported(path.read_text(encoding="utf-8")))
-
-
-def imported(code: str) -> Iterator[str]:
-    """Modules and what is taken from them, with their full names; ValueError for a relative import."""
-    for node in ast.walk(ast.parse(code)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            if node.level or node.module is None:
-                raise ValueError(f"relative import in line {node.lineno}; full names show which way it goes.")
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 @pytest.mark.parametrize("package", HEAVY)

@@ -9,7 +9,7 @@ from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM, UM
 from safeloc.models.verification import Verification
 from safeloc.models.verification import variables as v
-from safeloc.properties.step import guard
+from safeloc.properties.in_step import in_step
 from safeloc.properties.verification.mismatch import properties as mismatch_properties
 
 LAW = "what the fibre tells of a train is true of that train within its bounds; a located interval holds the front"
@@ -98,7 +98,7 @@ def _latch(model: Verification) -> Iterator[Property]:
     )
     yield always(
         "mismatch withholds in the same cycle",
-        (guard(machine, judged.mismatch) & ~own.leaves).implies(mode.eq(untrusted)),
+        (in_step(machine, judged.mismatch) & ~own.leaves).implies(mode.eq(untrusted)),
         statement="whatever does not match, the train is untrusted in the same cycle",
         requirements=(*CLAIM, *COURSE),
         unconditional=True,
