@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from safeloc.catalogue import load_target
-from safeloc.proof.checker.folder import check_folder
+from safeloc.checker.folder import check_folder
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.verification.many import in_order, verify_targets
 from safeloc.proof.verification.one import Plan

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+import safeloc.target
 from benchmarks.by_hand import compiled_c, run_hand_written
 from benchmarks.odometer import Last, Row, odometer, on_board, stream
 from benchmarks.other_packages import run_bare_transitions, run_python_statemachine, run_sismic
@@ -17,8 +18,10 @@ from benchmarks.turns import Contender, Ready, Target
 from safeloc.codegen.batch import compile_batch, simulate
 from safeloc.codegen.c_loader import load_c
 from safeloc.codegen.compiled import compile_system
-from safeloc.codegen.runtime import to_fsm
 from safeloc.language.interpret import start, step
+from safeloc.language.system import lower
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.snapshot import opened
 
 UNIT = "hand-written class"
 BATCH_RUNS = 16384
@@ -157,26 +160,25 @@ def _fused() -> Callable[[list[Row]], Last]:
 
 
 class Host:
-    """A host controller's own object."""
-
-    tick: Any
+    """A host's own object."""
 
 
 def _embedded(steps: int) -> Ready:
-    """Embedded in a host through `transitions`, the inputs checked in every step."""
+    """In a host whose object follows through `transitions`, the inputs judged in every step."""
     machine = odometer().machine
+    program = Program(safeloc.target.Target(machine.name, (machine,), lower(machine), ()))
     records = [
         {"movement": movement, "reference": reference} if present else {"movement": movement}
         for movement, present, reference in stream(steps)
     ]
 
     def run() -> Last:
-        host = Host()
-        embedded = to_fsm(machine, host)
-        tick = host.tick
+        controller = Controller(program, period_ms=100)
+        controller.follow(Host())
         for record in records:
-            tick(**record)
-        mode, position, margin = embedded.values.values()
+            controller.step_inputs(record)
+        state = opened(controller.snapshot())["state"]
+        mode, position, margin = (state[name] for name in program.code.state_names)
         return mode, position, margin
 
     return run

@@ -45,6 +45,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
+from safeloc.language.world import World
 from safeloc.target import Target
 
 MOST_AXLES = 400
@@ -153,10 +154,13 @@ def _machine(line: Sequence[Section]) -> Machine:
         state={**{one.least: 0 for one in line}, **{one.most: MOST_AXLES for one in line}},
         outputs={"least_axles": _sum(line, lambda one: one.least), "most_axles": _sum(line, lambda one: one.most)},
         transitions=list(_table(line)),
-        ghosts={one.true: ANY for one in line},
-        ghost_inputs=[*(head.true for head in _heads(line)), *(one.next_true for one in line)],
-        ghost_moves={one.true: one.next_true for one in line},
-        assumption=all_of([*(_truly(head) for head in _heads(line)), *(one.law for one in line)]),
+        world=World(
+            ghosts={one.true: ANY for one in line},
+            choices=[*(head.true for head in _heads(line)), *(one.next_true for one in line)],
+            moves={one.true: one.next_true for one in line},
+            clauses={"assumption": all_of([*(_truly(head) for head in _heads(line)), *(one.law for one in line)])},
+            reads_machine="the test asks it",
+        ),
         lemmas={f"section {place} is known": one.known for place, one in enumerate(line)},
     )
 

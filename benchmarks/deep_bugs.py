@@ -16,6 +16,7 @@ from safeloc.language.spec import Goal, Property, always, observe, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.language.verdict import Verdict, Violated
+from safeloc.language.world import World
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.limits import Limits
@@ -65,10 +66,15 @@ def _odometer(
                 "run on", tracking, tracking, set={position: position + step, margin: grown, run: run + 1}, rank=2
             ),
         ],
-        ghosts={truth: 0},
-        ghost_inputs=[moved],
-        ghost_moves={truth: truth + moved},
-        assumption=between(-honest, moved - exact_to(step, NM), honest) & between(-(10**15), truth + moved, 10**15),
+        world=World(
+            ghosts={truth: 0},
+            choices=[moved],
+            moves={truth: truth + moved},
+            clauses={
+                "assumption": between(-honest, moved - exact_to(step, NM), honest)
+                & between(-(10**15), truth + moved, 10**15)
+            },
+        ),
     )
     is_tracking = machine.mode.eq(tracking)
     inside = is_tracking.implies(abs_(truth - exact_to(position, NM)) <= margin)

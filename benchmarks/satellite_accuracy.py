@@ -19,8 +19,8 @@ from benchmarks.satellite_tally import Cycle, Tally, quantiles
 from safeloc.models.satellite.chain import ChainConfig
 from safeloc.models.satellite.simulate import FINE, FINE_RECEIVER, Journey, passed
 from safeloc.report.stanford import stanford_diagram
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
-from safeloc.simulation.satellite.disturbing import Disturbance
 from safeloc.simulation.satellite.run import Outages, Spoofer
 
 CONFIG = ChainConfig(satellite=FINE)
@@ -40,16 +40,16 @@ CONDITIONS: dict[str, Journey] = {
 }
 PAIR, FIVE = frozenset({"G13", "G15"}), frozenset({"G11", "G13", "G15", "E10", "E12"})
 PHONE_PAIR = frozenset({"G02", "G06"})
-DISTURBED: dict[str, tuple[Disturbance, ...]] = {
+DISTURBED: dict[str, tuple[Fault, ...]] = {
     "as recorded": (),
-    "steps of 20 m, two": (Disturbance("step", 60, 240, 20.0, PAIR),),
-    "steps of 60 m, five": (Disturbance("step", 60, 240, 60.0, FIVE),),
-    "slow ramp, 60 m in 180 s, two": (Disturbance("ramp", 60, 240, 60.0, PAIR),),
-    "fast ramp, 60 m in 20 s, two": (Disturbance("ramp", 60, 80, 60.0, PAIR),),
-    "the fast ramp, code alone": (Disturbance("ramp", 60, 80, 60.0, PAIR, code_only=True),),
-    "wave of 30 m, 20 s, two": (Disturbance("wave", 60, 240, 30.0, PAIR, period_s=20.0),),
-    "silence, 1 s in 20 s": (Disturbance("silence", 0, 300, period_s=20.0, silent_s=1.0),),
-    "all dragged, 60 m in 240 s": (Disturbance("false place", 60, 300, 60.0),),
+    "steps of 20 m, two": (Fault("step", PAIR, 60_000, 240_000, {"size_m": 20.0}),),
+    "steps of 60 m, five": (Fault("step", FIVE, 60_000, 240_000, {"size_m": 60.0}),),
+    "slow ramp, 60 m in 180 s, two": (Fault("ramp", PAIR, 60_000, 240_000, {"size_m": 60.0}),),
+    "fast ramp, 60 m in 20 s, two": (Fault("ramp", PAIR, 60_000, 80_000, {"size_m": 60.0}),),
+    "the fast ramp, code alone": (Fault("ramp", PAIR, 60_000, 80_000, {"size_m": 60.0, "code_only": True}),),
+    "wave of 30 m, 20 s, two": (Fault("wave", PAIR, 60_000, 240_000, {"size_m": 30.0, "period_s": 20.0}),),
+    "silence, 1 s in 20 s": (Fault("silence", "", 0, 300_000, {"period_s": 20.0, "silent_s": 1.0}),),
+    "all dragged, 60 m in 240 s": (Fault("false place", "", 60_000, 300_000, {"size_m": 60.0}),),
 }
 HEADS = (
     "condition", "cycles", "signals judged", "healthy excluded", "within the bound, excluded", "beyond, excluded",
@@ -73,7 +73,7 @@ def _cycles(journey: Journey, seed: int) -> Iterator[Cycle]:
         yield as_told(one.outcome, round(true.place_m * 1_000), errors, true.error_m)
 
 
-def recorded(recording: Recording, name: str, disturbances: tuple[Disturbance, ...]) -> Tally:
+def recorded(recording: Recording, name: str, disturbances: tuple[Fault, ...]) -> Tally:
     """One disturbance of a recording."""
     healthy_m = recording.config.satellite.selection.range_noise_mm / 1_000
     tally = Tally(f"{recording.name}: {name}", healthy_m, bound_m(recording.config))
@@ -141,7 +141,7 @@ def trials(runs: int, recordings: Path | None) -> Iterator[tuple[Tally, int]]:
     if recordings is None:
         return
     still, hand = geodetic(recordings), phone(recordings)
-    step = (Disturbance("step", 60, 200, 150.0, PHONE_PAIR),)
+    step = (Fault("step", PHONE_PAIR, 60_000, 200_000, {"size_m": 150.0}),)
     rows = [(still, name, chosen) for name, chosen in DISTURBED.items()]
     rows += [(hand, "as recorded", ()), (hand, "steps of 150 m, two", step)]
     for recording, name, chosen in rows:

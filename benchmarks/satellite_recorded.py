@@ -23,7 +23,8 @@ from safeloc.sensing.satellite.places import Place, Vector
 from safeloc.sensing.satellite.residuals import Residuals, residuals
 from safeloc.sensing.satellite.track_fit import slope_ppm
 from safeloc.sensing.satellite.track_prediction import Portion
-from safeloc.simulation.satellite.disturbing import Disturbance, disturb
+from safeloc.simulation.faults import Fault
+from safeloc.simulation.satellite.disturbing import disturb
 
 HALF_M = 300.0
 REFERENCE_EPOCHS = 120
@@ -109,7 +110,7 @@ def slopes(recording: Recording, known: Sequence[Residuals]) -> Mapping[float, M
     }
 
 
-def told(recording: Recording, known: Sequence[Residuals], disturbances: Sequence[Disturbance]) -> Iterator[Told]:
+def told(recording: Recording, known: Sequence[Residuals], disturbances: Sequence[Fault]) -> Iterator[Told]:
     """The recording through the chain; the known point, at rest, is a reference at the beginning, and every two minutes."""
     by_time = slopes(recording, known)
     made = disturb(recording.epochs, disturbances, by_time.__getitem__)
@@ -124,12 +125,14 @@ def told(recording: Recording, known: Sequence[Residuals], disturbances: Sequenc
 def as_told(outcome: Outcome, truth_mm: int, error_m: Mapping[str, float], added_m: Mapping[str, float]) -> Told:
     """A cycle for the tally: judged are the satellites that were compared, with a covariance."""
     outputs, inputs = outcome.outputs, outcome.inputs
-    position, under, over = (int(outputs[f"position.{name}_mm"]) for name in ("position", "under", "over"))
+    position, below, above = (
+        int(outputs[f"position.{name}_mm"]) for name in ("position", "margin_below", "margin_above")
+    )
     fix = inputs.get("position.fix_mm")
     judged = [name for name, standing in outcome.standings.items() if standing in ("USABLE", "EXCLUDED")]
     return Told(
         truth_mm,
-        (position - under, position, position + over) if outputs["position.valid"] else None,
+        (position - below, position, position + above) if outputs["position.valid"] else None,
         int(outputs["position.drift_bound_mm"]) if outputs["position.drift_checked"] else None,
         None if fix is None else (int(fix), int(inputs["position.fix_protection_mm"])),
         int(outputs["position.fix"]) == ACCEPTED.value,

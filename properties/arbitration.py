@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, before, between, exact_to, ite
+from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.arbitration import Arbitration
 from safeloc.models.arbitration.variables import Source
+from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED
+from safeloc.properties.no_interval import no_interval
 
 SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
 TRACE = ("RFL-13", "RFL-14")
@@ -37,10 +40,21 @@ def _safety(model: Arbitration) -> Iterator[Property]:
         assumption=SOURCES_ARE_TRUE,
     )
     most = own.config.tolerance_mm
-    tolerable = (machine.output("under_mm") <= most) & (machine.output("over_mm") <= most)
-    yield _free("tolerance", tolerable, "what is given out is never wider than tolerable, on either side")
-    silent = all_of(own_var.eq(0) for own_var in (own.position, own.under, own.over, own.lag))
-    yield _free("nothing withheld is told", given | silent, "while a position is withheld no part of it is told")
+    tolerable = (machine.output("margin_below_mm") <= most) & (machine.output("margin_above_mm") <= most)
+    yield _free(
+        "tolerance", given.implies(tolerable), "what is given out is never wider than tolerable, on either side"
+    )
+    silent = all_of(own_var.eq(0) for own_var in (own.position, own.below, own.above, own.lag))
+    yield _free(
+        "nothing withheld is told",
+        given | (silent & _nothing_told(model.machine)),
+        "while a position is withheld no part of it is told",
+    )
+
+
+def _nothing_told(machine: Machine) -> Bool:
+    ends = [machine.output(name).eq(NO_POSITION_MM) for name in ("min_safe_front_mm", "max_safe_front_mm")]
+    return no_interval(machine) & all_of(ends)
 
 
 def _fail_safe(model: Arbitration) -> Iterator[Property]:
@@ -125,7 +139,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
     own = model.own
     given, low, _ = _given(model)
     front = model.machine.output("min_safe_front_mm")
-    safe_before = before(own.position) - before(own.under) - before(own.lag)
+    safe_before = before(own.position) - before(own.below) - before(own.lag)
     yield always(
         "min safe front end",
         given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
@@ -151,7 +165,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
 
 def _given(model: Arbitration) -> tuple[Bool, Num, Num]:
     own = model.own
-    return model.machine.flag("valid"), own.position - own.under, own.position + own.over
+    return model.machine.flag("valid"), own.position - own.below, own.position + own.above
 
 
 def _apart(source: Source, other: Source) -> Bool:

@@ -1,116 +1,212 @@
-"""What must hold of a train's entry record (FVA-3, FVA-5)."""
+"""What must hold of a train's entry record (FVA-3, FVA-5).
+
+The truth is reckoned upwards along the line; a record is reckoned in the direction in which it says that the train came.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Lit, before, between, exact_to
+from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.spec import Property, always, reachable
-from safeloc.language.units import NM, UM, Unit
+from safeloc.language.units import COUNT, NM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
-from safeloc.models.axle_counter.passage import SOUND, UM_PER_MM
-from safeloc.models.axle_head import NO_AXLE
+from safeloc.models.axle_counter import passage as p
+from safeloc.models.axle_counter.passage import Parts
+from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 
 TRACE = ("FVA-3", "FVA-5")
-LAW = "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes"
+LAW = (
+    "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes, and follow "
+    "each other at the headway; a passage is told to be over only when it is"
+)
 
 
 def properties(model: AxleCounter) -> list[Property]:
     """A sound record is true; a passage with any flaw gives none."""
+    return [*_truth(model), *_within_bounds(model), *_spoils(model), *_flaws(model), *_records(model)]
+
+
+def _held(name: str, term: Bool, statement: str) -> Property:
+    """A claim for all inputs in range."""
+    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+
+
+def _lawful(name: str, term: Bool, statement: str) -> Property:
+    """A claim that rests on the world's clauses."""
+    return always(name, term, statement=statement, requirements=TRACE, assumption=LAW)
+
+
+def _ahead(model: AxleCounter, along: Num) -> Num:
+    """Of what is reckoned upwards, what is ahead in the direction that the record tells."""
+    return ite(model.machine.output("record_direction").eq(DOWN), -along, along)
+
+
+# ------------------------------------------------------------------ a sound record
+
+
+def _truth(model: AxleCounter) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    spoilt, _, passing, done = machine.modes
-    mode, sound = machine.mode, machine.flag("record_sound")
-    nothing = [machine.output(f"record_{name}") for name in ("axles", "length_low_um", "length_high_um")]
-    gap = Lit(own.config.axle_gap_mm * UM_PER_MM, UM)
-    return [
-        always(
-            "count is true",
-            sound.implies(own.count.eq(own.axles)),
-            statement="a sound record holds the number of axles that passed",
-            requirements=TRACE,
-            assumption=LAW,
-        ),
-        *_within_bounds(model),
-        always(
-            "the whole train has passed",
-            sound.implies(own.run - own.length > exact_to(gap, NM)),
-            statement="a record is made only when the train has run farther since its last axle than two axles are apart",
-            requirements=TRACE,
-            assumption=LAW,
-        ),
-        always(
-            "length is exact enough",
-            sound.implies(own.length_high - own.length_low <= own.config.length_spread_mm * UM_PER_MM),
-            statement="a sound record's length is never wider than permitted",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a fault spoils",
-            own.fault.implies(mode.eq(spoilt)),
-            statement="disagreeing channels or a disturbed head: no record, from the same cycle on",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "turning spoils",
-            (before(mode).eq(passing) & own.axle.ne(NO_AXLE) & own.axle.ne(before(own.came))).implies(mode.eq(spoilt)),
-            statement="an axle in the other direction spoils the passage in the same cycle",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "spoilt until over",
-            (before(mode).eq(spoilt) & mode.ne(spoilt)).implies(own.over & mode.eq(done) & ~sound),
-            statement="what is left of a spoilt passage is never taken for another train",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a record needs a passage",
-            sound.implies(before(mode).eq(passing) & (own.count > 0)),
-            statement="a sound record is made only at the end of an undisturbed passage",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "nothing without a record",
-            (~sound).implies(nothing[0].eq(0) & nothing[1].eq(0) & nothing[2].eq(0)),
-            statement="without a sound record there are no numbers to verify with",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a flaw is told",
-            mode.eq(spoilt).implies(own.flaw.ne(SOUND)),
-            statement="a spoilt passage has a reason",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        reachable("record", sound & (own.count > 1), statement="a train gives a sound record", requirements=TRACE),
-    ]
+    sound, direction = machine.flag("record_sound"), machine.output("record_direction")
+    gap = Lit(own.config.axle_gap_mm * 1_000_000, NM)
+    yield _lawful(
+        "count is true",
+        sound.implies(machine.output("record_axles").eq(own.axles)),
+        "a sound record holds the number of axles that passed",
+    )
+    yield _lawful(
+        "direction is true",
+        sound.implies(direction.eq(ite(own.last_up, UP, DOWN))),
+        "a sound record tells the direction in which the train passed",
+    )
+    yield _lawful(
+        "the whole train has passed",
+        sound.implies(_ahead(model, own.run - own.length) > gap),
+        "a record is made only when the train has run farther since its last axle than two axles are apart",
+    )
 
 
 def _within_bounds(model: AxleCounter) -> Iterator[Property]:
     """What a sound record bounds, the train's truth between."""
-    own = model.own
-    bounds = {
-        "length": (own.length_low, own.length, own.length_high),
-        "speed": (own.low_speed, own.speed, own.high_speed),
-        "place": (own.run_low, own.run, own.run_high),
-    }
+    machine, own = model.machine, model.own
+    bounds = {"length": ("um", own.length), "speed": ("mm_s", own.speed), "run": ("um", own.run)}
     meant = {
         "length": "the length from first to last axle, whatever the train's speed did",
         "speed": "the speed of its cycle",
-        "place": "how far the first axle is beyond the counter",
+        "run": "how far the first axle is beyond the counter",
     }
-    for name, (low, truth, high) in bounds.items():
-        unit = truth.unit
-        assert isinstance(unit, Unit)
-        yield always(
-            f"{name} is true",
-            model.machine.flag("record_sound").implies(between(exact_to(low, unit), truth, exact_to(high, unit))),
-            statement=f"a sound record's bounds hold {meant[name]}",
-            requirements=TRACE,
-            assumption=LAW,
+    for name, (unit, truth) in bounds.items():
+        low, high = (machine.output(f"record_{name}_{end}_{unit}") for end in ("low", "high"))
+        finer = UM_S if name == "speed" else NM
+        yield _lawful(
+            f"{name if name != 'run' else 'place'} is true",
+            machine.flag("record_sound").implies(
+                between(exact_to(low, finer), _ahead(model, truth), exact_to(high, finer))
+            ),
+            f"a sound record's bounds hold {meant[name]}",
         )
+    wide = machine.output("record_length_high_um") - machine.output("record_length_low_um")
+    yield _held(
+        "length is exact enough",
+        machine.flag("record_sound").implies(wide <= Lit(own.config.length_spread_mm * 1_000, UM)),
+        "a sound record's length is never wider than permitted",
+    )
+
+
+# ------------------------------------------------------------------ what spoils a passage
+
+
+def _other_way(own: Parts) -> Bool:
+    return own.axle.ne(NO_AXLE) & own.axle.ne(before(own.came))
+
+
+def _spoils(model: AxleCounter) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    spoilt, _, passing, done = machine.modes
+    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
+    yield _held(
+        "a fault spoils",
+        own.fault.implies(mode.eq(spoilt)),
+        "disagreeing channels or a disturbed head: no record, from the same cycle on",
+    )
+    yield _held(
+        "turning spoils",
+        (before_.eq(passing) & _other_way(own)).implies(mode.eq(spoilt)),
+        "an axle in the other direction spoils the passage in the same cycle",
+    )
+    late = (before(own.pause) + 2) * own.config.period_ms > own.config.headway_ms
+    yield _held(
+        "an axle after the headway spoils",
+        (before_.eq(passing) & own.axle.ne(NO_AXLE) & late).implies(mode.eq(spoilt)),
+        "an axle that comes so long after the last one that it may be another train's spoils the passage in the same cycle",
+    )
+    yield _held(
+        "spoilt until over",
+        (before_.eq(spoilt) & mode.ne(spoilt)).implies(own.over & mode.eq(done) & ~sound),
+        "what is left of a spoilt passage is never taken for another train",
+    )
+    longer = ite(before(own.pause) >= own.pause.high, before(own.pause), before(own.pause) + 1)
+    yield _held(
+        "the pause is counted",
+        (before_.eq(passing) & mode.eq(passing)).implies(
+            own.pause.eq(ite(own.axle.eq(NO_AXLE), longer, as_num(0, COUNT)))
+        ),
+        "the pause begins anew with every axle, and grows by one cycle in every other cycle",
+    )
+
+
+def _flaws(model: AxleCounter) -> Iterator[Property]:
+    """A reason, and the right one."""
+    machine, own = model.machine, model.own
+    spoilt, _, passing, _ = machine.modes
+    mode, before_ = machine.mode, before(machine.mode)
+    yield _held("a flaw is told", mode.eq(spoilt).implies(own.flaw.ne(p.SOUND)), "a spoilt passage has a reason")
+    newly = before_.ne(spoilt) & mode.eq(spoilt)
+    yield _held(
+        "a passage is spoilt for the reason told",
+        newly.implies(any_of(own.flaw.eq(flaw) & cause for flaw, cause in _causes(own).items())),
+        "a passage is spoilt only by what its flaw says",
+    )
+    yield _lawful(
+        "true speeds never contradict each other",
+        own.flaw.ne(p.SPEED_CONTRADICTED),
+        "the bounds of the speeds of a train that keeps to its traction and brakes always have one in common",
+    )
+    yield _held(
+        "an unspoilt passage goes on",
+        (before_.eq(passing) & own.axle.eq(NO_AXLE) & ~own.fault).implies(mode.ne(spoilt) | own.flaw.eq(p.TOO_LONG)),
+        "in a cycle without an axle and without a fault only its length can spoil a passage",
+    )
+
+
+def _causes(own: Parts) -> dict[Lit, Bool]:
+    counted, config = own.axle.ne(NO_AXLE), own.config
+    unknown = ~own.slow.present | ~own.fast.present | (own.slow.value > own.fast.value)
+    return {
+        p.HEAD_FAULT: own.fault,
+        p.NO_SPEED: counted & unknown,
+        p.TURNED: _other_way(own),
+        p.TOO_MANY: before(own.count) + own.number > config.axle_limit,
+        p.TOO_LONG: (before(own.length_high) > Lit(config.length_limit_mm * 1_000, UM)) | _far_off(own),
+        p.SPEED_CONTRADICTED: counted & ~unknown,
+        p.MAYBE_ANOTHER_TRAIN: counted & (before(own.pause) > 0),
+    }
+
+
+def _far_off(own: Parts) -> Bool:
+    """A bound of the run may leave what is followed within this cycle."""
+    farthest = Lit((own.config.length_limit_mm + own.config.axle_gap_mm) * 1_000, UM)
+    return any_of(abs_(before(bound)) > farthest for bound in (own.run_low, own.run_high, own.past_low))
+
+
+# ------------------------------------------------------------------ when there is a record
+
+
+def _records(model: AxleCounter) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, _, passing, done = machine.modes
+    mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
+    nothing = [machine.output(f"record_{name}") for name in ("axles", "length_low_um", "length_high_um")]
+    yield _held(
+        "a record needs a passage",
+        sound.implies(before_.eq(passing) & (own.count > 0)),
+        "a sound record is made only at the end of an undisturbed passage",
+    )
+    yield _held(
+        "nothing without a record",
+        (~sound).implies(nothing[0].eq(0) & nothing[1].eq(0) & nothing[2].eq(0)),
+        "without a sound record there are no numbers to verify with",
+    )
+    ready = machine.flag("record_ready")
+    yield _held(
+        "a passage ends with its record",
+        (before_.eq(passing) & mode.eq(done)).implies(ready & (sound | own.flaw.eq(p.LENGTH_UNKNOWN))),
+        "a passage that was not spoilt ends with a sound record, or its length is not known well enough",
+    )
+    gap = Lit(own.config.axle_gap_mm * 1_000, UM)
+    yield _held(
+        "a record comes as soon as the train has passed",
+        (mode.eq(passing) & own.axle.eq(NO_AXLE)).implies(own.past_low <= gap),
+        "the record comes in the cycle in which the train has surely run farther than two axles are apart",
+    )
+    yield reachable("record", sound & (own.count > 1), statement="a train gives a sound record", requirements=TRACE)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import before, was
-from safeloc.language.spec import Property, always, reachable
-from safeloc.models.axle_head import DOWN, NO_AXLE, OFF, OVER_A, OVER_B, OVER_BOTH, UP, AxleHead
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, NumVar, before, was
+from safeloc.language.spec import Property, always, previous, reachable, since
+from safeloc.models.axle_head import AxleHead
+from safeloc.models.axle_head.variables import DOWN, NO_AXLE, UP, Parts
 
 TRACE = ("FVA-4", "FVA-5")
 LAW = "one wheel at a time, sampled often enough, and no false damping"
@@ -12,49 +15,109 @@ LAW = "one wheel at a time, sampled often enough, and no false damping"
 
 def properties(model: AxleHead) -> list[Property]:
     """Every axle is counted once, in its direction; nothing else is."""
+    return [*_wheels(model), *_sequences(model), *_disturbed(model), *_reached(model)]
+
+
+def _held(name: str, term: Bool, statement: str) -> Property:
+    """A claim for all samples."""
+    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+
+
+def _end_um(own: Parts) -> int:
+    """Where a wheel that rolls up leaves channel B."""
+    return 1_000 * (own.config.spacing_mm + own.config.overlap_mm + own.config.spacing_mm)
+
+
+def _on(own: Parts, wheel: NumVar) -> Bool:
+    return (wheel >= 0) & (wheel < _end_um(own))
+
+
+def _hears_the_wheel(own: Parts) -> Bool:
+    """The channels tell the wheel that is there, and nothing else."""
+    begins, ends = own.config.spacing_mm * 1_000, (own.config.spacing_mm + own.config.overlap_mm) * 1_000
+    on = _on(own, own.wheel)
+    return own.a.iff(on & (own.wheel < ends)) & own.b.iff(on & (own.wheel >= begins))
+
+
+def _wheels(model: AxleHead) -> Iterator[Property]:
+    """Where the wheel really is."""
+    machine, own = model.machine, model.own
+    on, above, below = _on(own, before(own.wheel)), own.wheel >= _end_um(own), own.wheel < 0
+    through_up, through_down = on & above & was(own.from_low), on & below & ~was(own.from_low)
+    yield always(
+        "every axle is counted",
+        own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down),
+        statement="an axle is counted upwards in exactly the sample in which a wheel from below left above; and downwards",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "no disturbance by wheels",
+        _hears_the_wheel(own).implies(~machine.flag("disturbed")),
+        statement="wheels alone, also those that turn back on the head, never disturb it",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "damped is a wheel on the head",
+        machine.flag("damped").iff(_on(own, own.wheel)),
+        statement="the head says that it is damped exactly while a wheel is on it",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _sequences(model: AxleHead) -> Iterator[Property]:
+    """What the channels have to have told for an axle to be counted."""
+    own = model.own
+    some = own.a | own.b
+    both, from_a, from_b = (
+        previous(since(some, own.a & own.b)),
+        previous(since(some, own.a & ~own.b & ~previous(some))),
+        previous(since(some, own.b & ~own.a & ~previous(some))),
+    )
+    yield _held(
+        "no axle without overlap",
+        own.axle.ne(NO_AXLE).implies(both & ~some),
+        "an axle is counted only when both channels are free again, and were damped together since they were free before",
+    )
+    yield _held(
+        "an axle comes in at one channel and goes out at the other",
+        own.axle.eq(UP).implies(from_a & previous(own.b & ~own.a))
+        & own.axle.eq(DOWN).implies(from_b & previous(own.a & ~own.b)),
+        "upwards is what damped A alone first and B alone last; downwards the other way round",
+    )
+
+
+def _disturbed(model: AxleHead) -> Iterator[Property]:
     machine, own = model.machine, model.own
     free, *_, disturbed = machine.modes
-    mode = machine.mode
-    leaves = before(own.place).ne(OFF) & own.place.eq(OFF)
-    through_up = leaves & before(own.place).eq(OVER_B) & was(own.from_low)
-    heard = own.a.iff(own.place.one_of(OVER_A, OVER_BOTH)) & own.b.iff(own.place.one_of(OVER_B, OVER_BOTH))
-    through_down = leaves & before(own.place).eq(OVER_A) & ~was(own.from_low)
-    return [
-        always(
-            "every axle is counted",
-            own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down),
-            statement="an axle is counted upwards in exactly the sample in which a wheel from below left above; and downwards",
-            requirements=TRACE,
-            assumption=LAW,
-        ),
-        always(
-            "no disturbance by wheels",
-            heard.implies(~machine.flag("disturbed")),
-            statement="wheels alone, also those that turn back on the head, never disturb it",
-            requirements=TRACE,
-            assumption=LAW,
-        ),
-        always(
-            "no axle without overlap",
-            own.axle.ne(NO_AXLE).implies(machine.fired("axle upwards", "axle downwards") & ~own.a & ~own.b),
-            statement="an axle is counted only at the end of the whole sequence",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "unknown direction disturbs",
-            (before(mode).eq(free) & own.a & own.b).implies(mode.eq(disturbed)),
-            statement="both channels at once tell no direction: the head is disturbed in that sample",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a disturbed head counts nothing",
-            (before(mode).eq(disturbed) | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),
-            statement="while disturbed, and in the sample in which that ends, no axle is counted",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        reachable("axle upwards", own.axle.eq(UP), statement="axles are counted upwards", requirements=TRACE),
-        reachable("axle downwards", own.axle.eq(DOWN), statement="axles are counted downwards", requirements=TRACE),
-    ]
+    mode, is_disturbed = machine.mode, machine.flag("disturbed")
+    leap = previous(own.a).iff(~own.a) & previous(own.b).iff(~own.b)
+    yield _held(
+        "unknown direction disturbs",
+        (before(mode).eq(free) & own.a & own.b).implies(mode.eq(disturbed)),
+        "both channels at once tell no direction: the head is disturbed in that sample",
+    )
+    was_disturbed = before(mode).eq(disturbed)
+    yield _held(
+        "a step that no wheel makes disturbs",
+        (leap & ~was_disturbed).implies(is_disturbed),
+        "two channels that change in the same sample, in whatever order, disturb the head in that sample",
+    )
+    yield _held(
+        "nothing else disturbs",
+        is_disturbed.implies(leap | (was_disturbed & (own.a | own.b))),
+        "the head is disturbed only by such a step, and only until both channels are free",
+    )
+    yield _held(
+        "a disturbed head counts nothing",
+        (was_disturbed | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),
+        "while disturbed, and in the sample in which that ends, no axle is counted",
+    )
+
+
+def _reached(model: AxleHead) -> Iterator[Property]:
+    own = model.own
+    yield reachable("axle upwards", own.axle.eq(UP), statement="axles are counted upwards", requirements=TRACE)
+    yield reachable("axle downwards", own.axle.eq(DOWN), statement="axles are counted downwards", requirements=TRACE)

@@ -1,124 +1,254 @@
-"""What must hold of a section between axle counters (FVA-4, FVA-5)."""
+"""What must hold of a section between axle counters (FVA-4, FVA-5).
+
+Every claim is written from the axles told in a cycle, from what is really in the section, and from the state that the
+requirement speaks of: mode, count, lead time, the ways that a sweep has gone since the reset.
+"""
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, before, was
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, BoolVar, Num, NumVar, all_of, any_of, before, ite, minimum, was
 from safeloc.language.spec import Property, always, reachable
-from safeloc.models.axle_section import ACCEPTED, AxleSection
+from safeloc.models.axle_section import AxleSection
+from safeloc.models.axle_section.variables import (
+    ACCEPTED,
+    AXLE_PASSED,
+    AXLES_COUNTED,
+    HEAD_DAMPED,
+    HEAD_FAULT,
+    NOT_ASKED,
+    RAN_THROUGH,
+    Parts,
+)
 
 TRACE = ("FVA-4", "FVA-5")
-LAW = "heads without a fault count truly; a sweep through that is counted in and out and reports the section free leaves nothing"
+LAW = (
+    "heads without a fault count truly; who reports a sweep ran it after the reset was asked for, on sight, has left, and met "
+    "nothing where he ran through"
+)
 
 
 def properties(model: AxleSection) -> list[Property]:
     """Clear is clear; a reset never frees; a fault is occupied in the same step."""
+    return [*_truth(model), *_resets(model), *_answers(model), *_occupied(model), *_sweeps(model), *_frees(model)]
+
+
+def _held(name: str, term: Bool, statement: str) -> Property:
+    """A claim for all inputs in range."""
+    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+
+
+def _lawful(name: str, term: Bool, statement: str) -> Property:
+    """A claim that rests on the world's clauses."""
+    return always(name, term, statement=statement, requirements=TRACE, assumption=LAW)
+
+
+# ------------------------------------------------------------------ terms from what is told
+
+
+def _passed(own: Parts) -> Bool:
+    return any_of(axles.ne(0) for axles in (*own.into, *own.out))
+
+
+def _came_in(own: Parts) -> Num:
+    """The count before the cycle, and what came in at both ends."""
+    return before(own.count) + own.into[0] + own.into[1]
+
+
+def _went_out(own: Parts) -> Num:
+    return own.out[0] + own.out[1]
+
+
+def _ways(own: Parts) -> list[tuple[BoolVar, NumVar]]:
+    """The state that keeps each way of the sweep, and the axles told there."""
+    return list(zip((*own.swept_from, *own.swept_to), (*own.into, *own.out), strict=True))
+
+
+def _ran_through(own: Parts) -> Bool:
+    """Before this cycle axles had come in at one end only, and gone out at the other only."""
+    (in_low, in_high), (out_low, out_high) = map(was, own.swept_from), map(was, own.swept_to)
+    return (in_low & ~in_high & ~out_low & out_high) | (in_high & ~in_low & ~out_high & out_low)
+
+
+# ------------------------------------------------------------------ claims
+
+
+def _truth(model: AxleSection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, clear, occupied, _, _ = machine.modes
+    is_clear, before_ = machine.flag("clear"), before(machine.mode)
+    accepted = own.answer.eq(ACCEPTED)
+    yield _lawful("clear is clear", is_clear.implies(own.axles.eq(0)), "a section reported clear has no axle in it")
+    yield _lawful(
+        "a healthy count is the truth",
+        machine.flag("healthy").implies(machine.output("axles").eq(own.axles)),
+        "where the count is healthy, as many axles are told as are really in the section",
+    )
+    yield _lawful(
+        "cleared only by a sweep that met nothing",
+        (is_clear & ~before_.one_of(clear, occupied)).implies(
+            before(own.sweep).eq(RAN_THROUGH) & before(own.stood).eq(0)
+        ),
+        "unknown, disturbed or reset, a section becomes clear only when a sweep really ran from one end to the other, and "
+        "nothing stood in the section when it came in",
+    )
+    yield _lawful(
+        "refused while a train is in",
+        (accepted & before_.one_of(clear, occupied)).implies(before(own.axles).eq(0)),
+        "while the count is believed, a reset is accepted only where no axle really is in the section",
+    )
+
+
+def _resets(model: AxleSection) -> Iterator[Property]:
     machine, own = model.machine, model.own
     unknown, clear, occupied, disturbed, sweeping = machine.modes
-    mode, is_clear = machine.mode, machine.flag("clear")
-    before_ = before(mode)
+    mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
     accepted = own.answer.eq(ACCEPTED)
-    return [
-        always(
-            "clear is clear",
-            is_clear.implies(own.axles.eq(0)),
-            statement="a section reported clear has no axle in it",
-            requirements=TRACE,
-            assumption=LAW,
+    yield _held(
+        "a reset never frees",
+        own.reset.implies(~is_clear | before_.eq(clear) | ~accepted),
+        "in a cycle with an accepted reset an occupied section does not become clear",
+    )
+    yield _held(
+        "a reset leads to a sweep",
+        accepted.implies(mode.one_of(sweeping, disturbed)),
+        "an accepted reset is followed by a sweep, never by clear",
+    )
+    yield _held(
+        "clear after a reset needs a sweep",
+        (is_clear & ~before_.one_of(clear, occupied)).implies(
+            before_.eq(sweeping) & _ran_through(own) & ~_passed(own) & own.reported_clear
         ),
-        always(
-            "a reset never frees",
-            own.reset.implies(~is_clear | before_.eq(clear) | ~accepted),
-            statement="in a cycle with an accepted reset an occupied section does not become clear",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a reset leads to a sweep",
-            accepted.implies(mode.one_of(sweeping, disturbed)),
-            statement="an accepted reset is followed by a sweep, never by clear",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "clear after a reset needs a sweep",
-            (is_clear & ~before_.one_of(clear, occupied)).implies(
-                machine.fired("swept") & _ran_through(model) & own.reported_clear
-            ),
-            statement="unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and "
-            "out and reported it free",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "refused while occupied",
-            (accepted & before_.one_of(occupied, sweeping)).implies(before(own.count).eq(0)),
-            statement="a reset is refused while axles are counted in",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "refused at a damped or faulty head",
-            accepted.implies(~own.damped & ~own.fault & ~own.moved),
-            statement="a reset is refused while a head is damped or at fault, and in a cycle with an axle",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "refused within the lead time",
-            accepted.implies(before(own.quiet) >= own.config.lead_cycles),
-            statement="a reset is refused until no axle passed for the lead time",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a fault is occupied",
-            own.fault.implies(~is_clear),
-            statement="in a cycle with a fault of a head the section is not clear",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a damped head is occupied",
-            own.damped.implies(~is_clear),
-            statement="while a wheel stands on a counting head the section is not clear, whatever is counted",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "an impossible count is disturbed",
-            (before_.one_of(clear, occupied, sweeping) & (before(own.count) + own.change < 0)).implies(
-                mode.eq(disturbed)
-            ),
-            statement="more axles out than in: disturbed in the same cycle",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a fault is not forgotten",
-            before_.eq(disturbed).implies(mode.one_of(disturbed, sweeping)),
-            statement="a disturbed section stays so, also when the fault is gone, until it is reset",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "power-up is occupied",
-            before_.eq(unknown).implies(mode.one_of(unknown, sweeping)),
-            statement="after power-up the section is not clear until reset and swept",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "sweep ways are kept",
-            (mode.eq(sweeping) & ~accepted & before_.eq(sweeping) & was(own.swept_from[0])).implies(own.swept_from[0]),
-            statement="what the sweep did since the reset is not forgotten on the way",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        reachable("clear", is_clear, statement="a section can become clear", requirements=TRACE),
-    ]
+        "unknown, disturbed or reset, a section becomes clear only when a sweep ran through, was counted in and out and "
+        "reported it free",
+    )
+    yield _held(
+        "refused while occupied",
+        (accepted & ~before_.one_of(unknown, clear, disturbed)).implies(before(own.count).eq(0)),
+        "a reset is refused while axles are counted in",
+    )
+    yield _held(
+        "refused at a damped or faulty head",
+        accepted.implies(~own.damped & ~own.fault & ~_passed(own)),
+        "a reset is refused while a head is damped or at fault, and in a cycle with an axle",
+    )
+    yield _held(
+        "refused within the lead time",
+        accepted.implies(before(own.quiet) >= own.config.lead_cycles),
+        "a reset is refused until no axle passed for the lead time",
+    )
+    longer = minimum(before(own.quiet) + 1, own.config.lead_cycles)
+    yield _held(
+        "the lead time is counted",
+        _always_in_a_step(model, own.quiet.eq(ite(_passed(own), 0, longer))),
+        "the lead time begins anew with every axle, at whichever end and in whichever direction, and grows by one cycle in "
+        "every other cycle",
+    )
 
 
-def _ran_through(model: AxleSection) -> Bool:
-    """Since the reset axles came in at one end only, and went out at the other only."""
-    (in_low, in_high), (out_low, out_high) = map(was, model.own.swept_from), map(was, model.own.swept_to)
-    return (in_low & ~in_high & ~out_low & out_high) | (in_high & ~in_low & ~out_high & out_low)
+def _answers(model: AxleSection) -> Iterator[Property]:
+    """Each answer exactly in its case."""
+    machine, own = model.machine, model.own
+    unknown, clear, _, disturbed, _ = machine.modes
+    counted = ~before(machine.mode).one_of(unknown, clear, disturbed) & before(own.count).ne(0)
+    early = _passed(own) | (before(own.quiet) < own.config.lead_cycles)
+    cases = {
+        HEAD_FAULT: own.fault,
+        HEAD_DAMPED: ~own.fault & own.damped,
+        AXLES_COUNTED: ~own.fault & ~own.damped & counted,
+        AXLE_PASSED: ~own.fault & ~own.damped & ~counted & early,
+        ACCEPTED: ~own.fault & ~own.damped & ~counted & ~early,
+    }
+    right = [own.answer.eq(answer).iff(own.reset & case) for answer, case in cases.items()]
+    yield _held(
+        "a request for reset is answered",
+        _always_in_a_step(model, all_of([*right, own.answer.eq(NOT_ASKED).iff(~own.reset)])),
+        "a request is answered with the first reason against it, and accepted where there is none",
+    )
+
+
+def _always_in_a_step(model: AxleSection, term: Bool) -> Bool:
+    """The term of every step; of the first state nothing is asked."""
+    return (model.machine.stayed() | ~model.machine.stayed()).implies(term)
+
+
+def _occupied(model: AxleSection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    unknown, clear, occupied, disturbed, sweeping = machine.modes
+    mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
+    impossible = (_came_in(own) < _went_out(own)) | (_came_in(own) > _went_out(own) + own.config.axle_limit)
+    believed = before_.one_of(clear, occupied, sweeping)
+    yield _held(
+        "a fault is occupied",
+        own.fault.implies(~is_clear),
+        "in a cycle with a fault of a head the section is not clear",
+    )
+    yield _held(
+        "a damped head is occupied",
+        own.damped.implies(~is_clear),
+        "while a wheel stands on a counting head the section is not clear, whatever is counted",
+    )
+    yield _held(
+        "an impossible count is disturbed",
+        (believed & impossible).implies(mode.eq(disturbed)),
+        "more axles out than in, or more in than there can be: disturbed in the same cycle",
+    )
+    yield _held(
+        "only a fault or an impossible count disturbs",
+        (before_.ne(disturbed) & mode.eq(disturbed)).implies(believed & (own.fault | impossible)),
+        "without a fault of a head and with a possible count the section is not disturbed",
+    )
+    yield _held(
+        "a fault is not forgotten",
+        before_.eq(disturbed).implies(mode.one_of(disturbed, sweeping)),
+        "a disturbed section stays so, also when the fault is gone, until it is reset",
+    )
+    yield _held(
+        "power-up is occupied",
+        before_.eq(unknown).implies(mode.one_of(unknown, sweeping)),
+        "after power-up the section is not clear until reset and swept",
+    )
+    yield _held(
+        "a needed reset is asked for",
+        machine.flag("needs_reset").iff(mode.one_of(unknown, disturbed)),
+        "after power-up and once disturbed, the section tells that it needs a reset, and only then",
+    )
+
+
+def _sweeps(model: AxleSection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    sweeping = machine.modes[-1]
+    mode, before_, accepted = machine.mode, before(machine.mode), own.answer.eq(ACCEPTED)
+    goes_on = mode.eq(sweeping) & before_.eq(sweeping) & ~accepted
+    kept = all_of(latch.iff(was(latch) | axles.ne(0)) for latch, axles in _ways(own))
+    yield _held(
+        "sweep ways are kept",
+        goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.count)),
+        "whatever the sweep did since the reset, at each end and in each direction, is counted and not forgotten on the way",
+    )
+    yield _held(
+        "a sweep begins with the reset",
+        (mode.eq(sweeping) & accepted).implies(own.count.eq(0) & ~any_of(latch for latch, _ in _ways(own))),
+        "what happened before the reset is no part of the sweep",
+    )
+
+
+def _frees(model: AxleSection) -> Iterator[Property]:
+    """When the section must become clear."""
+    machine, own = model.machine, model.own
+    _, clear, occupied, _, sweeping = machine.modes
+    mode, is_clear, before_ = machine.mode, machine.flag("clear"), before(machine.mode)
+    calm = ~own.fault & ~own.damped & own.answer.ne(ACCEPTED) & _came_in(own).eq(_went_out(own))
+    yield _held(
+        "axles counted out clear",
+        (before_.one_of(clear, occupied) & calm).implies(is_clear),
+        "where every axle that was counted in is counted out, the section is clear in the same cycle",
+    )
+    swept = _ran_through(own) & own.reported_clear & ~_passed(own)
+    yield _held(
+        "a sweep through clears",
+        (before_.eq(sweeping) & swept & calm).implies(mode.eq(clear)),
+        "a sweep that ran through, was counted in and out and reports the section free clears it",
+    )
+    yield reachable("clear", is_clear, statement="a section can become clear", requirements=TRACE)

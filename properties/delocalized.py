@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import BoolVar, NumVar, before, between, exact_to
+from safeloc.language.absence import while_there
+from safeloc.language.expr import BoolVar, NumVar, all_of, before, between, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.vocabulary.reasons import LOCATED
+from safeloc.properties.no_interval import no_interval
 
 SOURCE_IS_TRUE = "a valid source interval holds the truth"
 
@@ -19,8 +21,8 @@ def properties(machine: Machine, config: DelocalizedConfig | None = None) -> lis
     is_lost, mode = machine.mode.eq(delocalized), machine.mode
     inputs = {var.name: var for var in machine.inputs if isinstance(var, BoolVar)}
     reference, valid = inputs["reference_accepted"], inputs["source_valid"]
-    position, over, under = (machine.output(f"{name}_mm") for name in ("position", "over", "under"))
-    truth = next(iter(machine.ghosts))
+    position, above, below = (machine.output(f"{name}_mm") for name in ("position", "margin_above", "margin_below"))
+    truth = next(iter(machine.world.ghosts))
     reason = machine.output("reason")
     assert isinstance(reason, NumVar) and isinstance(truth, NumVar)
     centre = exact_to(position, NM)
@@ -28,22 +30,22 @@ def properties(machine: Machine, config: DelocalizedConfig | None = None) -> lis
     return [
         always(
             "containment",
-            mode.eq(localized).implies(between(centre - exact_to(under, NM), truth, centre + exact_to(over, NM))),
+            mode.eq(localized).implies(between(centre - exact_to(below, NM), truth, centre + exact_to(above, NM))),
             statement="a position that is passed on holds the truth",
             requirements=("MRK-D1",),
             assumption=SOURCE_IS_TRUE,
         ),
         always(
             "tolerance",
-            (over <= config.tolerance_mm) & (under <= config.tolerance_mm),
+            mode.eq(localized).implies((above <= config.tolerance_mm) & (below <= config.tolerance_mm)),
             statement="a position that is passed on is never wider than the tolerance",
             requirements=("MRK-D1",),
             unconditional=True,
         ),
         always(
             "nothing reported",
-            is_lost.implies(position.eq(0) & over.eq(0) & under.eq(0)),
-            statement="a delocalized vehicle reports no position",
+            is_lost.implies(no_interval(machine) & all_of(while_there(one).eq(0) for one in (position, above, below))),
+            statement="a delocalized vehicle reports no position, and keeps none",
             requirements=("MRK-D1", "MRK-D2"),
             unconditional=True,
         ),

@@ -1,105 +1,225 @@
-"""What must hold of the function check by a test emitter (FVA-8)."""
+"""What must hold of the function check by a test emitter (FVA-8).
+
+When the emitter is to send is a fact of the world: its ghosts `silent` and `may_answer` count it, not the machine.
+"""
 
 from __future__ import annotations
 
-from safeloc.language.expr import before
-from safeloc.language.spec import Property, always, reachable, within
-from safeloc.models.emitter import ELSEWHERE, FOREIGN, NO_PLACE, NOT_DUE, PASSED, Emitter
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Num, all_of, as_num, before, ite
+from safeloc.language.spec import Property, always, earlier_num, reachable, within
+from safeloc.language.units import COUNT
+from safeloc.models.emitter import Emitter
+from safeloc.models.emitter.variables import ELSEWHERE, FOREIGN, NO_PLACE, NOT_DUE, NOTHING, PASSED, Parts
 
 TRACE = ("FVA-8", "FVA-17")
-LAW = "nothing else makes this pattern at this place when it is due"
+LAW = "nothing else makes this pattern at this place while the emitter is to send"
 
 
 def properties(model: Emitter) -> list[Property]:
-    """Only the own pattern counts; a dead chain is told within the due time and one cycle."""
-    machine, own, config = model.machine, model.own, model.own.config
+    """Only the own pattern, at its time, counts; a dead chain is told within the due time and one cycle."""
+    return [*_chain(model), *_tested(model), *_patterns(model), *_times(model), *_failures(model), *_recovery(model)]
+
+
+def _chain(model: Emitter) -> Iterator[Property]:
+    """A chain that is silent, dead or does not answer is not said to be tested for long."""
+    own, config, works = model.own, model.own.config, model.machine.flag("chain_tested")
+    yield within(
+        "dead chain is told",
+        config.due_cycles,
+        ~own.works,
+        own.works | ~works,
+        statement="a chain that works no longer is not said to be tested when its due time and one cycle are over, "
+        "counted from the last pattern",
+        requirements=TRACE,
+        assumption=LAW,
+        helper=lambda waited: works.implies(waited <= own.since),
+    )
+    yield within(
+        "silence is told",
+        config.due_cycles,
+        ~own.pattern.present,
+        own.pattern.present | ~works,
+        statement="when nothing is heard at all, the chain is not said to be tested beyond its due time and one cycle",
+        requirements=TRACE,
+        unconditional=True,
+        helper=lambda waited: works.implies(waited <= own.since),
+    )
+    yield within(
+        "request is answered",
+        config.answer_cycles,
+        own.requested & works,
+        ~works | own.judged.eq(PASSED),
+        statement="an unanswered request ends the tested state within its time and one cycle",
+        requirements=TRACE,
+        unconditional=True,
+        helper=lambda waited: works.implies(waited <= own.asked),
+    )
+
+
+def _tested(model: Emitter) -> Iterator[Property]:
+    """What makes a chain tested, and what does not."""
+    machine, own = model.machine, model.own
     untested, tested, failed = machine.modes
-    mode, works = machine.mode, machine.flag("chain_tested")
-    passed = own.judged.eq(PASSED)
-    own_pattern = own.pattern.present & own.pattern.value.eq(config.pattern)
-    off = own.place.value - config.place_mm
-    near = own.place.present & (off <= config.place_tolerance_mm) & (off >= -config.place_tolerance_mm)
-    return [
-        within(
-            "dead chain is told",
-            config.due_cycles,
-            ~own.works,
-            own.works | ~works,
-            statement="a chain that works no longer is not said to be tested when its due time and one cycle are over, "
-            "counted from the last pattern",
-            requirements=TRACE,
-            assumption=LAW,
-            helper=lambda waited: works.implies(waited <= own.since),
+    mode, works, passed = machine.mode, machine.flag("chain_tested"), own.judged.eq(PASSED)
+    yield always(
+        "only the own pattern passes",
+        passed.implies(_ours(own) & own.place.present & ~_off_place(own)),
+        statement="a pattern passes only if every bit is that of this emitter and it comes from where the emitter stands",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "tested rests on a pattern",
+        (works & before(mode).ne(tested)).implies(passed),
+        statement="the chain is said to be tested again only in a cycle in which a pattern passed",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "foreign patterns do not pass",
+        own.judged.one_of(FOREIGN, NOT_DUE, NO_PLACE).implies(
+            ~machine.fired("pattern passes", "first pattern passes", "enough patterns pass")
         ),
-        within(
-            "silence is told",
-            config.due_cycles,
-            ~own.pattern.present,
-            own.pattern.present | ~works,
-            statement="when nothing is heard at all, the chain is not said to be tested beyond its due time and one cycle",
-            requirements=TRACE,
-            unconditional=True,
-            helper=lambda waited: works.implies(waited <= own.since),
-        ),
-        within(
-            "request is answered",
-            config.answer_cycles,
-            own.requested & mode.eq(tested),
-            ~works | passed,
-            statement="an unanswered request ends the tested state within its time and one cycle",
-            requirements=TRACE,
-            unconditional=True,
-            helper=lambda waited: works.implies(waited <= own.asked),
-        ),
-        always(
-            "only the own pattern passes",
-            passed.implies(own_pattern & near),
-            statement="a pattern passes only if every bit is that of this emitter and it comes from where the emitter stands",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "tested rests on a pattern",
-            (works & before(mode).ne(tested)).implies(passed),
-            statement="the chain is said to be tested again only in a cycle in which a pattern passed",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "foreign patterns do not pass",
-            own.judged.one_of(FOREIGN, NOT_DUE, NO_PLACE).implies(
-                ~machine.fired("pattern passes", "first pattern passes", "enough patterns pass")
-            ),
-            statement="another emitter's pattern, and the own one when it is not due or without its place, renew nothing",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "own pattern from elsewhere fails",
-            own.judged.eq(ELSEWHERE).implies(mode.eq(failed)),
-            statement="the own pattern from another place ends the tested state in the same cycle",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "failure is not forgotten",
-            (before(mode).eq(failed) & works).implies(machine.fired("enough patterns pass")),
-            statement="after a failure the chain is tested only when enough patterns passed one after the other",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        reachable(
-            "chain fails",
-            mode.eq(failed),
-            statement="a chain that was tested can be found to fail",
-            requirements=TRACE,
-        ),
-        reachable("chain is tested", mode.eq(tested), statement="a chain can be tested", requirements=TRACE),
-        always(
-            "untested is the start only",
-            mode.eq(untested).implies(before(mode).eq(untested)),
-            statement="a chain that was tested or failed is never untested again",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-    ]
+        statement="another emitter's pattern, and the own one when it is not due or without its place, renew nothing",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "untested is the start only",
+        mode.eq(untested).implies(before(mode).eq(untested)),
+        statement="a chain that was tested or failed is never untested again",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield reachable("chain is tested", mode.eq(tested), statement="a chain can be tested", requirements=TRACE)
+    yield reachable(
+        "chain fails", mode.eq(failed), statement="a chain that was tested can be found to fail", requirements=TRACE
+    )
+
+
+def _ours(own: Parts) -> Bool:
+    """Every bit heard is that of this emitter."""
+    return own.pattern.present & own.pattern.value.eq(own.config.pattern)
+
+
+def _off_place(own: Parts) -> Bool:
+    """What is heard comes from farther from the emitter than the front end errs."""
+    off = own.place.value - own.config.place_mm
+    return (off > own.config.place_tolerance_mm) | (off < -own.config.place_tolerance_mm)
+
+
+def _to_send(own: Parts) -> Bool:
+    """In the world: the emitter's silence was over before this cycle, or a request to it was open."""
+    return before(own.silent).eq(0) | before(own.may_answer).ne(0)
+
+
+def _patterns(model: Emitter) -> Iterator[Property]:
+    """What is told of a pattern, from what was heard and when."""
+    own, config, told = model.own, model.own.config, model.own.judged
+    ours, off_place = _ours(own), _off_place(own)
+    here = ours & own.place.present & ~off_place
+    yield always(
+        "what passes came through the chain",
+        told.eq(PASSED).implies(own.works),
+        statement="in the cycle in which a pattern passes the whole chain works",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "a pattern passes when the emitter is to send, and only then",
+        told.eq(PASSED).iff(here & _to_send(own)) & told.eq(NOT_DUE).iff(here & ~_to_send(own)),
+        statement="the own pattern from its own place passes at the emitter's regular time or while a request is open, and "
+        "is told to be not due at any other time",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    meanings = {NOTHING: ~own.pattern.present, FOREIGN: own.pattern.present & own.pattern.value.ne(config.pattern)}
+    meanings |= {NO_PLACE: ours & ~own.place.present, ELSEWHERE: ours & own.place.present & off_place}
+    yield always(
+        "a pattern that does not pass is told as what it is",
+        all_of(told.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
+        statement="nothing heard, another emitter's pattern, the own one without a place and from elsewhere are told apart",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _times(model: Emitter) -> Iterator[Property]:
+    """When the next pattern is awaited."""
+    machine, own, config = model.machine, model.own, model.own.config
+    left, awaited = machine.output("next_due_in_cycles"), _awaited(model)
+    one_less = ite(awaited > 0, awaited - 1, as_num(0, COUNT))
+    yield always(
+        "the time to the next pattern counts down",
+        ite(own.judged.eq(PASSED), left.eq(config.due_cycles), left.eq(one_less)),
+        statement="the next pattern is awaited for the due time after one that passed, and one cycle less in each other cycle",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _failures(model: Emitter) -> Iterator[Property]:
+    """When the chain has failed."""
+    machine, own = model.machine, model.own
+    _, tested, failed = machine.modes
+    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
+    yield always(
+        "own pattern from elsewhere fails",
+        elsewhere.implies(mode.eq(failed)),
+        statement="the own pattern from another place ends the tested state in the same cycle",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "a chain fails for a reason",
+        ite(before(mode).eq(failed), (~passed).implies(mode.eq(failed)), mode.eq(failed).iff(~in_time | elsewhere)),
+        statement="a chain fails when a pattern or an answer is overdue or comes from elsewhere, and for no other reason; "
+        "without a pattern that passes it does not recover",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "a pattern in time shows a tested chain",
+        (passed & in_time & before(mode).ne(failed)).implies(mode.eq(tested)),
+        statement="the first pattern, and every further one that comes in time, shows that the chain works",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _recovery(model: Emitter) -> Iterator[Property]:
+    """When a failed chain is tested again."""
+    machine, own, config = model.machine, model.own, model.own.config
+    _, tested, failed = machine.modes
+    mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
+    so_far = ite(before(mode).eq(failed) & (_awaited(model) > 0), before(own.passes), as_num(0, COUNT))
+    nothing_counts = mode.ne(failed) | before(mode).ne(failed) | elsewhere
+    yield always(
+        "failure is not forgotten",
+        (before(mode).eq(failed) & machine.flag("chain_tested")).implies(machine.fired("enough patterns pass")),
+        statement="after a failure the chain is tested only when enough patterns passed one after the other",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "patterns count one after the other",
+        ite(nothing_counts, own.passes.eq(0), own.passes.eq(ite(passed, so_far + 1, so_far))),
+        statement="after a failure each pattern that passes counts, and none counts any longer when the next one is missed",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "as many patterns as asked for recover",
+        (before(mode).eq(failed) & passed).implies(mode.eq(tested).iff(so_far + 1 >= config.passes_to_recover)),
+        statement="a failed chain is tested again with the last of the patterns asked for, not before and not later",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _awaited(model: Emitter) -> Num:
+    """In how many cycles the next pattern was overdue, as told before the step."""
+    return earlier_num(model.machine.output("next_due_in_cycles"))

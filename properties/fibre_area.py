@@ -21,7 +21,7 @@ from safeloc.models.area.slot import ACCEPTED
 from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, ends
 from safeloc.models.sections import Sections
-from safeloc.models.verification import place_law
+from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
 
 LAW = (
@@ -64,7 +64,7 @@ def _truth(model: FibreArea) -> Iterator[Property]:
     front, rear = (of(one.machine).num(one.own.truth) for one in (model.front, model.rear))
     seen, report = of(verified.machine), model.report
     low, high = (verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
-                 for sign, side in ((-1, "under"), (1, "over")))  # fmt: skip
+                 for sign, side in ((-1, "margin_below"), (1, "margin_above")))  # fmt: skip
     yield always(
         "containment",
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
@@ -103,10 +103,10 @@ def _truth(model: FibreArea) -> Iterator[Property]:
         unconditional=True,
     )
     tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
-    over, under = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("over", "under"))
+    above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
     yield always(
         "tolerance",
-        _trusted(model).implies((over <= tolerance) & (under <= tolerance)),
+        _trusted(model).implies((above <= tolerance) & (below <= tolerance)),
         statement="a position that is given out is never wider than the tolerable error and the run of an edge's cycle",
         requirements=CLAIM,
         unconditional=True,

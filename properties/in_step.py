@@ -23,6 +23,6 @@ def num_in_step(machine: Machine, term: Num) -> Num:
 def _before(machine: Machine) -> Substitution:
     twins: dict[Var, Expr] = {
         var: before(var) if isinstance(var, NumVar) else was(var)
-        for var in (machine.mode, *machine.state, *machine.ghosts)
+        for var in (machine.mode, *machine.state, *machine.world.ghosts)
     }
     return Substitution(twins)

@@ -28,11 +28,11 @@ def properties(whole: Localizer) -> list[Property]:
 
 
 def _host(whole: Localizer) -> Iterator[Property]:
-    (_, under, over), tolerance = _passed(whole), whole.config.tolerance_mm
+    (_, below, above), tolerance = _passed(whole), whole.config.tolerance_mm
     yield _of_the_guard(whole)
     yield always(
         "tolerance",
-        (under <= tolerance) & (over <= tolerance),
+        _restrictive(whole) | ((below <= tolerance) & (above <= tolerance)),
         statement="the position that the host gets is never wider than the tolerable error",
         requirements=TRACE,
         unconditional=True,
@@ -42,12 +42,12 @@ def _host(whole: Localizer) -> Iterator[Property]:
 
 def _of_the_guard(whole: Localizer) -> Property:
     """What is passed on holds the truth: the restrictive state keeps that, being owed that arbitration's interval does."""
-    guard, truth = whole.guard, next(iter(whole.guard.ghost_inputs))  # the vehicle's, after the step
+    guard, truth = whole.guard, next(iter(whole.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
-    position, under, over = (guard.output(f"{name}_mm") for name in ("position", "under", "over"))
+    position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
     own = always(
         "containment",
-        guard.flag("restrictive") | between(exact_to(position - under, NM), truth, exact_to(position + over, NM)),
+        guard.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
         statement="the position that the host gets holds the true position of the front end",
         requirements=TRACE,
         assumption=LAW,
@@ -128,10 +128,14 @@ def _responses(whole: Localizer) -> Iterator[Property]:
 def _trackside(whole: Localizer) -> Iterator[Property]:
     seen, machine = whole.composition.of(whole.uplink.machine), whole.uplink.machine
     valid = seen.bool(machine.flag("valid"))
-    position, under, over = (seen.num(machine.output(f"{name}_mm")) for name in ("position", "under", "over"))
+    position, below, above = (
+        seen.num(machine.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
+    )
     yield always(
         "trackside containment",
-        valid.implies(between(exact_to(position - under, NM), whole.motion.own.truth, exact_to(position + over, NM))),
+        valid.implies(
+            between(exact_to(position - below, NM), whole.motion.own.ghosts.truth, exact_to(position + above, NM))
+        ),
         statement="the position that the trackside sees, its age charged, holds the true position of the front end",
         requirements=TRACE,
         assumption=LAW,
@@ -169,5 +173,7 @@ def _restrictive(whole: Localizer) -> Bool:
 
 def _passed(whole: Localizer) -> tuple[Num, Num, Num]:
     guard = whole.composition.of(whole.guard)
-    position, under, over = (guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "under", "over"))
-    return position, under, over
+    position, below, above = (
+        guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
+    )
+    return position, below, above

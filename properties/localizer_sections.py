@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from safeloc.language.absence import heard
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
@@ -24,6 +25,10 @@ LAW = (
     "undisturbed counters count every vehicle; reports of other trains are true; top speed; no vehicle passes another"
 )
 TRACE = ("RFL-14", "FVA-9", "FVA-18")
+
+
+SENT = {"position": "position_mm", "below": "margin_below_mm", "above": "margin_above_mm"}
+"""What is sent of an interval: its name in the link -> the output that it comes from."""
 
 
 def properties(whole: LocalizerSections) -> list[Property]:
@@ -42,15 +47,19 @@ def properties(whole: LocalizerSections) -> list[Property]:
 def _on_board(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
     guard = whole.localizer.guard
     of = whole.composition.of(guard)
-    position, under, over = (of.num(guard.output(f"{what}_mm")) for what in ("position", "under", "over"))
-    return ~of.bool(guard.flag("restrictive")), position - under, position + over
+    position, below, above = (
+        of.num(guard.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
+    )
+    return ~of.bool(guard.flag("restrictive")), position - below, position + above
 
 
 def _by_radio(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
     machine = whole.localizer.uplink.machine
     of = whole.composition.of(machine)
-    position, under, over = (of.num(machine.output(f"{what}_mm")) for what in ("position", "under", "over"))
-    return of.bool(machine.flag("valid")), position - under, position + over
+    position, below, above = (
+        of.num(machine.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
+    )
+    return of.bool(machine.flag("valid")), position - below, position + above
 
 
 def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
@@ -64,11 +73,13 @@ def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
     )
     machine, own = whole.far_uplink.machine, whole.far_uplink.own
     of = whole.composition.of(machine)
-    position, under, over = (of.num(machine.output(f"{what}_mm")) for what in ("position", "under", "over"))
+    position, below, above = (
+        of.num(machine.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
+    )
     yield always(
         "the far end is held",
         of.bool(machine.flag("valid")).implies(
-            between(exact_to(position - under, NM), of.num(own.truth), exact_to(position + over, NM))
+            between(exact_to(position - below, NM), of.num(own.truth), exact_to(position + above, NM))
         ),
         statement="what the trackside is told of the train's far end holds it, its age charged",
         requirements=TRACE,
@@ -82,17 +93,17 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
     landed, valid = of.bool(uplink.machine.fired("report arrives")), of.bool(uplink.machine.flag("valid"))
     flying, held = uplink.own.flying, uplink.own.held
     alike, kept, widened = list[Bool](), list[Bool](), list[Bool]()
-    for what in ("position", "under", "over"):
+    for what, name in SENT.items():
         sent, way, arrived = (
-            guard.num(whole.localizer.guard.output(f"{what}_mm")),
+            guard.num(heard(whole.localizer.guard.output(name))),
             getattr(flying, what),
             getattr(held, what),
         )
         alike.append(of.bool(uplink.own.sent).implies(of.num(way).eq(sent)))
         kept.append(landed.implies(of.num(arrived).eq(earlier_num(of.num(way)))))
         kept.append((valid & ~landed).implies(of.num(arrived).eq(earlier_num(of.num(arrived)))))
-    for what in ("under", "over"):
-        widened.append(valid.implies(of.num(uplink.machine.output(f"{what}_mm")) >= of.num(getattr(held, what))))
+    for what in ("below", "above"):
+        widened.append(valid.implies(of.num(uplink.machine.output(SENT[what])) >= of.num(getattr(held, what))))
     yield always(
         "the trackside's view is never the narrower one",
         all_of([*alike, *kept, *widened]),
@@ -122,7 +133,10 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
     name, slots = one.machine.name, whole.area.own.slots
     of, there = whole.composition.of(one.machine), whole.composition.of(whole.area.machine)
     free = of.bool(one.machine.flag("clear"))
-    truth, far = whole.localizer.motion.own.truth, whole.composition.of(whole.ends.machine).num(whole.ends.own.far)
+    truth, far = (
+        whole.localizer.motion.own.ghosts.truth,
+        whole.composition.of(whole.ends.machine).num(whole.ends.own.far),
+    )
     start, end = exact_to(of.num(one.start), NM), exact_to(of.num(one.end), NM)
     inside = (minimum(truth, far) <= end) & (maximum(truth, far) >= start)
     yield always(

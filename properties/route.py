@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
-from safeloc.language.units import MM, NM
+from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.route import Route
 from safeloc.models.route.variables import NO_REASON, Hypothesis
 from safeloc.models.turn_off import UNDECIDED
-from safeloc.models.vocabulary.error_law import NM_PER_MM
 from safeloc.models.vocabulary.measured import ADMITTED
 
 LAW = (
@@ -57,10 +56,12 @@ def _safety(model: Route) -> Iterator[Property]:
         requirements=TRACE,
         assumption=LAW,
     )
-    position, under, over = (exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "under", "over"))
+    position, below, above = (
+        exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "margin_below", "margin_above")
+    )
     yield always(
         "containment",
-        machine.flag("valid").implies(between(position - under, own.truth, position + over)),
+        machine.flag("valid").implies(between(position - below, own.truth, position + above)),
         statement="once the route is decided, the reported interval along it holds the true distance from the start",
         requirements=TRACE,
         assumption=LAW,

@@ -4,25 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, Optional, all_of, any_of, between
-from safeloc.language.spec import Property, always, earlier_num, reachable
-from safeloc.models.satellite_selection import ABSENT, EXCLUDED, EXPIRED, USABLE, Channel, Removal, Selection, accepts
+from safeloc.language.expr import Bool, Num, Optional, all_of, any_of, as_num, before, between, ite, minimum
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import COUNT
+from safeloc.models.satellite_selection import Selection
+from safeloc.models.satellite_selection.variables import (
+    ABSENT,
+    EXCLUDED,
+    EXPIRED,
+    SILENT,
+    USABLE,
+    WARMING,
+    Channel,
+    Removal,
+    SelectionConfig,
+)
 
 LAW = "differences are the signal's error plus the prediction's, less the clock's"
+BOUNDED = "the prediction's error makes no more of the difference than configured, nor does the clock's"
 
 
 def properties(model: Selection) -> list[Property]:
     """Every property of the selection machine."""
-    found = [prop for one in model.own.channels for prop in _of_channel(model, one)]
-    return [*found, _subset(model), *_once(model), *_reached(model)]
+    makers = (_kept_out, _healthy_stay, _told, _bounded)
+    found = [prop for one in model.own.channels for make in makers for prop in make(model, one)]
+    return [*found, _subset(model), *_once(model), *_counted(model)]
 
 
-def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
-    config, name = model.own.config, f"channel {one.number}"
-    usable = one.standing.eq(USABLE)
+def _kept_out(model: Selection, one: Channel) -> Iterator[Property]:
+    """What no usable satellite is."""
+    config, name, usable = model.own.config, f"channel {one.number}", one.standing.eq(USABLE)
     yield always(
         f"{name}: a violation is not usable",
-        usable.implies(~any_of(_violations(model, one))),
+        usable.implies(~violated(one, config, config.removal)),
         statement="a satellite that violates the criterion in this cycle is not in the list of usable ones in this cycle",
         requirements=("SAT-1", "SAT-3", "SAT-4"),
         unconditional=True,
@@ -34,19 +48,20 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
         requirements=("SAT-1", "SAT-D1"),
         unconditional=True,
     )
-    known = one.identity.value.eq(earlier_num(one.held)) if config.warm_up_cycles > 1 else one.identity.present
-    spread = {
-        "pseudorange": one.covariance.present,
-        "doppler": one.speed_covariance.present,
-        "both": one.covariance.present & one.speed_covariance.present,
-    }[config.compared]
+    known = one.identity.value.eq(before(one.held)) if config.warm_up_cycles > 1 else one.identity.present
     yield always(
         f"{name}: no covariance, not usable",
-        usable.implies(spread & known & one.warm.eq(config.warm_up_cycles)),
+        usable.implies(_has_spread(model, one) & known & one.warm.eq(config.warm_up_cycles)),
         statement="a satellite that has no covariance over a window yet, or that has just come, is not usable",
         requirements=("SAT-3", "SAT-4"),
         unconditional=True,
     )
+
+
+def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
+    """What no excluded satellite is."""
+    config, name = model.own.config, f"channel {one.number}"
+    ready = _measured(model, one) & _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
     yield always(
         f"{name}: a healthy one stays",
         one.standing.eq(EXCLUDED).implies(~_healthy(model, one)),
@@ -57,9 +72,7 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
     )
     yield always(
         f"{name}: exclusion leaves no trace",
-        one.standing.eq(USABLE).iff(
-            one.standing.ne(ABSENT) & one.standing.ne(EXPIRED) & _would_do(model, one) & spread & _heard(model, one)
-        ),
+        one.standing.eq(USABLE).iff(ready & ~_told_before(model, one) & ~violated(one, config, config.removal)),
         statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
         "exclusions count for nothing, as the list starts anew from all visible ones",
         requirements=("SAT-1", "SAT-D1"),
@@ -67,18 +80,74 @@ def _of_channel(model: Selection, one: Channel) -> Iterator[Property]:
     )
 
 
-def _violations(model: Selection, one: Channel) -> Iterator[Bool]:
+def _told(model: Selection, one: Channel) -> Iterator[Property]:
+    """Why a satellite is not usable, and how long it has been followed."""
+    config, name, now = model.own.config, f"channel {one.number}", one.standing
+    here = one.identity.present & ~_told_before(model, one)
+    measured, ready = _measured(model, one), _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
+    meanings = (
+        (ABSENT, ~here),
+        (EXPIRED, here & ~one.ephemeris),
+        (SILENT, here & one.ephemeris & ~_is_compared(model, one)),
+        (WARMING, here & measured & ~ready),
+        (EXCLUDED, here & measured & ready & violated(one, config, config.removal)),
+    )
+    yield always(
+        f"{name}: what is not usable is told as what it is",
+        all_of(now.eq(label).iff(meaning) for label, meaning in meanings),
+        statement="a channel is told to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
+        "violate the criterion exactly where that is so",
+        requirements=("SAT-1", "SAT-3", "SAT-D1"),
+        unconditional=True,
+    )
+    followed = one.identity.value.eq(before(one.held)) & (before(one.warm) > 0)
+    cycles = ite(followed, minimum(before(one.warm) + 1, config.warm_up_cycles), as_num(1, COUNT))
+    yield always(
+        f"{name}: a window counts one satellite's measurements",
+        one.warm.eq(ite(measured, cycles, as_num(0, COUNT))) & one.held.eq(_identity(one)),
+        statement="the window of a covariance begins anew with another satellite and after each cycle without all that is "
+        "compared; it counts cycles one by one",
+        requirements=("SAT-3", "SAT-D1"),
+        unconditional=True,
+    )
+
+
+def _bounded(model: Selection, one: Channel) -> Iterator[Property]:
+    """What the criterion leaves of an error: only the strict one bounds it."""
+    config, usable, clock = model.own.config, one.standing.eq(USABLE), model.own
+    if config.removal != "either":
+        return
+    rows = (
+        ("pseudorange", "range", one.error, one.offset, clock.clock, config.range_prediction_mm, config.range_clock_mm, config.range_threshold_mm),
+        ("doppler", "speed", one.speed_error, one.speed_offset, clock.speed_clock, config.speed_prediction_mm_s, config.speed_clock_mm_s, config.speed_threshold_mm_s),
+    )  # fmt: skip
+    for compared, name, error, offset, off_clock, prediction, clock_most, threshold in rows:
+        if config.compared not in (compared, "both"):
+            continue
+        most = threshold + prediction + clock_most
+        as_configured = between(-prediction, offset, prediction) & between(-clock_most, off_clock, clock_most)
+        yield always(
+            f"channel {one.number}: a usable {name} is bounded",
+            (usable & as_configured).implies((error < most) & (error > -most)),
+            statement=f"the {name} error of a usable satellite is below the threshold and what prediction and clock may "
+            "hide of it, all three together, and not below the threshold alone",
+            requirements=("SAT-1", "SAT-4"),
+            assumption=f"{LAW}; {BOUNDED}",
+        )
+
+
+def violated(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:
+    """One of the compared quantities violates the criterion, from what was measured."""
+    return any_of(_violations(one, config, removal))
+
+
+def _violations(one: Channel, config: SelectionConfig, removal: Removal) -> Iterator[Bool]:
     """What the criterion removes, in figures of its own: differences to either side, and variability."""
-    config = model.own.config
     if config.compared != "doppler":
-        yield _violates(one.off, config.range_threshold_mm, one.covariance, config.range_covariance_mm2, config.removal)
+        yield _violates(one.off, config.range_threshold_mm, one.covariance, config.range_covariance_mm2, removal)
     if config.compared != "pseudorange":
         yield _violates(
-            one.speed_off,
-            config.speed_threshold_mm_s,
-            one.speed_covariance,
-            config.speed_covariance_mm2_s2,
-            config.removal,
+            one.speed_off, config.speed_threshold_mm_s, one.speed_covariance, config.speed_covariance_mm2_s2, removal
         )
 
 
@@ -88,15 +157,36 @@ def _violates(off: Optional, most: int, covariance: Optional, most_covariance: i
     return ((off.value > most) | (off.value < -most)) & (covariance.value > most_covariance)
 
 
-def _would_do(model: Selection, one: Channel) -> Bool:
-    config = model.own.config
-    return accepts(one, config, config.removal) & one.warm.eq(config.warm_up_cycles)
-
-
-def _heard(model: Selection, one: Channel) -> Bool:
+def _is_compared(model: Selection, one: Channel) -> Bool:
+    """Each quantity that the criterion compares was measured."""
     compared = model.own.config.compared
     needed = [one.off.present] if compared != "doppler" else []
     return all_of([*needed, *([one.speed_off.present] if compared != "pseudorange" else [])])
+
+
+def _has_spread(model: Selection, one: Channel) -> Bool:
+    """Each covariance that the criterion compares is there."""
+    compared = model.own.config.compared
+    needed = [one.covariance.present] if compared != "doppler" else []
+    return all_of([*needed, *([one.speed_covariance.present] if compared != "pseudorange" else [])])
+
+
+def _measured(model: Selection, one: Channel) -> Bool:
+    """In view, with valid data, and all that is compared was measured."""
+    return one.ephemeris & _is_compared(model, one) & one.identity.present
+
+
+def _identity(one: Channel) -> Num:
+    """Which satellite is received, 0: none."""
+    return ite(~one.identity.present, as_num(0, COUNT), one.identity.value)
+
+
+def _told_before(model: Selection, one: Channel) -> Bool:
+    """An earlier channel receives the same satellite."""
+    return any_of(
+        other.identity.present & one.identity.value.eq(other.identity.value)
+        for other in model.own.channels[: one.number - 1]
+    )
 
 
 def _healthy(model: Selection, one: Channel) -> Bool:
@@ -117,11 +207,15 @@ def _healthy(model: Selection, one: Channel) -> Bool:
 
 
 def _subset(model: Selection) -> Property:
-    config = model.own.config
-    strict = [accepts(one, config, "either").implies(accepts(one, config, "both")) for one in model.own.channels]
+    """Between the two criteria: what either machine keeps, told apart from the terms that it judges by."""
+    config, own = model.own.config, model.own
+    if config.removal == "either":
+        kept = [one.standing.eq(USABLE).implies(~violated(one, config, "both")) for one in own.channels]
+    else:
+        kept = [one.standing.eq(EXCLUDED).implies(violated(one, config, "either")) for one in own.channels]
     return always(
         "the strict criterion keeps no more",
-        all_of(strict),
+        all_of(kept),
         statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
         "as well",
         requirements=("SAT-4",),
@@ -145,10 +239,29 @@ def _once(model: Selection) -> Iterator[Property]:
         )
 
 
-def _reached(model: Selection) -> Iterator[Property]:
+def _counted(model: Selection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    total = as_num(0, COUNT)
+    for one in own.channels:
+        total = total + ite(machine.flag(f"channel_{one.number}_usable"), as_num(1, COUNT), 0)
+    none, some = machine.modes
+    yield always(
+        "usable ones are told and counted",
+        machine.output("usable").eq(total) & machine.mode.eq(ite(total.eq(0), none, some)),
+        statement="as many satellites are told to be usable as channels are, and whether there are any",
+        requirements=("SAT-1",),
+        unconditional=True,
+    )
+    yield always(
+        "a usable channel is told",
+        all_of(machine.flag(f"channel_{one.number}_usable").iff(one.standing.eq(USABLE)) for one in own.channels),
+        statement="a channel is told to be usable exactly where its standing says so",
+        requirements=("SAT-1",),
+        unconditional=True,
+    )
     yield reachable(
         "all channels usable",
-        model.own.usable.eq(model.own.config.channels),
+        own.usable.eq(own.config.channels),
         statement="every channel can be usable at once",
         requirements=("SAT-1",),
     )

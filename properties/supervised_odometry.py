@@ -13,22 +13,24 @@ def properties(whole: Supervised) -> list[Property]:
     """Containment, tolerance, same-step entry and no resurrection of the whole."""
     source, guard = whole.composition.of(whole.source.machine), whole.composition.of(whole.guard)
     own, tolerance = whole.source.own, whole.source.own.config.tolerance_mm
-    position, over, under = (guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "over", "under"))
+    position, above, below = (
+        guard.num(whole.guard.output(f"{name}_mm")) for name in ("position", "margin_above", "margin_below")
+    )
     restrictive = guard.bool(whole.guard.flag("restrictive"))
-    truth = source.num(own.truth)
+    truth = source.num(own.ghosts.truth)
     valid = source.bool(whole.source.machine.flag("valid"))
     checked = source.bool(whole.source.machine.flag("reference_accepted"))
     return [
         always(
             "containment",
-            restrictive | between(_nm(position) - _nm(under), truth, _nm(position) + _nm(over)),
+            restrictive | between(_nm(position) - _nm(below), truth, _nm(position) + _nm(above)),
             statement="the position that the host gets holds the true position of end A",
             requirements=("MRK-1", "MRK-D1"),
             assumption=LAW,
         ),
         always(
             "tolerance",
-            (over <= tolerance) & (under <= tolerance),
+            restrictive | ((above <= tolerance) & (below <= tolerance)),
             statement="the position that the host gets is never wider than the tolerable error",
             requirements=("MRK-D1",),
             unconditional=True,

@@ -15,20 +15,20 @@ def properties(model: Transmission) -> list[Property]:
     """Containment, age, revocation and widening."""
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
-    position, under, over = (machine.output(f"{name}_mm") for name in ("position", "under", "over"))
+    position, below, above = (machine.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
     landed = machine.fired("report arrives")
     kept = valid & earlier_bool(valid) & ~landed
     return [
         always(
             "containment",
-            valid.implies(between(exact_to(position - under, NM), own.truth, exact_to(position + over, NM))),
+            valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
             statement="what has arrived holds the true position now, however long it was on its way",
             requirements=TRACE,
             assumption=LAW,
         ),
         always(
             "tolerance",
-            (under <= own.config.margin_limit_mm) & (over <= own.config.margin_limit_mm),
+            valid.implies((below <= own.config.margin_limit_mm) & (above <= own.config.margin_limit_mm)),
             statement="what is given out is never wider than the limit",
             requirements=TRACE,
             unconditional=True,
@@ -43,7 +43,7 @@ def properties(model: Transmission) -> list[Property]:
         always(
             "age is charged",
             kept.implies(
-                (under - before(own.held.under) >= with_unit(before(own.held.age) * own.config.run_mm, MM))
+                (below - before(own.held.below) >= with_unit(before(own.held.age) * own.config.run_mm, MM))
                 & own.held.age.eq(before(own.held.age) + 1)
             ),
             statement="while no report arrives the one that is held grows older and wider in every cycle",

@@ -2,78 +2,197 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import before
-from safeloc.language.spec import Property, always, reachable
-from safeloc.models.travel_direction import AGAINST, ALONG, UNKNOWN, TravelDirection
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Num, before, ite, was
+from safeloc.language.spec import Property, always, earlier_num, reachable
+from safeloc.models.travel_direction import TravelDirection
+from safeloc.models.travel_direction.variables import AGAINST, ALONG, UNKNOWN, Parts
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 LAW = "of the two models recognised around a balise at least one is that of the map's reflector there"
+TRACE = ("RFL-D5",)
 
 
 def properties(model: TravelDirection) -> list[Property]:
     """Every property of the direction machine."""
-    return [*_stated(model), *_withheld(model)]
+    makers = (_true, _both, _begins, _confirmed, _taken_back, _stays, _turning, _half, _contradiction)
+    return [prop for maker in makers for prop in maker(model)]
 
 
-def _stated(model: TravelDirection) -> list[Property]:
-    """A stated direction is the true one and rests on both models."""
+def _passed_last(own: Parts) -> Num:
+    """The model read of the reflector passed last, this cycle included."""
+    return ite(own.passed.ne(NO_MODEL), own.passed, before(own.last))
+
+
+def _tells(own: Parts) -> Bool:
+    """A balise between reflectors of different models."""
+    return own.balise & own.after.ne(own.before) & own.after.ne(NO_MODEL) & own.before.ne(NO_MODEL)
+
+
+def _true(model: TravelDirection) -> Iterator[Property]:
+    stated, own = model.machine.output("direction"), model.own
+    yield always(
+        "direction is true",
+        stated.eq(ALONG).implies(own.runs_along) & stated.eq(AGAINST).implies(~own.runs_along),
+        statement="a stated direction is the one in which the vehicle runs",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield reachable(
+        "against is found",
+        stated.eq(AGAINST) & model.machine.flag("contradicts"),
+        statement="a vehicle that runs against the expected direction is found out",
+        requirements=TRACE,
+    )
+
+
+def _both(model: TravelDirection) -> Iterator[Property]:
+    """A stated direction rests on both models."""
     machine, own = model.machine, model.own
-    _, half, *_ = machine.modes
+    stated, (_, half, *_) = machine.output("direction"), machine.modes
+    newly = stated.ne(UNKNOWN) & earlier_num(stated).ne(stated)
+    seen = own.ahead.ne(NO_MODEL) & own.ahead.eq(before(own.awaited)) & ~own.balise
+    yield always(
+        "both models count",
+        newly.implies(before(machine.mode).eq(half) & seen & ite(was(own.along), stated.eq(ALONG), stated.eq(AGAINST))),
+        statement="a direction is stated only after a balise whose one neighbour was passed and whose other is seen ahead",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _begins(model: TravelDirection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    half = machine.mode.eq(machine.modes[1])
+    begun = half & (own.balise | before(machine.mode).ne(machine.modes[1]))
+    passed = _passed_last(own)
+    yield always(
+        "equal models tell nothing",
+        begun.implies(_tells(own)),
+        statement="a balise between equal models, or without one on either side, starts no decision",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    along = own.along & passed.eq(own.before) & own.awaited.eq(own.after)
+    against = ~own.along & passed.eq(own.after) & own.awaited.eq(own.before)
+    yield always(
+        "a decision begins with the model passed",
+        begun.implies(along | against),
+        statement="the model passed last is that of one neighbour of the balise, and the other neighbour's is awaited ahead",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    agrees = machine.output("direction").eq(ite(passed.eq(own.before), ALONG, AGAINST))
+    fits = passed.eq(own.before) | passed.eq(own.after)
+    yield always(
+        "a model passed before a balise begins a decision",
+        (_tells(own) & ~own.backwards & fits).implies(half | agrees),
+        statement="a balise whose neighbour was passed begins a decision, or agrees with the direction that is stated",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _confirmed(model: TravelDirection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    waits = before(machine.mode).eq(machine.modes[1]) & ~own.balise & ~own.backwards
     stated = machine.output("direction")
-    confirmed = machine.fired("confirmed along", "confirmed against")
-    return [
-        always(
-            "direction is true",
-            stated.eq(ALONG).implies(own.runs_along) & stated.eq(AGAINST).implies(~own.runs_along),
-            statement="a stated direction is the one in which the vehicle runs",
-            requirements=("RFL-D5",),
-            assumption=LAW,
+    yield always(
+        "the awaited model states the direction",
+        (waits & own.ahead.eq(before(own.awaited))).implies(stated.eq(ite(was(own.along), ALONG, AGAINST))),
+        statement="the awaited model ahead states the direction that the model passed began",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "another model ends the decision",
+        (waits & own.ahead.ne(NO_MODEL) & own.ahead.ne(before(own.awaited))).implies(
+            machine.mode.eq(machine.modes[0]) & stated.eq(UNKNOWN)
         ),
-        always(
-            "both models count",
-            confirmed.implies(
-                before(machine.mode).eq(half) & own.ahead.eq(before(own.awaited)) & before(own.awaited).ne(NO_MODEL)
-            ),
-            statement="a direction is stated only after a balise whose one neighbour was passed and whose other is seen ahead",
-            requirements=("RFL-D5",),
-            unconditional=True,
+        statement="another model ahead than the awaited one ends the decision without a direction",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "a decision waits for a reflector",
+        (waits & own.ahead.eq(NO_MODEL)).implies(
+            machine.mode.eq(machine.modes[1]) & own.awaited.eq(before(own.awaited)) & own.along.iff(was(own.along))
         ),
-        reachable(
-            "against is found",
-            stated.eq(AGAINST) & machine.flag("contradicts"),
-            statement="a vehicle that runs against the expected direction is found out",
-            requirements=("RFL-D5",),
-        ),
-    ]
+        statement="while no reflector is seen ahead, a decision stays open as it began",
+        requirements=TRACE,
+        unconditional=True,
+    )
 
 
-def _withheld(model: TravelDirection) -> list[Property]:
-    """Where nothing is stated."""
+def _taken_back(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
+    stated, passed = machine.output("direction"), _passed_last(own)
+    refuted = (earlier_num(stated).eq(ALONG) & passed.eq(own.after)) | (
+        earlier_num(stated).eq(AGAINST) & passed.eq(own.before)
+    )
+    yield always(
+        "a balise that fits the other direction takes it back",
+        (_tells(own) & refuted).implies(stated.eq(UNKNOWN)),
+        statement="a direction is stated no longer when the models passed fit the other one",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _stays(model: TravelDirection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    stated = machine.output("direction")
+    yield always(
+        "a stated direction stays between balises",
+        (~own.balise & ~own.backwards & earlier_num(stated).ne(UNKNOWN)).implies(stated.eq(earlier_num(stated))),
+        statement="a direction that was stated is taken back only at a balise, or when the vehicle turns",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "the model passed last is kept",
+        own.last.eq(ite(own.backwards, NO_MODEL, _passed_last(own))),
+        statement="the model of the reflector passed last is kept until another one is passed or the vehicle turns",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _turning(model: TravelDirection) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    yield always(
+        "turning forgets",
+        own.backwards.implies(
+            machine.output("direction").eq(UNKNOWN) & own.last.eq(NO_MODEL) & machine.mode.eq(machine.modes[0])
+        ),
+        statement="after moving backwards nothing is stated until another balise",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _half(model: TravelDirection) -> Iterator[Property]:
+    machine = model.machine
     unknown, half, *_ = machine.modes
-    stated = machine.output("direction")
-    return [
-        always(
-            "equal models tell nothing",
-            machine.fired("fits along", "fits against").implies(
-                own.balise & own.before.ne(own.after) & own.before.ne(NO_MODEL) & own.after.ne(NO_MODEL)
-            ),
-            statement="a balise between equal models, or without one on either side, starts no decision",
-            requirements=("RFL-D5",),
-            unconditional=True,
+    yield always(
+        "half is not stated",
+        machine.mode.one_of(half, unknown).implies(
+            machine.output("direction").eq(UNKNOWN) & ~machine.flag("contradicts")
         ),
-        always(
-            "turning forgets",
-            own.backwards.implies(stated.eq(UNKNOWN) & own.last.eq(NO_MODEL)),
-            statement="after moving backwards nothing is stated until another balise",
-            requirements=("RFL-D5",),
-            unconditional=True,
-        ),
-        always(
-            "half is not stated",
-            machine.mode.one_of(unknown, half).implies(stated.eq(UNKNOWN) & ~machine.flag("contradicts")),
-            statement="one model alone states no direction and contradicts no route",
-            requirements=("RFL-D5",),
-            unconditional=True,
-        ),
-    ]
+        statement="one model alone states no direction and contradicts no route",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _contradiction(model: TravelDirection) -> Iterator[Property]:
+    stated, own = model.machine.output("direction"), model.own
+    known = own.expected.ne(UNKNOWN) & stated.ne(UNKNOWN)
+    yield always(
+        "another direction than expected contradicts",
+        model.machine.flag("contradicts").iff(known & stated.ne(own.expected)),
+        statement="a stated direction other than that of route and movement authority is flagged in every step, and nothing else is",
+        requirements=TRACE,
+        unconditional=True,
+    )

@@ -2,84 +2,241 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import abs_, all_of
-from safeloc.language.spec import Property, always, earlier_num, reachable
-from safeloc.models.turn_off import COURSE, STRAIGHT, UNDECIDED, TurnOff
+from collections.abc import Iterator
 
-LAW = "lateral places within their error; the image of a reflector moves as it must on straight track and in a turnout"
+from safeloc.language.expr import Bool, all_of, before, between, ite
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
+from safeloc.models.turn_off import TurnOff
+from safeloc.models.turn_off.variables import COURSE, STRAIGHT, UNDECIDED, Parts
+
+LAW = (
+    "a switch is told while it lies ahead, with its reflector; lateral places within their error; the image of a reflector "
+    "moves as it must on straight track and in a turnout"
+)
+TRACE = ("RFL-12",)
 
 
 def properties(model: TurnOff) -> list[Property]:
     """Every property of the turn-off machine."""
-    return [*_course(model), *_noting(model)]
+    makers = (
+        _course,
+        _contradiction,
+        _decided,
+        _straight,
+        _noting,
+        _watched,
+        _given_up,
+        _misses,
+        _backs_off,
+        _announced,
+    )
+    return [prop for maker in makers for prop in maker(model)]
 
 
-def _course(model: TurnOff) -> list[Property]:
-    """The course that is stated is the true one; a contradiction with the authority is flagged, and nothing else is."""
+def _was_watching(model: TurnOff) -> Bool:
+    return earlier_bool(model.machine.flag("watching"))
+
+
+def _same_switch(own: Parts) -> Bool:
+    """No other switch is told, or its reflector is not measured."""
+    return ~own.switch.present | own.switch.value.eq(before(own.here)) | ~own.measured
+
+
+def _course(model: TurnOff) -> Iterator[Property]:
+    """The course that is stated is the true one."""
     machine, own = model.machine, model.own
-    decided = machine.modes[3]
-    course, mode = machine.output("course"), machine.mode
-    return [
-        always(
-            "course is true",
-            all_of(course.eq(label).implies(own.true.eq(label)) for label in COURSE[1:]),
-            statement="straight, left or right are stated only where the vehicle takes that course",
-            requirements=("RFL-12",),
-            assumption=LAW,
-        ),
-        always(
-            "course only after the switch",
-            mode.ne(decided).implies(course.eq(UNDECIDED)),
-            statement="nothing is stated until the lateral motion has decided",
-            requirements=("RFL-12",),
-            unconditional=True,
-        ),
-        always(
-            "contradiction",
-            machine.fired("turns left", "turns right", "runs straight on", "keep the course").implies(
-                machine.flag("contradicts").iff(
-                    mode.eq(decided) & course.ne(own.authorised) & own.authorised.ne(UNDECIDED) & course.ne(UNDECIDED)
-                )
-            ),
-            statement="a course other than that by map and movement authority is flagged in the step in which it is seen",
-            requirements=("RFL-12",),
-            unconditional=True,
-        ),
-        reachable(
-            "a contradiction is found",
-            machine.flag("contradicts"),
-            statement="a vehicle that takes another course than authorised is found out",
-            requirements=("RFL-12",),
-        ),
-    ]
+    course = machine.output("course")
+    yield always(
+        "course is true",
+        all_of(course.eq(label).implies(own.true.eq(label)) for label in COURSE[1:]),
+        statement="straight, left or right are stated only where the vehicle takes that course",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "course only after the switch",
+        machine.mode.eq(machine.modes[3]).iff(course.ne(UNDECIDED)),
+        statement="nothing is stated until the lateral motion has decided",
+        requirements=TRACE,
+        unconditional=True,
+    )
 
 
-def _noting(model: TurnOff) -> list[Property]:
-    """What a decision rests on."""
+def _contradiction(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    _, before, over, *_ = machine.modes
-    course, mode = machine.output("course"), machine.mode
-    return [
-        always(
-            "straight only beyond the turnout",
-            machine.fired("runs straight on").implies(
-                own.measured
-                & (own.low >= earlier_num(own.here) + own.config.decide_mm)
-                & (abs_(own.lateral - earlier_num(own.noted)) <= own.config.straight_mm)
-                & course.eq(STRAIGHT)
-            ),
-            statement="straight on is stated only when the vehicle is surely through and a turn would have shown",
-            requirements=("RFL-12",),
-            unconditional=True,
+    course = machine.output("course")
+    known = own.authorised.ne(UNDECIDED) & course.ne(UNDECIDED)
+    yield always(
+        "contradiction",
+        machine.flag("contradicts").iff(known & course.ne(own.authorised)),
+        statement="a course other than that by map and movement authority is flagged in every step in which it is stated, and "
+        "nothing else is",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield reachable(
+        "a contradiction is found",
+        machine.flag("contradicts"),
+        statement="a vehicle that takes another course than authorised is found out",
+        requirements=TRACE,
+    )
+
+
+def _decided(model: TurnOff) -> Iterator[Property]:
+    """A turn that must show is seen, and a turn that cannot show is not stated."""
+    machine, own, config = model.machine, model.own, model.own.config
+    through = (own.low - own.true_switch >= config.decide_mm) & (own.low - own.true_switch <= config.give_up_mm)
+    yield always(
+        "beyond the turnout a measured image decides",
+        (_was_watching(model) & own.measured & ~own.switch.present & through & (own.high >= own.true_switch)).implies(
+            machine.output("course").eq(own.true)
         ),
-        always(
-            "the noted place is from before the switch",
-            mode.one_of(before, over).implies(
-                own.noted.eq(earlier_num(own.noted))
-                | (own.measured & (own.high < own.here) & own.noted.eq(own.lateral))
-            ),
-            statement="the lateral place is noted only while the vehicle is surely before the switch, from a measurement",
-            requirements=("RFL-12",),
-            unconditional=True,
+        statement="surely beyond the turnout, the first measurement of the reflector behind the switch states the true course",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    newly = machine.output("course").ne(earlier_num(machine.output("course")))
+    yield always(
+        "a course is stated on a measurement over the switch",
+        (newly & machine.output("course").ne(UNDECIDED)).implies(
+            _was_watching(model) & own.measured & (own.high >= own.here)
         ),
-    ]
+        statement="a course is stated only where the vehicle may be on the switch and its reflector is measured",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _straight(model: TurnOff) -> Iterator[Property]:
+    machine, own, config = model.machine, model.own, model.own.config
+    course = machine.output("course")
+    moved = own.lateral - before(own.noted)
+    yield always(
+        "straight only beyond the turnout",
+        (course.eq(STRAIGHT) & earlier_num(course).ne(STRAIGHT)).implies(
+            own.measured
+            & (own.low - before(own.here) >= config.decide_mm)
+            & between(-config.straight_mm, moved, config.straight_mm)
+        ),
+        statement="straight on is stated only when the vehicle is surely through and a turn would have shown",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _noting(model: TurnOff) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    _, ahead, over, *_ = machine.modes
+    yield always(
+        "the noted place is from before the switch",
+        machine.mode.one_of(over, ahead).implies(
+            own.noted.eq(before(own.noted)) | (own.noted.eq(own.lateral) & own.measured & (own.high < own.here))
+        ),
+        statement="the lateral place is noted only while the vehicle is surely before the switch, from a measurement",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    error = own.config.lateral_error_mm
+    yield always(
+        "the noted place is the reflector's",
+        machine.mode.one_of(over, ahead).implies(between(-error, own.place - own.noted, error)),
+        statement="what is noted is where the reflector behind that switch lies beside the axis, within the lateral error",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _watched(model: TurnOff) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    idle, ahead, over, *_ = machine.modes
+    yield always(
+        "watched from the switch on",
+        machine.mode.eq(ahead).implies(own.high < own.here) & machine.mode.eq(over).implies(own.high >= own.here),
+        statement="the image is watched just while the vehicle may be on the switch",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "the switch is that of the map",
+        (own.here.ne(before(own.here)) & machine.mode.ne(idle)).implies(
+            own.switch.present & own.here.eq(own.switch.value) & machine.mode.eq(ahead)
+        ),
+        statement="another switch is watched only where the map tells it",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _given_up(model: TurnOff) -> Iterator[Property]:
+    machine, own, config = model.machine, model.own, model.own.config
+    idle, _, over, _, unseen = machine.modes
+    far = own.low - before(own.here) > config.give_up_mm
+    unmeasured = (before(own.misses) > config.miss_limit_cycles - 1) & ~own.measured
+    yield always(
+        "given up only without an image",
+        (machine.mode.eq(unseen) & before(machine.mode).ne(unseen)).implies(far | unmeasured),
+        statement="the decision is given up only far beyond the switch, or after too many cycles without a measurement",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "given up in the end",
+        (machine.mode.eq(over) & _was_watching(model)).implies(~far & ~unmeasured),
+        statement="far beyond the switch, or after too many cycles without a measurement, the image is watched no longer",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "an image of another reflector decides nothing",
+        (own.measured & own.switch.present & own.switch.value.ne(before(own.here)) & (own.high < own.switch.value))
+        .implies(machine.output("course").eq(UNDECIDED) & machine.mode.ne(idle)),
+        statement="when the reflector behind another switch comes into view, that switch is watched, and nothing is stated",
+        requirements=TRACE,
+        unconditional=True,
+    )  # fmt: skip
+
+
+def _misses(model: TurnOff) -> Iterator[Property]:
+    own, machine = model.own, model.machine
+    one_more = ite(before(own.misses) < own.config.miss_limit_cycles, before(own.misses) + 1, before(own.misses))
+    yield always(
+        "cycles without a measurement are counted",
+        (machine.flag("watching") & _was_watching(model)).implies(own.misses.eq(ite(~own.measured, one_more, 0))),
+        statement="while the image is watched, cycles in a row without a measurement are counted",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _backs_off(model: TurnOff) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    idle, ahead, *_, unseen = machine.modes
+    yield always(
+        "before the switch nothing is stated of it",
+        (own.high < own.here).implies(
+            machine.output("course").eq(UNDECIDED) & machine.mode.one_of(ahead, idle, unseen)
+        ),
+        statement="a vehicle that backed off, or comes to another switch, is told no course",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _announced(model: TurnOff) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    idle, ahead, *_ = machine.modes
+    told = own.switch.present & own.measured & (own.high < own.switch.value)
+    yield always(
+        "a switch in view is watched",
+        (told & before(machine.mode).eq(idle)).implies(machine.mode.eq(ahead) & own.here.eq(own.switch.value)),
+        statement="a switch that surely lies ahead, and whose reflector is measured, is watched from then on",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "the same switch stays watched",
+        (_was_watching(model) & _same_switch(own)).implies(own.here.eq(before(own.here))),
+        statement="a switch that is watched is left only for another one that is told",
+        requirements=TRACE,
+        unconditional=True,
+    )

@@ -1,4 +1,4 @@
-"""What there is to prove, test, replay and report: the shipped machines by name, and a user's own by address."""
+"""Find the machine to prove, test, replay or report: a shipped one by name, a user's own by address."""
 
 from __future__ import annotations
 
@@ -25,11 +25,12 @@ from pydantic import BaseModel, ValidationError
 from safeloc.errors import InputError, ModelError, SafelocError
 from safeloc.language.composition import Composition
 from safeloc.language.machine import Machine
+from safeloc.language.renamed import FIELDS
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.railway.pictures import Picture, unreadable
+from safeloc.reported import Reported, usual_names
 from safeloc.runtime.outside import read_bytes
-from safeloc.runtime.reported import Reported, usual_names
 from safeloc.shipped import ENTRIES
 from safeloc.target import Entry, Target
 
@@ -42,13 +43,13 @@ __all__ = ["ENTRIES", "Entry", "Target", "load_target", "read_config"]
 
 
 def load_target(spec: str, config: Path | None = None) -> Target:
-    """A shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
+    """Load a shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
 
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
     content of the configuration file). Its module may define `properties`, a list or a function of the machine,
     `reported`, a Reported that names the outputs of the interval, and `pictures`, how its recorded runs are drawn.
-    The target says what was asked for (`spec`), and where its module declares no property, why (`unasked`).
-    Raises InputError that says what was looked for and what exists.
+    The target records the requested name (`spec`) and, if its module declares no property, the reason (`unasked`).
+    Raises InputError, whose message names the requested machine and the existing ones.
     """
     return replace(_found(spec, config), spec=spec)
 
@@ -78,12 +79,12 @@ def _made(entry: Entry, config: BaseModel, path: Path | None) -> Target:
         without = list(dict.fromkeys(re.findall(r"transition '([^']+)'", str(error))))
         what = f"transitions that never, or always, fire: {', '.join(without)}" if without else str(error)
         raise InputError(
-            f"{path}: these figures leave machine {entry.name!r} without a meaning ({what}). {_to_mend(config)}"
+            f"{path}: machine {entry.name!r} cannot work with these figures ({what}). {_to_mend(config)}"
         ) from error
     except ValidationError as error:
         wrong = "; ".join(_fields(error))
         raise InputError(
-            f"{path}: these figures do not go together in machine {entry.name!r} ({wrong}). {_to_mend(config)}"
+            f"{path}: these figures contradict each other in machine {entry.name!r} ({wrong}). {_to_mend(config)}"
         ) from error
 
 
@@ -106,29 +107,39 @@ def _to_mend(config: BaseModel) -> str:
 
 def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
     """A configuration from TOML or JSON, all defaults without a file; InputError naming file and fields."""
-    content = {} if path is None else _content(path)
+    return checked_config(kind, {} if path is None else _content(path), path or "configuration")
+
+
+def checked_config(kind: type[BaseModel], content: Mapping[str, Any], place: object) -> BaseModel:
+    """A configuration of plain data; InputError naming place and fields."""
     try:
         return kind.model_validate(_frozen(content))
     except ValidationError as error:
         wrong = [f"  - {field}" for field in _fields(error)]
         fields = "1 field is" if len(wrong) == 1 else f"{len(wrong)} fields are"
-        raise InputError("\n".join([f"{path or 'configuration'}: {fields} wrong:", *wrong])) from error
+        raise InputError("\n".join([f"{place}: {fields} wrong:", *wrong])) from error
 
 
 def _frozen(content: object) -> object:
     """Arrays as tuples: configurations are strict and hold nothing that changes, and no file has tuples."""
-    if isinstance(content, dict):
+    if isinstance(content, Mapping):
         return {name: _frozen(value) for name, value in content.items()}
     return tuple(_frozen(value) for value in content) if isinstance(content, list) else content
 
 
 def _fields(error: ValidationError) -> list[str]:
     """Each wrong field, what is wrong with it, and what it was."""
-    return [f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}" for e in error.errors()]
+    return [f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}{_now(e)}" for e in error.errors()]
+
+
+def _now(error: Mapping[str, Any]) -> str:
+    """What a field of before is called now, and who rewrites the file."""
+    new = FIELDS.get(str(error["loc"][-1])) if error["loc"] else None
+    return "" if new is None else f"; it is {new} now, a time instead of cycles (safeloc migrate)"
 
 
 def _given(error: Mapping[str, Any]) -> str:
-    """What stands there, unless it is the whole file."""
+    """Return the rejected value in words; empty where the error concerns the whole file."""
     return "" if isinstance(error["input"], dict) else f" (got {reprlib.repr(error['input'])})"
 
 
@@ -172,7 +183,7 @@ def _own(spec: str, config: Path | None) -> Target:
 
 def _target(module: ModuleType, found: Machine | Composition, system: TransitionSystem, doc: str) -> Target:
     declared = getattr(module, "reported", None)
-    reported = declared if isinstance(declared, Reported) else usual_names(system.outputs)
+    reported = declared if isinstance(declared, Reported) else usual_names(module.__name__, system.outputs)
     missing = [name for name in reported.outputs if name not in system.outputs] if reported else []
     if missing:
         raise InputError(f"{module.__name__}.reported names {missing[0]!r}; outputs are {', '.join(system.outputs)}.")
@@ -286,7 +297,7 @@ def _properties(module: ModuleType, found: Machine | Composition) -> tuple[Prope
 
 
 def _listed(module: ModuleType, name: str, declared: object) -> tuple[Any, ...]:
-    """What a user's module declares under this name, which must be a list."""
+    """Return the list that a user's module declares under this name; InputError if it is no list."""
     if not isinstance(declared, Sequence) or isinstance(declared, (str, bytes)):
         raise InputError(
             f"{module.__name__}.{name} is {_told(declared)} ({_file(module)}); "

@@ -15,7 +15,7 @@ class Config(BaseModel):
 
 
 def quantity(default: int, unit: str, low: int, high: int, source: str) -> Any:
-    """A whole-number field: `default` in `unit`, low <= value <= high, and where the figure comes from.
+    """Declare a whole-number field: `default` in `unit`, low <= value <= high, and the source of the figure.
 
     Sources: [S] read in the document named, [D] derived, [M] from memory and therefore only a default.
     """
@@ -23,14 +23,14 @@ def quantity(default: int, unit: str, low: int, high: int, source: str) -> Any:
 
 
 class Derived(property):
-    """A figure that follows from the fields of its configuration; reports show it beside them."""
+    """A figure computed from the fields of its configuration; reports list it after them."""
 
     unit: str
     source: str
 
 
 def derived(unit: str, source: str) -> Callable[[Callable[[Any], int]], Derived]:
-    """Makes a method of a configuration a figure in `unit`, and says what it is."""
+    """Make a method of a configuration a figure in `unit`, with a description."""
 
     def made(compute: Callable[[Any], int]) -> Derived:
         figure = Derived(compute)
@@ -44,3 +44,20 @@ def derived_figures(config: BaseModel) -> Iterator[tuple[str, Derived]]:
     """Name and figure of everything that follows from a configuration's fields."""
     for kind in reversed(type(config).__mro__):
         yield from ((name, value) for name, value in vars(kind).items() if isinstance(value, Derived))
+
+
+def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
+    """Return every figure of a configuration with its unit and the source of its default; then what follows from them."""
+    for name, field in type(config).model_fields.items():
+        value = getattr(config, name)
+        if isinstance(value, BaseModel):
+            yield from figures(value, f"{prefix}{name}.")
+            continue
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        source = str(extra.get("source", field.description or ""))
+        if not field.is_required() and value != field.default:
+            source = f"set here; the default is {field.default} {source}"
+        yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
+    for name, figure in derived_figures(config):
+        value, source = getattr(config, name), f"follows from the figures above: {figure.source}"
+        yield {"name": prefix + name, "value": str(value), "unit": figure.unit, "source": source}

@@ -9,7 +9,7 @@ SafelocError
 │   ├── SnapshotError      ... a snapshot that is damaged, or of something else
 │   └── UnforeseenError    ... in a way that safeloc was not ready for: refused, and a defect of safeloc to be reported
 ├── PropertyError          a property cannot be checked on this machine or trace
-├── EngineError            a solver or back end answered what it must not, or is missing
+├── EngineError            a solver or back end gave an impossible answer, or is missing
 └── NotProvedError         a verdict that was required to be Proved is not
 """
 
@@ -49,7 +49,7 @@ class SnapshotError(InputError):
 
 
 class UnforeseenError(InputError):
-    """What came from outside made safeloc itself fail. It is refused; the message names the input and our own line."""
+    """An input that made safeloc itself fail. It is refused; the message names the input and the line of safeloc."""
 
 
 class PropertyError(SafelocError):
@@ -67,11 +67,12 @@ class NotProvedError(SafelocError, AssertionError):
 def declared_at() -> str:
     """`file:line` of the nearest caller that is not the engine itself: the place to mend."""
     frame = sys._getframe(1)
-    while frame.f_back is not None and _is_engine(frame.f_globals.get("__name__", "")):
+    while frame.f_back is not None and is_engine(frame.f_globals.get("__name__", "")):
         frame = frame.f_back
     return f"{frame.f_code.co_filename}:{frame.f_lineno}"
 
 
-def _is_engine(module: str) -> bool:
+def is_engine(module: str) -> bool:
+    """Whether a module is the engine's own: neither a machine nor a property, and no user's code."""
     inside = module == "safeloc" or module.startswith("safeloc.")
     return (inside and not module.startswith(_USER_PACKAGES)) or module == "dataclasses"

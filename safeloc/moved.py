@@ -1,4 +1,4 @@
-"""Modules that have moved: an import by the old name is refused, and the message says the new one."""
+"""Modules that have moved or are gone: an import by the old name is refused, and the message says what to do."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ MOVED = {
     "safeloc.backends": "safeloc.codegen",
     "safeloc.border": "safeloc.runtime.border",
     "safeloc.cache": "safeloc.proof.cache",
-    "safeloc.checker": "safeloc.proof.checker",
     "safeloc.checks": "safeloc.language.checks",
     "safeloc.codegen.known": "safeloc.codegen.simplify_under_facts",
     "safeloc.codegen.live": "safeloc.codegen.dead_code",
@@ -75,6 +74,7 @@ MOVED = {
     "safeloc.models.route_parts": "safeloc.models.route",
     "safeloc.models.route_streams": "safeloc.models.route.simulate",
     "safeloc.models.running": "safeloc.models.vocabulary",
+    "safeloc.models.satellite.law": "safeloc.models.satellite.world",
     "safeloc.models.satellite_chain": "safeloc.models.satellite.chain",
     "safeloc.models.satellite_parts": "safeloc.models.satellite",
     "safeloc.models.satellite_streams": "safeloc.models.satellite.simulate",
@@ -92,6 +92,7 @@ MOVED = {
     "safeloc.outside": "safeloc.runtime.outside",
     "safeloc.packed": "safeloc.runtime.packed",
     "safeloc.pictures": "safeloc.railway.pictures",
+    "safeloc.proof.checker": "safeloc.checker",
     "safeloc.proof.provers.base": "safeloc.proof.provers.proved_base",
     "safeloc.proof.provers.evidence": "safeloc.proof.provers.replayed_evidence",
     "safeloc.proof.provers.reading": "safeloc.proof.provers.z3_to_terms",
@@ -107,7 +108,6 @@ MOVED = {
     "safeloc.provers": "safeloc.proof.provers",
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",
-    "safeloc.reported": "safeloc.runtime.reported",
     "safeloc.requirements": "safeloc.assurance.requirements",
     "safeloc.results": "safeloc.proof.results",
     "safeloc.runs": "safeloc.proof.runs",
@@ -116,6 +116,7 @@ MOVED = {
     "safeloc.runtime.embedding.judging": "safeloc.runtime.embedding.readable_records",
     "safeloc.runtime.embedding.making": "safeloc.runtime.embedding.arguments",
     "safeloc.runtime.embedding.period": "safeloc.runtime.embedding.cycle_length",
+    "safeloc.runtime.reported": "safeloc.reported",
     "safeloc.runtime.service.pace": "safeloc.runtime.service.clock_lag",
     "safeloc.service": "safeloc.runtime.service",
     "safeloc.signals": "safeloc.sensing",
@@ -134,16 +135,24 @@ MOVED = {
 Where something stands elsewhere after all, a second row leads on from there.
 """
 
+GONE = {
+    "safeloc.codegen.runtime": "to_fsm and to_async_fsm are gone. Controller(target).follow(model) of "
+    "safeloc.runtime.embedding lets a host's object follow the machine, behind the border (docs/embedding.md).",
+}
+"""Old name -> what to do instead."""
+
 
 class OldNames(MetaPathFinder):
     """Asked before any other finder, since a folder that an update left behind would pass for an empty package."""
 
     def find_spec(self, name: str, _path: Sequence[str] | None, _target: ModuleType | None = None) -> None:
-        """Find nothing. ImportError for a name of before the move."""
+        """Find nothing. ImportError for a name of before the move, and for one that is gone."""
+        if name in GONE:
+            raise ImportError(f"{name}: {GONE[name]}", name=name)
         if name in MOVED:
             raise ImportError(f"{name} is now {MOVED[name]}; import it from there.", name=name)
 
 
 def refuse_old_names() -> None:
-    """Let every import by an old name tell the new one."""
+    """Refuse every import by an old name with a message that gives the new one."""
     sys.meta_path.insert(0, OldNames())

@@ -10,26 +10,26 @@ from typing import Any
 from pydantic import BaseModel
 
 from safeloc.language.machine import Machine
+from safeloc.language.nodes import Value
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem
 from safeloc.railway.pictures import Picture
-from safeloc.runtime.reported import Reported
-from safeloc.runtime.streams.steps import Cell
+from safeloc.reported import Reported
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A system with everything that is to be shown of it.
+    """A system with its properties, recordings, simulation and pictures: one item under verification.
 
-    streams   recorded step streams that ship with it and are replayed by `verify`
+    streams   recorded step streams that ship with it; `verify` replays them
     reported  which outputs are the reported interval; None for a machine that reports none
     simulate  seed -> steps of simulated sensors, where there is a simulation
     pictures  how a report draws its recorded runs
-    silent    machines that may be told nothing in a step: without any of their inputs the assumption holds as well
-    said      name that records have for an input -> the input, where they are not the same
-    spec      what was asked for, as on the command line
-    unasked   why there is no property, where there is none: what was looked for, in which file, and what to do
-    given     of a user's machine: the content of the configuration file that it was made from
+    silent    machines that may get no input in a step: the assumption also holds if all their inputs are absent
+    said      record name -> input name, for each input whose records have another name
+    spec      the requested name, as on the command line
+    unasked   the reason why there is no property, if there is none: the name looked for, the file, and the remedy
+    given     of a user's machine: the content of its configuration file
     """
 
     name: str
@@ -40,7 +40,7 @@ class Target:
     doc: str = ""
     streams: tuple[Path, ...] = ()
     reported: Reported | None = None
-    simulate: Callable[[int], Sequence[Mapping[str, Cell]]] | None = None
+    simulate: Callable[[int], Sequence[Mapping[str, Value | str]]] | None = None
     pictures: tuple[Picture, ...] = ()
     silent: tuple[str, ...] = ()
     said: Mapping[str, str] = field(default_factory=dict)

@@ -38,6 +38,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, always, never, once, previous, since, within
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import CM, COUNT, MM, MM_S, MS, NM, PPM, UM
+from safeloc.language.world import World
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,12 +100,16 @@ def build_odometer(tolerance_mm: int, *, judged_late: bool = False) -> Odometer:
             Transition("line left", tracking, delocalized, ~between(-LINE_MM, position + movement, LINE_MM), rank=2),
             Transition("run on", tracking, tracking, set={position: position + movement, margin: grown}, rank=3),
         ],
-        ghosts={truth: 0},
-        ghost_inputs=[moved],
-        ghost_moves={truth: arrived},
-        assumption=(abs_(moved - exact_to(movement, NM)) <= abs_(movement) * RATE)
-        & reference.present.implies(exact_to(reference.value, NM).eq(arrived))
-        & between(-WORLD_NM, arrived, WORLD_NM),
+        world=World(
+            ghosts={truth: 0},
+            choices=[moved],
+            moves={truth: arrived},
+            clauses={
+                "assumption": (abs_(moved - exact_to(movement, NM)) <= abs_(movement) * RATE)
+                & reference.present.implies(exact_to(reference.value, NM).eq(arrived))
+                & between(-WORLD_NM, arrived, WORLD_NM)
+            },
+        ),
         lemmas={"truth within margin": mode.eq(tracking).implies(error <= margin)},
         mode_variable=mode,
     )

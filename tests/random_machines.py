@@ -43,6 +43,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.ranges import bounds
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.units import ONE, Enumeration
+from safeloc.language.world import World
 
 LARGEST = 10**9
 COLOURS = members("colour", "RED", "GREEN", "BLUE")
@@ -153,9 +154,7 @@ def machines(draw: Draw, *, most_terms: int = 25) -> Machine:
             )
             for row in range(draw(st.integers(0, 6)))
         ],
-        ghosts={ghost: 0},
-        ghost_inputs=[push],
-        ghost_moves={ghost: _clamped(ghost, ghost + push)},
+        world=World(ghosts={ghost: 0}, choices=[push], moves={ghost: _clamped(ghost, ghost + push)}),
     )
 
 

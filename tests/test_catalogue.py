@@ -48,7 +48,7 @@ WRONG_PROPERTIES = """
 properties = ["light"]
 """
 INTERVAL = """
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 reported = Reported(position="somewhere")
 """
 
@@ -125,7 +125,7 @@ def test_a_configuration_file_is_used(kind: str, tmp_path: Path) -> None:
     assert found.config is not None
     assert found.config.model_dump()["tolerance_mm"] == 20_000
     high = {var.name: var.high for var in found.system.state if hasattr(var, "high")}
-    assert high["passed_over_mm"] == 20_000
+    assert high["passed_margin_above_mm"] == 20_000
 
 
 @pytest.mark.parametrize("kind", ["toml", "json"])
@@ -204,7 +204,7 @@ FIGURES = [
     (
         "reflector",
         "max_speed_mm_s = 138889\nmeasuring_step_mm = 10000\nreference_distance_mm = 299999",
-        "these figures do not go together in machine 'reflector' (radar_error_mm: Input should be less than or equal to "
+        "these figures contradict each other in machine 'reflector' (radar_error_mm: Input should be less than or equal to "
         "10000 (got 12146)). Mend one of: max_speed_mm_s = 138889, measuring_step_mm = 10000, reference_distance_mm = ",
     ),
 ]
@@ -242,7 +242,7 @@ def test_a_machine_without_a_meaning(tmp_path: Path, monkeypatch: pytest.MonkeyP
     path = tmp_path / "own.toml"
     path.write_text("tolerance_mm = 7", encoding="utf-8")
     assert refused("delocalized", path) == (
-        f"{path}: these figures leave machine 'delocalized' without a meaning (transitions that never, or always, fire: "
+        f"{path}: machine 'delocalized' cannot work with these figures (transitions that never, or always, fire: "
         "on). Mend one of: tolerance_mm = 7."
     )
     with pytest.raises(ModelError):

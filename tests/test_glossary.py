@@ -1,4 +1,4 @@
-"""The glossary explains words that the project uses, in order, and says the truth about over and under."""
+"""The glossary explains words that the project uses, in order, and says the truth about the margins above and below."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from tests.rooms import ROOT
 
 PAGE = ROOT / "docs" / "glossary.md"
@@ -55,12 +55,12 @@ def test_words_are_sorted_and_explained_once() -> None:
     assert len(ROWS) > 80
 
 
-def test_the_page_and_the_code_agree_on_over_and_under() -> None:
-    """Over reaches up, under down; the page says so in the code's own names."""
+def test_the_page_and_the_code_agree_on_the_margins() -> None:
+    """The margin above reaches up, the one below down; the page says so in the code's own names."""
     report = Reported()
-    outputs = {report.position: 1_000, report.over: 7, report.under: 5, report.valid: True}
+    outputs = {report.position: 1_000, report.above: 7, report.below: 5, report.valid: True}
     assert (1_000 - 5, 1_000 + 7) == report.interval_mm(outputs)
-    assert f"[{report.position} - {report.under}, {report.position} + {report.over}]" in TEXT
+    assert f"[{report.position} - {report.below}, {report.position} + {report.above}]" in TEXT
     said = {word: row[1] for word, row in zip(WORDS, ROWS, strict=True)}
-    assert "L_DOUBTUNDER" in said["`over`"]
-    assert "L_DOUBTOVER" in said["`under`"]
+    assert "L_DOUBTUNDER" in said["`margin_above_mm`"]
+    assert "L_DOUBTOVER" in said["`margin_below_mm`"]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import safeloc
-from safeloc.moved import MOVED
+from safeloc.moved import GONE, MOVED
 
 ROOT = Path(safeloc.__file__).parent
 
@@ -25,6 +25,14 @@ def test_an_old_name_tells_the_new_one(old: str) -> None:
     here = ROOT.joinpath(*old.split(".")[1:])
     assert [] == [*here.rglob("*.py")]
     assert not here.with_suffix(".py").exists()
+
+
+@pytest.mark.parametrize("old", GONE)
+def test_a_module_that_is_gone_tells_what_to_do_instead(old: str) -> None:
+    """Nothing stands under its name."""
+    with pytest.raises(ImportError, match=rf"^{re.escape(old)}: {re.escape(GONE[old])}$"):
+        import_module(old)
+    assert not ROOT.joinpath(*old.split(".")[1:]).with_suffix(".py").exists()
 
 
 @pytest.mark.parametrize(

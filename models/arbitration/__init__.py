@@ -28,7 +28,6 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     Var,
-    all_of,
     as_num,
     between,
     exact_to,
@@ -36,8 +35,10 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM
+from safeloc.language.world import World
 from safeloc.models.arbitration.cycle import Cycle
 from safeloc.models.arbitration.variables import SOURCES, ArbitrationConfig, Parts, Source, parts
+from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 
 __all__ = ["SOURCES", "Arbitration", "ArbitrationConfig", "Source", "build", "parts"]
@@ -67,16 +68,16 @@ def build(own: Parts) -> Arbitration:
         modes=table,
         inputs=[own.distance, *(var for source in own.sources for var in source.inputs)],
         state={
-            own.position: 0, own.under: 0, own.over: 0, own.lag: 0, own.first: 0, own.second: 0, own.reason: NO_REFERENCE,
+            own.position: 0, own.below: 0, own.above: 0, own.lag: 0, own.first: 0, own.second: 0, own.reason: NO_REFERENCE,
             own.referred: False,
         },
         outputs={
             "valid": given,
-            "position_mm": own.position,
-            "under_mm": own.under,
-            "over_mm": own.over,
-            "min_safe_front_mm": own.position - own.under - own.lag,
-            "max_safe_front_mm": own.position + own.over,
+            "position_mm": position_if(given, own.position),
+            "margin_below_mm": margin_if(given, own.below),
+            "margin_above_mm": margin_if(given, own.above),
+            "min_safe_front_mm": position_if(given, own.position - own.below - own.lag),
+            "max_safe_front_mm": position_if(given, own.position + own.above),
             "lead": _named(own, current),
             "reference_accepted": own.referred,
             "contradicting_first": own.first,
@@ -84,10 +85,12 @@ def build(own: Parts) -> Arbitration:
             "reason": own.reason,
         },
         transitions=[*_given(own, cycle), *_withheld(own, cycle)],
-        ghosts={own.truth: ANY},
-        ghost_inputs=[own.next_truth],
-        ghost_moves={own.truth: own.next_truth},
-        assumption=all_of(source.valid.implies(source.holds(own.next_truth)) for source in own.sources),
+        world=World(
+            ghosts={own.truth: ANY},
+            choices=[own.next_truth],
+            moves={own.truth: own.next_truth},
+            clauses=_sources_hold_the_truth(own),
+        ),
         lemmas=_lemmas(own, given),
         definitions=_definitions(own, cycle),
         mode_variable=current,
@@ -154,8 +157,8 @@ def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
     nobody = Lit(0, own.named)
     return {
         own.position: cycle.estimate,
-        own.under: cycle.estimate - cycle.low,
-        own.over: cycle.high - cycle.estimate,
+        own.below: cycle.estimate - cycle.low,
+        own.above: cycle.high - cycle.estimate,
         own.lag: lag,
         own.first: nobody,
         own.second: nobody,
@@ -166,7 +169,7 @@ def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:
 
 def _nothing(own: Parts) -> dict[Var, Expr]:
     zero = as_num(0, MM)
-    return {own.position: zero, own.under: zero, own.over: zero, own.lag: zero, own.referred: FALSE}
+    return {own.position: zero, own.below: zero, own.above: zero, own.lag: zero, own.referred: FALSE}
 
 
 def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:
@@ -180,9 +183,16 @@ def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:
     return named | {f"{source.name} leads now": cycle.leads(source) for source in own.sources}
 
 
+def _sources_hold_the_truth(own: Parts) -> dict[str, Bool]:
+    """What a source states, where it states anything, holds the truth."""
+    return {
+        f"{source.name} holds the truth": source.valid.implies(source.holds(own.next_truth)) for source in own.sources
+    }
+
+
 def _lemmas(own: Parts, given: Bool) -> dict[str, Bool]:
-    low, high = own.position - own.under, own.position + own.over
-    nothing = own.position.eq(0) & own.under.eq(0) & own.over.eq(0) & own.lag.eq(0)
+    low, high = own.position - own.below, own.position + own.above
+    nothing = own.position.eq(0) & own.below.eq(0) & own.above.eq(0) & own.lag.eq(0)
     return {
         "the interval holds the truth": given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         "nothing while withheld": given | nothing,

@@ -127,7 +127,7 @@ class Cycle:
     @cached_property
     def lag(self) -> Num:
         """How far the min safe front end lies behind the lower end after the cycle."""
-        before = self.own.position - self.own.under
+        before = self.own.position - self.own.below
         return maximum(self.own.lag + (self.low - before) - self.estimated, 0)
 
     def highest_low(self) -> Num:

@@ -24,8 +24,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import MM, NM, Enumeration
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import MM, NM, NM_PER_MM, Enumeration
 from safeloc.models.vocabulary.reasons import REASON
 
 SOURCES = ("odometry", "balise", "reflector", "satellite", "fibre")
@@ -62,30 +61,30 @@ class Source:
     name: str
     valid: BoolVar
     position: NumVar
-    under: NumVar
-    over: NumVar
+    below: NumVar
+    above: NumVar
     reference: BoolVar
     reason: NumVar
 
     @property
     def inputs(self) -> tuple[Var, ...]:
         """All of them, as inputs."""
-        return self.valid, self.position, self.under, self.over, self.reference, self.reason
+        return self.valid, self.position, self.below, self.above, self.reference, self.reason
 
     @property
     def low(self) -> Num:
         """Min safe front end."""
-        return self.position - self.under
+        return self.position - self.below
 
     @property
     def high(self) -> Num:
         """Max safe front end."""
-        return self.position + self.over
+        return self.position + self.above
 
     @property
     def margin(self) -> Num:
         """The greater of both sides."""
-        return maximum(self.under, self.over)
+        return maximum(self.below, self.above)
 
     def holds(self, truth: Num) -> Bool:
         """The truth lies in its interval."""
@@ -97,7 +96,7 @@ class Parts:
     """The variables of the machine.
 
     distance                input: the distance measured in the cycle
-    position, under, over   the common interval; 0 while nothing is given out
+    position, below, above  the common interval; 0 while nothing is given out, and not shown then
     lag                     how far the min safe front end lies behind the interval's lower end
     first, second           two sources that exclude each other; NONE: none
     truth, next_truth       ghosts: the front end, nm
@@ -107,8 +106,8 @@ class Parts:
     sources: tuple[Source, ...]
     distance: Optional
     position: NumVar
-    under: NumVar
-    over: NumVar
+    below: NumVar
+    above: NumVar
     lag: NumVar
     first: NumVar
     second: NumVar
@@ -128,9 +127,9 @@ def parts(config: ArbitrationConfig) -> Parts:
         config,
         tuple(_source(name, config) for name in config.sources),
         optional("distance_mm", MM, -config.max_step_mm, config.max_step_mm),
-        number("position_mm", MM, -limit, limit),
-        number("under_mm", MM, 0, config.tolerance_mm),
-        number("over_mm", MM, 0, config.tolerance_mm),
+        number("common_position_mm", MM, -limit, limit),
+        number("common_margin_below_mm", MM, 0, config.tolerance_mm),
+        number("common_margin_above_mm", MM, 0, config.tolerance_mm),
         number("lag_mm", MM, 0, config.lag_limit_mm),
         choice("contradicting_first", named),
         choice("contradicting_second", named),
@@ -148,8 +147,8 @@ def _source(name: str, config: ArbitrationConfig) -> Source:
         name,
         boolean(f"{name}_valid"),
         number(f"{name}_position_mm", MM, -limit, limit),
-        number(f"{name}_under_mm", MM, 0, widest),
-        number(f"{name}_over_mm", MM, 0, widest),
+        number(f"{name}_margin_below_mm", MM, 0, widest),
+        number(f"{name}_margin_above_mm", MM, 0, widest),
         boolean(f"{name}_reference"),
         choice(f"{name}_reason", enumeration(REASON)),
     )

@@ -36,6 +36,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, UM
+from safeloc.language.world import World
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.area.variables import AreaConfig, Parts, parts
 
@@ -83,11 +84,13 @@ def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
         state={**state, own.rejected: 0},
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, table)),
-        ghosts=ghosts,
-        ghost_inputs=_choices(own),
-        ghost_moves=moves,
-        assumption=_on_the_line(own, own.next_loose_rear, own.next_loose_front),
-        clauses=_clauses(own, kept),
+        world=World(
+            ghosts=ghosts,
+            choices=_choices(own),
+            moves=moves,
+            clauses=_clauses(own, kept),
+            reads_machine="trains are tied to the slots that the machine gives them",
+        ),
         lemmas=_lemmas(own, current, table),
         initially=_ends_in_order(own),
         mode_variable=current,
@@ -260,10 +263,11 @@ def reports_clause(one: Slot) -> str:
 
 def _clauses(own: Parts, kept: Sequence[Slot]) -> dict[str, Bool]:
     """What is assumed of trains, by name; of uncounted vehicles: `_loose_law`."""
+    on_line = {"uncounted vehicles stay on the line": _on_the_line(own, own.next_loose_rear, own.next_loose_front)}
     moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
     counted = {f"train {one.number} is counted": _counting_law(own, one) for one in own.slots}
     reports = {reports_clause(one): report_law(one) for one in own.slots if one not in kept}
-    return {**moves, **counted, **reports, "uncounted vehicles": _loose_law(own)}
+    return {**on_line, **moves, **counted, **reports, "uncounted vehicles": _loose_law(own)}
 
 
 def _on_the_line(own: Parts, *places: Num) -> Bool:

@@ -15,9 +15,8 @@ The machines prove that a clear section is clear; how far a train keeps away fro
 from __future__ import annotations
 
 from safeloc.config import Config, quantity
+from safeloc.language.units import MS_PER_S
 from safeloc.models.area import AreaConfig
-
-MS_PER_S = 1_000
 
 
 class Following(Config):

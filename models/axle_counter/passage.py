@@ -1,32 +1,16 @@
-"""What an entry record rests on: the axles that a head tells, and bounds of speed and run between them."""
+"""What an entry record rests on: the axles that a head tells, and bounds of speed and run between them; its configuration."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.config import Config, quantity
-from safeloc.language.expr import (
-    Bool,
-    BoolVar,
-    Lit,
-    Num,
-    NumVar,
-    Optional,
-    any_of,
-    between,
-    boolean,
-    choice,
-    enumeration,
-    maximum,
-    members,
-    minimum,
-    number,
-    optional,
-)
-from safeloc.language.units import COUNT, MM_S, MS, NM, UM, Unit
-from safeloc.models.axle_head import AXLE, NO_AXLE
+from pydantic import model_validator
 
-UM_S = Unit("um/s", length=1, time=-1, scale=UM.scale)
+from safeloc.config import Config, quantity
+from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.units import COUNT, MM_S, MS_PER_S, NM, UM, UM_PER_MM, UM_S
+from safeloc.models.axle_head import AXLE
+
 FLAW = members(
     "flaw",
     "NONE",
@@ -38,10 +22,12 @@ FLAW = members(
     "TOO_MANY",
     "TOO_LONG",
     "LENGTH_UNKNOWN",
+    "MAYBE_ANOTHER_TRAIN",
 )
-SOUND, POWER_UP, HEAD_FAULT, NO_SPEED, SPEED_CONTRADICTED, TURNED, TOO_MANY, TOO_LONG, LENGTH_UNKNOWN = FLAW
-UM_PER_MM = 1_000
-MS_PER_S = 1_000
+(
+    SOUND, POWER_UP, HEAD_FAULT, NO_SPEED, SPEED_CONTRADICTED, TURNED, TOO_MANY, TOO_LONG, LENGTH_UNKNOWN,
+    MAYBE_ANOTHER_TRAIN,
+) = FLAW  # fmt: skip
 
 
 class AxleCounterConfig(Config):
@@ -55,6 +41,21 @@ class AxleCounterConfig(Config):
     axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
     length_limit_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     length_spread_mm: int = quantity(20_000, "mm", 1, 1_000_000, "[D] wider bounds give no length")
+
+    headway_ms: int = quantity(
+        30_000, "ms", 1_000, 3_600_000, "[M, fairly sure] trains that follow each other: a minute"
+    )
+
+    @model_validator(mode="after")
+    def _a_train_is_heard(self) -> AxleCounterConfig:
+        if self.pause_cycles < 1:
+            raise ValueError(f"headway_ms ({self.headway_ms}) is at least twice period_ms ({self.period_ms}).")
+        return self
+
+    @property
+    def pause_cycles(self) -> int:
+        """After so many cycles without an axle the next one may be another train's: both may be at the ends of theirs."""
+        return self.headway_ms // self.period_ms - 1
 
     @property
     def change_mm_s(self) -> int:
@@ -80,8 +81,12 @@ class Parts:
     run_low, run_high        bounds of the run since the first axle
     length_low, length_high  bounds of the run up to the last axle
     past_low                 lower bound of the run since the last axle
-    speed, run, length, axles  ghosts: the train's speed, its run since the first axle, up to its last axle; its axles so far
-    axle_speed                 ghost: its speed when the axle passed; negative for an axle that comes back
+    pause                    cycles since the last axle
+    speed, run, length, axles  ghosts: the train's speed, its run since the first axle, up to its last axle; its axles so
+                               far; all of them upwards along the line
+    axle_speed                 ghost: its speed when the axle passed
+    away                       ghost: the next axle is another passage's
+    waited, last_up            ghosts: cycles since the last axle; it went upwards
     """
 
     config: AxleCounterConfig
@@ -100,6 +105,7 @@ class Parts:
     length_low: NumVar
     length_high: NumVar
     past_low: NumVar
+    pause: NumVar
     flaw: NumVar
     speed: NumVar
     next_speed: NumVar
@@ -110,58 +116,9 @@ class Parts:
     run: NumVar
     length: NumVar
     axles: NumVar
-
-    @property
-    def counted(self) -> Bool:
-        """An axle was counted."""
-        return self.axle.ne(NO_AXLE)
-
-    @property
-    def onward(self) -> Bool:
-        """The axle came in the direction of the first one."""
-        return self.axle.eq(self.came)
-
-    @property
-    def speeds(self) -> tuple[Num, Num]:
-        """Bounds of the speed at any time of this cycle, from those before it."""
-        change, most = self.config.change_mm_s, self.config.max_speed_mm_s
-        return maximum(self.low_speed - change, -most), minimum(self.high_speed + change, most)
-
-    @property
-    def runs(self) -> tuple[Num, Num]:
-        """Bounds of the run after this cycle."""
-        low, high = self.speeds
-        period = self.config.period_ms
-        after_low, after_high = self.run_low + low * Lit(period, MS), self.run_high + high * Lit(period, MS)
-        return after_low, after_high
-
-    @property
-    def measured(self) -> tuple[Num, Num]:
-        """Bounds of the speed after a cycle with axles."""
-        low, high = self.speeds
-        change = self.config.change_mm_s
-        return maximum(low, self.slow.value - change), minimum(high, self.fast.value + change)
-
-    @property
-    def passed(self) -> Bool:
-        """The train has surely run farther since its last axle than two axles are apart."""
-        return self.past > Lit(self.config.axle_gap_mm * UM_PER_MM, UM)
-
-    @property
-    def past(self) -> Num:
-        """Lower bound of the run since the last axle, after a cycle without one."""
-        return self.past_low + self.speeds[0] * Lit(self.config.period_ms, MS)
-
-    @property
-    def lost(self) -> Bool:
-        """The train may be farther than a passage is followed."""
-        most = self.config.run_limit_um
-        return any_of(~between(-most, run, most) for run in (*self.runs, self.past))
-
-    @property
-    def length_known(self) -> Bool:
-        """The bounds of the length are close enough."""
-        return self.length_high - self.length_low <= self.config.length_spread_mm * UM_PER_MM
+    away: BoolVar
+    waited: NumVar
+    last_up: BoolVar
 
 
 def parts(config: AxleCounterConfig) -> Parts:
@@ -185,6 +142,7 @@ def parts(config: AxleCounterConfig) -> Parts:
         number("length_low_um", UM, -far, far),
         number("length_high_um", UM, -far, far),
         number("past_low_um", UM, -far, far),
+        number("pause_cycles", COUNT, 0, config.pause_cycles),
         choice("flaw", enumeration(FLAW)),
         number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
         number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM),
@@ -195,4 +153,7 @@ def parts(config: AxleCounterConfig) -> Parts:
         number("true_run_nm", NM, -(10**15), 10**15),
         number("true_length_nm", NM, -(10**15), 10**15),
         number("true_axles", COUNT, 0, 2**31),
+        boolean("train_is_away"),
+        number("true_pause_cycles", COUNT, 0, config.headway_ms // config.period_ms + 1),
+        boolean("last_axle_upwards"),
     )

@@ -10,14 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 
+from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell
 
-UM_PER_MM = 1_000
-NM_PER_MM = 1_000_000
 SPREAD_MM_S = 200  # how far the told bounds of an axle's speed lie from it
-BETWEEN_CYCLES = 3
+BETWEEN_CYCLES = 300  # the headway
 SLOWEST_MM_S = 12_000  # slower trains need not be surely past before another one comes
 
 
@@ -173,8 +172,15 @@ def _turning(config: AxleCounterConfig) -> Passages:
     """Brakes to a stand over the counter and runs back."""
     change = config.change_mm_s - 10
     down = [max(6_000 - change * cycle, 0) for cycle in range(45)]
-    back = [max(-change * cycle, -3_000) for cycle in range(80)]
+    back = [max(-change * cycle, -3_000) for cycle in range(130)]
     return [Passage(COACHES, (*down, *back)), _steady(config)]
+
+
+def _crawling(config: AxleCounterConfig) -> Passages:
+    """A train too slow to be surely past before the next one comes, at the headway."""
+    crawl, wagon = 2_000, bogies(1)
+    cycles = (wagon[-1] + config.axle_gap_mm) * 1_000 // (crawl * config.period_ms) + 5
+    return [Passage(wagon, (crawl,) * cycles), _steady(config), _steady(config)]
 
 
 def _spoilt(cells: Mapping[str, Cell | None], *, untrue: bool = False) -> Callable[[AxleCounterConfig], Passages]:
@@ -203,6 +209,11 @@ RUNS: Mapping[str, WorkedRun[AxleCounterConfig]] = {
         "The train brakes on the counter: the record's bounds hold its length; speed times time would not.", _braking
     ),
     "axle_counter-turned": _worked("The train turns on the counter: no record, flaw TURNED; the next has one.", _turning),
+    "axle_counter-crawling": _worked(
+        "A train is not surely past when the next one comes, at the headway: no record of either, flaw MAYBE_ANOTHER_TRAIN; "
+        "the third one has one.",
+        _crawling,
+    ),
     "axle_counter-direction-unknown": _worked(
         "The head does not know the direction of an axle: no record, flaw HEAD_FAULT; the next train has one.",
         _spoilt({**NOT_TOLD, "head_fault": True}),

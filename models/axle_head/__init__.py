@@ -10,71 +10,38 @@ A step of this machine is one sample of both channels, often enough that no whee
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
-from pydantic import model_validator
-
-from safeloc.config import Config, quantity
 from safeloc.errors import InputError
-from safeloc.language.expr import Bool, BoolVar, Lit, NumVar, Var, all_of, boolean, choice, enumeration, ite, members
+from safeloc.language.expr import Bool, Lit, Var
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.units import US_PER_S
+from safeloc.models.axle_head.lemmas import lemmas
+from safeloc.models.axle_head.variables import (
+    AXLE,
+    DOWN,
+    NO_AXLE,
+    UP,
+    AxleHeadConfig,
+    Parts,
+    parts,
+)
+from safeloc.models.axle_head.world import world
 
-AXLE = members("axle", "NONE", "UP", "DOWN")
-NO_AXLE, UP, DOWN = AXLE
-WHEEL = members("wheel", "OFF", "OVER_A", "OVER_BOTH", "OVER_B")
-OFF, OVER_A, OVER_BOTH, OVER_B = WHEEL
+__all__ = [
+    "AXLE",
+    "DOWN",
+    "NO_AXLE",
+    "UP",
+    "AxleHead",
+    "AxleHeadConfig",
+    "Parts",
+    "axle_speed_mm_s",
+    "build",
+    "machine",
+    "parts",
+]
 MODES = ("FREE", "A_FIRST", "BOTH_UP", "B_LAST", "B_FIRST", "BOTH_DOWN", "A_LAST", "DISTURBED")
 TRACE = ("FVA-4", "FVA-5")
-US_PER_S = 1_000_000
-
-
-class AxleHeadConfig(Config):
-    """What the sampling rests on. ValueError where a wheel could pass between two samples."""
-
-    sample_us: int = quantity(500, "us", 1, 100_000, "[M] 2 kHz")
-    overlap_mm: int = quantity(60, "mm", 1, 1_000, "[M, unsure] shortest stretch in which a wheel damps both channels")
-    spacing_mm: int = quantity(150, "mm", 1, 1_000, "[M, unsure] between the two channels")
-    spacing_error_mm: int = quantity(2, "mm", 0, 100, "[M, unsure]")
-    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
-
-    @model_validator(mode="after")
-    def _sampled_often_enough(self) -> AxleHeadConfig:
-        run = self.max_speed_mm_s * self.sample_us
-        if run >= self.overlap_mm * US_PER_S:
-            raise ValueError(
-                f"in {self.sample_us} us a wheel runs {run / US_PER_S:.1f} mm, and damps both channels for only "
-                f"{self.overlap_mm} mm; sample more often."
-            )
-        if self.spacing_error_mm >= self.spacing_mm:
-            raise ValueError("spacing_error_mm lies below spacing_mm.")
-        return self
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """The variables: channels damped, the axle counted in this sample; ghosts: where the wheel is, and came from."""
-
-    config: AxleHeadConfig
-    a: BoolVar
-    b: BoolVar
-    axle: NumVar
-    place: NumVar
-    next_place: NumVar
-    from_low: BoolVar
-
-
-def parts(config: AxleHeadConfig) -> Parts:
-    """Fresh variables for one head."""
-    wheel = enumeration(WHEEL)
-    return Parts(
-        config,
-        boolean("channel_a_damped"),
-        boolean("channel_b_damped"),
-        choice("axle", enumeration(AXLE)),
-        choice("wheel", wheel),
-        choice("next_wheel", wheel),
-        boolean("wheel_from_low"),
-    )
 
 
 AxleHead = Model[Parts]
@@ -96,11 +63,8 @@ def build(own: Parts) -> AxleHead:
         state={own.axle: NO_AXLE},
         outputs={"counted": own.axle, "damped": current.ne(table[0]), "disturbed": current.eq(table[-1])},
         transitions=list(_table(own, table)),
-        ghosts={own.place: OFF, own.from_low: False},
-        ghost_inputs=[own.next_place],
-        ghost_moves={own.place: own.next_place, own.from_low: _from_low(own)},
-        assumption=_wheel_is_where_it_damps(own),
-        lemmas=_lemmas(own, current, table),
+        world=world(own),
+        lemmas=lemmas(own, current, table),
         mode_variable=current,
         doc=(
             "Axles and their direction from the overlapping pulses of a two-channel head. A sample that no wheel can make "
@@ -140,37 +104,6 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield row("both gone at once", (both_up, both_down), disturbed, no)
     yield row("free again", disturbed, free, no)
     yield Transition("stay free", free, free, no, none, TRACE, 1)
-
-
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-def _wheel_is_where_it_damps(own: Parts) -> Bool:
-    """One wheel at a time, without jumps, and no false damping: what a head without a fault hears."""
-    place, then = own.place, own.next_place
-    steps = {OFF: (OFF, OVER_A, OVER_B), OVER_A: (OFF, OVER_A, OVER_BOTH), OVER_BOTH: (OVER_A, OVER_BOTH, OVER_B)}
-    steps[OVER_B] = (OFF, OVER_BOTH, OVER_B)
-    runs = [place.eq(here).implies(then.one_of(*there)) for here, there in steps.items()]
-    heard = own.a.iff(then.one_of(OVER_A, OVER_BOTH)) & own.b.iff(then.one_of(OVER_B, OVER_BOTH))
-    return all_of([heard, *runs])
-
-
-def _from_low(own: Parts) -> Bool:
-    """Ghost: the wheel over the head came from below."""
-    comes = own.place.eq(OFF) & own.next_place.ne(OFF)
-    return ite(comes, own.next_place.eq(OVER_A), own.from_low)
-
-
-def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    free, a_first, both_up, b_last, b_first, both_down, a_last, disturbed = table
-    up = {a_first: OVER_A, both_up: OVER_BOTH, b_last: OVER_B}
-    down = {b_first: OVER_B, both_down: OVER_BOTH, a_last: OVER_A}
-    places = [current.eq(mode).implies(own.place.eq(place) & own.from_low) for mode, place in up.items()]
-    places += [current.eq(mode).implies(own.place.eq(place) & ~own.from_low) for mode, place in down.items()]
-    return {
-        "the mode is where the wheel is": all_of([current.eq(free).implies(own.place.eq(OFF)), *places]),
-        "a wheel does not disturb": current.ne(disturbed),
-    }
 
 
 # ------------------------------------------------------------------ speed

@@ -9,15 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 
+from safeloc.language.units import UM_PER_MM, US_PER_S
 from safeloc.models.axle_head import AxleHeadConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell
 
-US_PER_S = 1_000_000
-UM_PER_MM = 1_000
-CLEARANCE_MM = 40  # free rail on either side of the head, so that a run begins and ends with both channels free
+CLEARANCE_MM = 40  # a run begins and ends with both channels free
 BOGIE_MM = 2_500
-WHEN_OVER = {"OFF": (False, False), "OVER_A": (True, False), "OVER_BOTH": (True, True), "OVER_B": (False, True)}
 
 
 @dataclass(frozen=True)
@@ -34,13 +32,13 @@ class Roll:
 
 def through(config: AxleHeadConfig, behind_mm: tuple[int, ...], speed_mm_s: int) -> Roll:
     """All wheels over the head at one speed."""
-    way = _length_mm(config) + behind_mm[-1] + 2 * CLEARANCE_MM
+    way = _length_mm(config) + behind_mm[-1] + 2 * _clearance_mm(config, speed_mm_s)
     return Roll(behind_mm, ((speed_mm_s, way * 1_000 // abs(speed_mm_s) + 1),))
 
 
 def samples(config: AxleHeadConfig, rolls: Sequence[Roll]) -> Steps:
     """The rolls one after the other, as steps: both channels, and the ghost input."""
-    return [_sample(place) for roll in rolls for place in _places(config, roll)]
+    return [_sample(config, place) for roll in rolls for place in _places(config, roll)]
 
 
 def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
@@ -58,31 +56,34 @@ def _length_mm(config: AxleHeadConfig) -> int:
     return 2 * config.spacing_mm + config.overlap_mm
 
 
-def _places(config: AxleHeadConfig, roll: Roll) -> list[str]:
-    """Where the wheel on the head is, sample by sample."""
-    ahead = 1 if roll.speeds[0][0] > 0 else -1
-    first = -CLEARANCE_MM if ahead > 0 else _length_mm(config) + CLEARANCE_MM
-    at_um, places = first * UM_PER_MM, list[str]()
+def _clearance_mm(config: AxleHeadConfig, speed_mm_s: int) -> int:
+    """Free rail on either side of the head: at least the run between two samples."""
+    return max(CLEARANCE_MM, abs(speed_mm_s) * config.sample_us // US_PER_S + 1)
+
+
+def _places(config: AxleHeadConfig, roll: Roll) -> list[int]:
+    """Where the wheel nearest to the head is, um above its low end, sample by sample."""
+    ahead, middle = (1 if roll.speeds[0][0] > 0 else -1), _length_mm(config) * UM_PER_MM // 2
+    clearance = _clearance_mm(config, roll.speeds[0][0])
+    first = -clearance if ahead > 0 else _length_mm(config) + clearance
+    at_um, places = first * UM_PER_MM, list[int]()
     for speed, lasts_ms in roll.speeds:
         for _ in range(lasts_ms * 1_000 // config.sample_us):
             at_um += speed * config.sample_us * UM_PER_MM // US_PER_S
-            here = (_place(config, at_um // UM_PER_MM - ahead * behind) for behind in roll.behind_mm)
-            places.append(next((place for place in here if place != "OFF"), "OFF"))
+            here = [at_um - ahead * behind * UM_PER_MM for behind in roll.behind_mm]
+            places.append(min(here, key=lambda place: abs(place - middle)))
     return places
 
 
-def _place(config: AxleHeadConfig, at_mm: int) -> str:
-    """Over what a wheel is, `at_mm` above the low end of the head."""
-    if not 0 <= at_mm < _length_mm(config):
-        return "OFF"
-    if at_mm < config.spacing_mm:
-        return "OVER_A"
-    return "OVER_BOTH" if at_mm < config.spacing_mm + config.overlap_mm else "OVER_B"
+def _over(config: AxleHeadConfig, at_um: int) -> tuple[bool, bool]:
+    """Which channels a wheel damps."""
+    at_mm, alone, both = at_um // UM_PER_MM, config.spacing_mm, config.overlap_mm
+    return 0 <= at_mm < alone + both, alone <= at_mm < 2 * alone + both
 
 
-def _sample(place: str) -> dict[str, Cell]:
-    a, b = WHEN_OVER[place]
-    return {"channel_a_damped": a, "channel_b_damped": b, "next_wheel": place}
+def _sample(config: AxleHeadConfig, at_um: int) -> dict[str, Cell]:
+    a, b = _over(config, at_um)
+    return {"channel_a_damped": a, "channel_b_damped": b, "next_wheel_um": at_um}
 
 
 # ------------------------------------------------------------------ named runs
@@ -110,14 +111,14 @@ def _metal_over_both(config: AxleHeadConfig) -> Steps:
 def _sample_lost(config: AxleHeadConfig) -> Steps:
     """A wheel whose time on both channels was not sampled; then another one."""
     steps = samples(config, [through(config, (0, BOGIE_MM), 20_000)])
-    both = [number for number, step in enumerate(steps) if step["next_wheel"] == "OVER_BOTH"]
+    both = [number for number, step in enumerate(steps) if step["channel_a_damped"] and step["channel_b_damped"]]
     first = [number for number in both if number < both[0] + len(steps) // 4]
     return _without_truth([step for number, step in enumerate(steps) if number not in first])
 
 
 def _without_truth(steps: Steps) -> Steps:
     """The recording alone: what happens in it no wheel does, and the truth is not claimed."""
-    return [{name: value for name, value in step.items() if name != "next_wheel"} for step in steps]
+    return [{name: value for name, value in step.items() if name != "next_wheel_um"} for step in steps]
 
 
 RUNS: Mapping[str, WorkedRun[AxleHeadConfig]] = {

@@ -13,121 +13,26 @@ after the last axle (Frauscher FAdC manual p. 33); what it leads to is never CLE
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
-from safeloc.config import Config, quantity
-from safeloc.language.expr import (
-    TRUE,
-    Bool,
-    BoolVar,
-    Expr,
-    Lit,
-    Num,
-    NumVar,
-    Var,
-    all_of,
-    any_of,
-    as_num,
-    between,
-    boolean,
-    choice,
-    enumeration,
-    ite,
-    members,
-    number,
-)
-from safeloc.language.machine import ANY, Initial, Machine, Model, Transition, current_mode, modes
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, any_of, as_num, between, ite
+from safeloc.language.machine import Initial, Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import COUNT
+from safeloc.models.axle_section.lemmas import lemmas
+from safeloc.models.axle_section.variables import (
+    ACCEPTED,
+    AXLE_PASSED,
+    AXLES_COUNTED,
+    HEAD_DAMPED,
+    HEAD_FAULT,
+    NOT_ASKED,
+    AxleSectionConfig,
+    Parts,
+    parts,
+)
+from safeloc.models.axle_section.world import world
 
-RESET = members("reset_answer", "NOT_ASKED", "ACCEPTED", "HEAD_DAMPED", "HEAD_FAULT", "AXLES_COUNTED", "AXLE_PASSED")
-NOT_ASKED, ACCEPTED, HEAD_DAMPED, HEAD_FAULT, AXLES_COUNTED, AXLE_PASSED = RESET
+__all__ = ["AxleSection", "AxleSectionConfig", "Parts", "build", "machine", "parts"]
 TRACE = ("FVA-4", "FVA-5")
-SIDES = ("low", "high")
-
-
-class AxleSectionConfig(Config):
-    """What the section machine depends on."""
-
-    axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
-    axles_a_cycle: int = quantity(40, "axles", 1, 400, "[D] in 500 ms, 1.8 m apart, 350 km/h: 27, with room")
-    lead_cycles: int = quantity(10, "cycles", 1, 100_000, "[M] 5 s at 500 ms without an axle before a reset")
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """The variables of the machine. Axles per cycle at the low and at the high end, into and out of the section.
-
-    fault     a head is disturbed, knows no direction, or cannot be heard
-    damped    a wheel stands on a head
-    reported_clear  the driver of the sweep reports that he left the section and found nothing in it
-    count     axles counted in less those counted out; quiet: cycles without an axle
-    through   the sweep came in at one end only and went out at the other only
-    axles     ghost: axles really in the section
-    """
-
-    config: AxleSectionConfig
-    into: tuple[NumVar, ...]
-    out: tuple[NumVar, ...]
-    fault: BoolVar
-    damped: BoolVar
-    reset: BoolVar
-    reported_clear: BoolVar
-    count: NumVar
-    quiet: NumVar
-    swept_from: tuple[BoolVar, ...]
-    swept_to: tuple[BoolVar, ...]
-    answer: NumVar
-    axles: NumVar
-    next_axles: NumVar
-
-    @property
-    def change(self) -> Num:
-        """Axles in less axles out in this cycle."""
-        return self.into[0] + self.into[1] - self.out[0] - self.out[1]
-
-    @property
-    def counted(self) -> Num:
-        """The count after the cycle."""
-        return self.count + self.change
-
-    @property
-    def moved(self) -> Bool:
-        """An axle passed a head."""
-        return any_of(var > 0 for var in (*self.into, *self.out))
-
-    @property
-    def possible(self) -> Bool:
-        """The count can be right."""
-        return between(0, self.counted, self.config.axle_limit)
-
-    @property
-    def through(self) -> Bool:
-        """Since the reset a train came in at one end and went out at the other, and nothing else moved."""
-        ways = [
-            self.swept_from[a] & ~self.swept_to[a] & ~self.swept_from[b] & self.swept_to[b] for a, b in ((0, 1), (1, 0))
-        ]
-        return any_of(ways)
-
-
-def parts(config: AxleSectionConfig) -> Parts:
-    """Fresh variables for one section."""
-    most, limit = config.axles_a_cycle, config.axle_limit
-    return Parts(
-        config,
-        tuple(number(f"axles_in_{side}", COUNT, 0, most) for side in SIDES),
-        tuple(number(f"axles_out_{side}", COUNT, 0, most) for side in SIDES),
-        boolean("head_fault"),
-        boolean("head_damped"),
-        boolean("reset_requested"),
-        boolean("sweep_reported_clear"),
-        number("counted_axles", COUNT, 0, limit),
-        number("quiet_cycles", COUNT, 0, config.lead_cycles),
-        tuple(boolean(f"sweep_in_{side}") for side in SIDES),
-        tuple(boolean(f"sweep_out_{side}") for side in SIDES),
-        choice("answer", enumeration(RESET)),
-        number("true_axles", COUNT, 0, 2 * limit),
-        number("next_true_axles", COUNT, 0, 2 * limit),
-    )
 
 
 AxleSection = Model[Parts]
@@ -159,29 +64,49 @@ def build(own: Parts) -> AxleSection:
             "reset_answer": own.answer,
         },
         transitions=list(_table(own, current, table)),
-        ghosts={own.axles: ANY},
-        ghost_inputs=[own.next_axles],
-        ghost_moves={own.axles: own.next_axles},
-        assumption=_assumption(own, current, table),
-        lemmas={
-            "a count that is believed is true": counting.implies(own.axles.eq(own.count)),
-            "clear is zero": current.eq(clear).implies(own.count.eq(0)),
+        world=world(own),
+        lemmas=lemmas(own, current, table),
+        definitions={
+            "count after the cycle": _counted(own),
+            "sweep ran through": _through(own),
+            "answer": _answer(own, current, table),
         },
-        definitions={"count after the cycle": own.counted, "sweep ran through": own.through, "answer": _answer(own, current, table)},
         mode_variable=current,
         doc=(
             "Clear or occupied by counting axles at both ends. Assumed: heads without a fault count every axle once and "
-            "in its direction; a sweep that ran through on sight, was counted in and out, and reports the section free, "
-            "left nothing behind. A miscount that no head tells and that never makes the count negative is outside of this."
+            "in its direction; whoever reports a sweep ran it after the reset was asked for, on sight, has left the section, "
+            "and met nothing where he ran through. A miscount that no head tells and that never makes the count negative is "
+            "outside of this."
         ),
-    )  # fmt: skip
+    )
     return Model(made, own)
+
+
+def _counted(own: Parts) -> Num:
+    """The count after the cycle."""
+    return own.count + own.into[0] + own.into[1] - own.out[0] - own.out[1]
+
+
+def _moved(own: Parts) -> Bool:
+    """An axle passed a head."""
+    return any_of(var > 0 for var in (*own.into, *own.out))
+
+
+def _possible(own: Parts) -> Bool:
+    """The count can be right."""
+    return between(0, _counted(own), own.config.axle_limit)
+
+
+def _through(own: Parts) -> Bool:
+    """Since the reset a train came in at one end and went out at the other, and nothing else moved."""
+    ways = [own.swept_from[a] & ~own.swept_to[a] & ~own.swept_from[b] & own.swept_to[b] for a, b in ((0, 1), (1, 0))]
+    return any_of(ways)
 
 
 def _answer(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Num:
     """What is said to a request for reset. A count is believed only while it is undisturbed, or swept."""
     counted = current.one_of(table[2], table[4]) & (own.count > 0)
-    answer = ite(own.moved | (own.quiet < own.config.lead_cycles), AXLE_PASSED, ACCEPTED)
+    answer = ite(_moved(own) | (own.quiet < own.config.lead_cycles), AXLE_PASSED, ACCEPTED)
     answer = ite(counted, AXLES_COUNTED, answer)
     answer = ite(own.damped, HEAD_DAMPED, answer)
     answer = ite(own.fault, HEAD_FAULT, answer)
@@ -192,24 +117,24 @@ def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Tran
     unknown, clear, occupied, disturbed, sweeping = table
     answer = _answer(own, current, table)
     zero = as_num(0, COUNT)
-    quiet = ite(own.moved, zero, ite(own.quiet >= own.config.lead_cycles, own.quiet, own.quiet + 1))
+    quiet = ite(_moved(own), zero, ite(own.quiet >= own.config.lead_cycles, own.quiet, own.quiet + 1))
     told: dict[Var, Expr | int | bool] = {own.quiet: quiet, own.answer: answer}
     fresh: dict[Var, Expr | int | bool] = {
         **told,
         own.count: 0,
         **dict.fromkeys((*own.swept_from, *own.swept_to), False),
     }
-    counted: dict[Var, Expr | int | bool] = {**told, own.count: own.counted}
+    counted: dict[Var, Expr | int | bool] = {**told, own.count: _counted(own)}
     sweep = counted | {var: var | (axles > 0) for var, axles in _ways(own)}
     believed = (clear, occupied, sweeping)
-    wrong = own.fault | ~own.possible
-    swept = own.through & own.counted.eq(0) & ~own.moved & ~own.damped & own.reported_clear
+    wrong = own.fault | ~_possible(own)
+    swept = _through(own) & _counted(own).eq(0) & ~_moved(own) & ~own.damped & own.reported_clear
     yield Transition("count cannot be believed", believed, disturbed, wrong, fresh, TRACE, 0)
     yield Transition("reset accepted", table, sweeping, answer.eq(ACCEPTED), fresh, TRACE, 1)
     yield Transition("swept", sweeping, clear, swept, counted, TRACE, 2)
     yield Transition("sweep goes on", sweeping, sweeping, TRUE, sweep, TRACE, 3)
-    yield Transition("all axles counted out", occupied, clear, own.counted.eq(0) & ~own.damped, counted, TRACE, 2)
-    yield Transition("axles counted in", clear, occupied, (own.counted > 0) | own.damped, counted, TRACE, 2)
+    yield Transition("all axles counted out", occupied, clear, _counted(own).eq(0) & ~own.damped, counted, TRACE, 2)
+    yield Transition("axles counted in", clear, occupied, (_counted(own) > 0) | own.damped, counted, TRACE, 2)
     yield Transition("stay clear", clear, clear, TRUE, counted, TRACE, 3)
     yield Transition("stay occupied", occupied, occupied, TRUE, counted, TRACE, 3)
     yield Transition("stay disturbed", disturbed, disturbed, TRUE, told, TRACE, 3)
@@ -218,14 +143,3 @@ def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Tran
 
 def _ways(own: Parts) -> list[tuple[BoolVar, NumVar]]:
     return [*zip(own.swept_from, own.into, strict=True), *zip(own.swept_to, own.out, strict=True)]
-
-
-def _assumption(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Bool:
-    """Counts are true while no head is at fault; a reported, balanced sweep through leaves nothing."""
-    swept = current.eq(table[4]) & own.through & own.counted.eq(0) & ~own.moved & own.reported_clear
-    return all_of(
-        [
-            (~own.fault).implies(own.next_axles.eq(own.axles + own.change)),
-            (swept & ~own.fault).implies(own.next_axles.eq(0)),
-        ]
-    )

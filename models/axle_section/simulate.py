@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from random import Random
 
 from safeloc.models.axle_section import AxleSectionConfig
@@ -25,11 +25,13 @@ class Event:
     cells    what is told in them, besides quiet
     cycles   how many
     unseen   axles that came in (left: negative) in each of them without being told
+    sweep    which head the first or last axle of a sweep passes
     """
 
     cells: Mapping[str, Cell] = field(default_factory=dict)
     cycles: int = 1
     unseen: int = 0
+    sweep: str = "NO_HEAD"
 
 
 Events = Sequence[Event]
@@ -41,36 +43,40 @@ def quiet(cycles: int) -> Event:
     return Event(cycles=cycles)
 
 
-def train(axles: int, way: str, side: str) -> list[Event]:
+def train(axles: int, way: str, side: str, *, sweeps: bool = False) -> list[Event]:
     """A train counted `in` or `out` at the `low` or the `high` side; a wheel stands on the head between its cycles."""
     whole, rest = divmod(axles, AXLES_A_CYCLE)
     counts = [*[AXLES_A_CYCLE] * whole, *([rest] if rest else [])]
     last = len(counts) - 1
-    return [Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)]
+    told = [Event({f"axles_{way}_{side}": count, "head_damped": number < last}) for number, count in enumerate(counts)]
+    if sweeps:
+        over = 0 if way == "in" else last
+        told[over] = replace(told[over], sweep=f"{way}_{side}".upper())
+    return told
 
 
-def through(axles: int, cycles: int = 12) -> list[Event]:
+def through(axles: int, cycles: int = 12, *, sweeps: bool = False) -> list[Event]:
     """A train in at the low side and out at the high side."""
-    return [*train(axles, "in", "low"), quiet(cycles), *train(axles, "out", "high")]
+    return [*train(axles, "in", "low", sweeps=sweeps), quiet(cycles), *train(axles, "out", "high", sweeps=sweeps)]
 
 
 def swept(config: AxleSectionConfig) -> list[Event]:
     """A reset once the lead time is over, a sweep by eight axles, and its report."""
     report = Event({"sweep_reported_clear": True})
-    return [quiet(config.lead_cycles), RESET, *through(8, 20), quiet(2), report]
+    return [quiet(config.lead_cycles), RESET, *through(8, 20, sweeps=True), quiet(2), report]
 
 
 def happened(events: Events) -> Steps:
-    """One step a cycle; the axles really in the section beside them, unless some of them were not told."""
-    steps, axles, told = Steps(), 0, all(event.unseen == 0 for event in events)
-    for event in events:
-        for _ in range(event.cycles):
-            step = {**QUIET, **event.cells}
-            axles += (
-                sum(int(step[f"axles_in_{side}"]) - int(step[f"axles_out_{side}"]) for side in SIDES) + event.unseen
-            )
-            steps.append({**step, "next_true_axles": axles} if told else step)
-    return steps
+    """One step a cycle; what really passed beside what was told, unless some axles were not told."""
+    told = all(event.unseen == 0 for event in events)
+    steps = [_step(event) for event in events for _ in range(event.cycles)]
+    return steps if told else [{name: value for name, value in step.items() if "true" not in name} for step in steps]
+
+
+def _step(event: Event) -> dict[str, Cell]:
+    cells = {**QUIET, **event.cells}
+    passed = {f"true_axles_{way}_{side}": cells[f"axles_{way}_{side}"] for way in ("in", "out") for side in SIDES}
+    return {**cells, **passed, "true_sweep_passes": event.sweep}
 
 
 def simulate(config: AxleSectionConfig, *, seed: int) -> Steps:
@@ -122,7 +128,8 @@ def _miscount(config: AxleSectionConfig) -> Events:
 
 def _sweep_turns(config: AxleSectionConfig) -> Events:
     """The first sweep turns back where it came from and is worth nothing; another reset and sweep."""
-    backs_out = [*train(8, "in", "low"), quiet(9), *train(8, "out", "low"), Event({"sweep_reported_clear": True})]
+    there, back = train(8, "in", "low", sweeps=True), train(8, "out", "low", sweeps=True)
+    backs_out = [*there, quiet(9), *back, Event({"sweep_reported_clear": True})]
     return [quiet(config.lead_cycles), RESET, *backs_out, *swept(config), quiet(3)]
 
 

@@ -38,11 +38,13 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, PPM
+from safeloc.language.world import World
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.judgement import Judged
 from safeloc.models.balise.reckoning import as_reckoned
 from safeloc.models.balise.telegram import LINKED
 from safeloc.models.balise.variables import BaliseConfig, Parts, parts
+from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
 
@@ -76,11 +78,13 @@ def build(own: Parts) -> Balise:
         state=own.state(),
         outputs=_outputs(own, located),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
-        ghosts=ghosts,
-        ghost_inputs=choices,
-        ghost_moves=moves,
-        assumption=_assumption(own, judged),
-        clauses={ODOMETER: _odometer_law(own)},
+        world=World(
+            ghosts=ghosts,
+            choices=choices,
+            moves=moves,
+            clauses=_clauses(own, judged),
+            reads_machine="its clauses still assume what passes the machine's own checks",
+        ),
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         mode_variable=current,
@@ -198,9 +202,9 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
     position = floor_to(interval.position, MM)
     return {
         "valid": valid,
-        "position_mm": ite(valid, position, 0),
-        "over_mm": ite(valid, ceil_to(interval.high, MM) - position, 0),
-        "under_mm": ite(valid, position - floor_to(interval.low, MM), 0),
+        "position_mm": position_if(valid, position),
+        "margin_above_mm": margin_if(valid, ceil_to(interval.high, MM) - position),
+        "margin_below_mm": margin_if(valid, position - floor_to(interval.low, MM)),
         "distance_run_mm": ite(valid, memory.run, 0),
         "run_measured": valid & memory.measured,
         "reference_accepted": valid & memory.verdict.eq(v.ACCEPTED),
@@ -249,16 +253,17 @@ def _odometer_law(own: Parts) -> Bool:
     return between(-odometer.growth, error, odometer.growth)
 
 
-def _assumption(own: Parts, cycle: Judged) -> Bool:
-    """The truth of telegrams that can be believed, and the vehicle staying on the line; the odometer is a clause."""
+def _clauses(own: Parts, cycle: Judged) -> dict[str, Bool]:
+    """The truth of telegrams that can be believed, the odometer, and the vehicle staying on the line."""
     world = own.world
     after = world.truth + world.true_step
-    return all_of(
-        [
-            believable(cycle).implies(_read_truly(own, cycle, after)),
-            between(world.truth.low, after, world.truth.high),
-        ]
-    )
+    return {
+        "a telegram that can be believed was read where the map says": believable(cycle).implies(
+            _read_truly(own, cycle, after)
+        ),
+        "the vehicle stays on the line": between(world.truth.low, after, world.truth.high),
+        ODOMETER: _odometer_law(own),
+    }
 
 
 def believable(cycle: Judged) -> Bool:
@@ -308,7 +313,7 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
     interval: Interval = own.held.interval
     half = own.config.odometer.wander_nm
     off = own.world.truth - interval.position - own.world.wander
-    inside = between(half - interval.under, off, interval.over - half)
+    inside = between(half - interval.below, off, interval.above - half)
     usable = interval.usable(own.config.tolerance_mm, own.config.position_limit_mm)
     return {
         "the interval holds the truth": current.eq(located).implies(inside),

@@ -328,7 +328,7 @@ class Judged:
         read, memory = self.own.read, self.own.memory
         oriented = read.passed.ne(UNKNOWN) & self.orientation.ne(UNKNOWN)
         beyond = memory.group.ne(0) & (
-            self.fix.low > exact_to(memory.place + self.own.config.antenna_mm, NM) + self.run_on.over
+            self.fix.low > exact_to(memory.place + self.own.config.antenna_mm, NM) + self.run_on.above
         )
         return ite(oriented | beyond, v.ALONG, memory.direction)
 

@@ -10,42 +10,32 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal, assert_never
 
 import numpy as np
 
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise import machine
 from safeloc.models.balise.groups import Group, Orientation, Reaction, announcement, telegram
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation import sensors
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
+from safeloc.simulation.sensors import Distances, Law, measure
 
 DISPLACED_MM = 100_000
 Steps = list[dict[str, Cell]]
-GroupFaultKind = Literal[
-    "missed",
-    "corrupted",
-    "incomplete",
-    "wrong way",
-    "early",
-    "late",
-    "duplicate",
-    "stale",
-    "malformed",
-    "other identity",
-]
-
-
-@dataclass(frozen=True)
-class GroupFault:
-    """A named fault of one group's reading. `early` and `late` displace the group by `DISPLACED_MM`."""
-
-    group: int
-    kind: GroupFaultKind
+KINDS = Kinds(
+    "a balise group",
+    plain(
+        "missed", "corrupted", "incomplete", "wrong way", "early", "late", "duplicate", "stale", "malformed",
+        "other identity",
+    ),
+)  # fmt: skip
+"""By identity of the group, for good. `early` and `late` displace the group by `DISPLACED_MM`."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +53,7 @@ class Passage:
     group: Group
     time_ms: float
     front_nm: int
-    fault: GroupFaultKind | None = None
+    fault: str = ""
 
 
 def vehicle_of(config: BaliseConfig) -> VehicleConfig:
@@ -102,7 +92,7 @@ def simulate(
     national_accuracy_mm: int | None = 5_000,
     legs: Sequence[Leg] | None = None,
     motion: Motion | None = None,
-    faults: Sequence[GroupFault] = (),
+    faults: Sequence[Fault] = (),
     sensor_faults: Sequence[Fault] = (),
     measured: Distances | None = None,
 ) -> Steps:
@@ -113,7 +103,7 @@ def simulate(
     missed   the share of groups that are not read; foreign: the share of cycles with a group of another track
     national_accuracy_mm  told in the first cycle; None: the default counts
     motion   how the vehicle runs; instead of it legs to drive, a random service by default
-    faults   named faults of groups; none of them breaks the assumption
+    faults   named faults of groups (`KINDS`); none of them breaks the assumption
     sensor_faults  named faults of `odometer`; while one is active the assumption may be broken
     measured  what the odometer measured, where others hear the same one; its faults are in it already
     InputError for a fault of a group that the line does not have, and for two routes that are set in one cycle.
@@ -123,8 +113,8 @@ def simulate(
     vehicle = vehicle_of(config)
     if motion is None:
         motion = move(vehicle, legs or plan(vehicle, seconds, rng, reversals=False), config.period_ms)
-    check_faults(sensor_faults, ["odometer"], len(motion.position_nm))
-    _check_group_faults(faults, known)
+    sensors.KINDS.require(sensor_faults, places=["odometer"], length=len(motion.position_nm))
+    KINDS.require(faults, places=[group.identity for group in known], timed=False)
     _check_routes(routes)
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
@@ -138,12 +128,6 @@ def simulate(
     return [run.step(number, passages) for number in range(len(motion.position_nm))]
 
 
-def _check_group_faults(faults: Sequence[GroupFault], groups: Sequence[Group]) -> None:
-    for fault in faults:
-        if fault.group not in {group.identity for group in groups}:
-            raise InputError(f"{fault}: the line has no such group; it has {[group.identity for group in groups]}.")
-
-
 def _check_routes(routes: Sequence[RouteSet]) -> None:
     cycles = [one.cycle for one in routes]
     if len(set(cycles)) < len(cycles):
@@ -155,14 +139,14 @@ def _spots(
     groups: Sequence[Group],
     national_mm: int,
     rng: np.random.Generator,
-    faults: Sequence[GroupFault],
+    faults: Sequence[Fault],
 ) -> list[Passage]:
     """Where the front end really is when each group is read: off by up to nine tenths of all accuracies."""
-    kinds: dict[int, GroupFaultKind] = {fault.group: fault.kind for fault in faults}
-    shifts: dict[GroupFaultKind | None, int] = {"early": -DISPLACED_MM, "late": DISPLACED_MM}
+    kinds = {fault.where: fault.kind for fault in faults}
+    shifts = {"early": -DISPLACED_MM, "late": DISPLACED_MM}
     spots = []
     for group in groups:
-        fault = kinds.get(group.identity)
+        fault = kinds.get(group.identity, "")
         accuracy = national_mm if group.accuracy_mm is None else min(national_mm, group.accuracy_mm)
         error = rng.uniform(-0.9, 0.9) * accuracy + rng.uniform(-0.9, 0.9) * config.detection_mm
         place = group.place_mm + config.antenna_mm + shifts.get(fault, 0)
@@ -180,7 +164,7 @@ def _passages(
         for spot in spots:
             if before < spot.front_nm <= after:
                 share = (spot.front_nm - before) / (after - before)
-                lost = spot.fault is None and rng.random() < missed
+                lost = not spot.fault and rng.random() < missed
                 yield replace(spot, time_ms=(number + share) * period_ms, fault="missed" if lost else spot.fault)
         before = after
 
@@ -248,7 +232,7 @@ class _Run:
         replaces, self._replaces = self._replaces, False
         if not (replaces or self._outputs["wants_linking"]):
             return {}
-        here = int(self._outputs["position_mm"]) + int(self._outputs["over_mm"]) - self._config.antenna_mm
+        here = int(self._outputs["position_mm"]) + int(self._outputs["margin_above_mm"]) - self._config.antenna_mm
         beyond = here if self._announced_mm is None else self._announced_mm
         ahead = [group for group in self._groups if group.place_mm > beyond]
         if not ahead:
@@ -264,7 +248,7 @@ class _Run:
             if passage.fault == "missed":
                 continue
             if passage.fault == "duplicate":
-                self._waiting.append(replace(passage, fault=None))
+                self._waiting.append(replace(passage, fault=""))
             read, true = self._read(passage, number)
             displaced = passage.fault in ("early", "late")
             return _with_fault(read, passage.fault), quiet if displaced else true
@@ -297,7 +281,7 @@ class _Run:
         return read, ghosts
 
 
-def _with_fault(read: dict[str, Cell], fault: GroupFaultKind | None) -> dict[str, Cell]:
+def _with_fault(read: dict[str, Cell], fault: str) -> dict[str, Cell]:
     match fault:
         case "corrupted":
             return {**read, "telegram_check": "FAILED", "telegram_position_mm": 12_345}
@@ -311,10 +295,8 @@ def _with_fault(read: dict[str, Cell], fault: GroupFaultKind | None) -> dict[str
             return {name: value for name, value in read.items() if name != "telegram_age_ms"}
         case "other identity":
             return {**read, "telegram_group": 900_001}
-        case "missed" | "early" | "late" | "duplicate" | None:
-            return read
         case _:
-            assert_never(fault)
+            return read  # in time and place, if at all: it is seen to elsewhere
 
 
 def _incomplete(read: dict[str, Cell]) -> dict[str, Cell]:

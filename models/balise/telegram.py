@@ -29,8 +29,7 @@ from safeloc.language.expr import (
     members,
     optional,
 )
-from safeloc.language.units import COUNT, MM, MM_S, MS, NM, PPM
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PPM
 from safeloc.models.vocabulary.interval import Interval
 
 LARGEST_GROUP = 8

@@ -25,7 +25,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.balise.linking import (
     LARGEST_ACCURACY_MM,
     NO_REACTION,
@@ -36,7 +36,7 @@ from safeloc.models.balise.linking import (
     national,
 )
 from safeloc.models.balise.telegram import Reader, Telegram, telegram
-from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import Held
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Heading, Odometer, odometer
@@ -302,8 +302,8 @@ def _held(config: BaliseConfig) -> Held:
     place, tolerance = config.position_limit_mm * NM_PER_MM, config.limits.tolerance_nm
     return Held(
         number("position_nm", NM, -place, place),
-        number("over_nm", NM, 0, tolerance),
-        number("under_nm", NM, 0, tolerance),
+        number("margin_above_nm", NM, 0, tolerance),
+        number("margin_below_nm", NM, 0, tolerance),
     )
 
 

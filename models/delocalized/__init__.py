@@ -10,8 +10,9 @@ from __future__ import annotations
 from safeloc.config import Config, quantity
 from safeloc.language.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.language.units import MM, NM
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.language.world import World
+from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, REASON, TOLERANCE
 
 
@@ -30,10 +31,13 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     valid, reference = boolean("source_valid"), boolean("reference_accepted")
     cause = choice("source_reason", reasons)
     seen = number("source_position_mm", MM, -limit, limit)
-    seen_over = number("source_over_mm", MM, 0, 10 * tolerance)
-    seen_under = number("source_under_mm", MM, 0, 10 * tolerance)
+    seen_above = number("source_margin_above_mm", MM, 0, 10 * tolerance)
+    seen_below = number("source_margin_below_mm", MM, 0, 10 * tolerance)
     position = number("passed_position_mm", MM, -limit, limit)
-    over, under = number("passed_over_mm", MM, 0, tolerance), number("passed_under_mm", MM, 0, tolerance)
+    above, below = (
+        number("passed_margin_above_mm", MM, 0, tolerance),
+        number("passed_margin_below_mm", MM, 0, tolerance),
+    )
     reason = choice("latched_reason", reasons)
     reach = (limit + 20 * tolerance) * NM_PER_MM
     truth, next_truth = number("truth_nm", NM, -reach, reach), number("next_truth_nm", NM, -reach, reach)
@@ -41,21 +45,21 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     table = modes("DELOCALIZED", "LOCALIZED")
     delocalized, localized = table
     current = current_mode(table)
-    tolerable = (seen_over <= tolerance) & (seen_under <= tolerance)
+    tolerable = (seen_above <= tolerance) & (seen_below <= tolerance)
     usable = valid & tolerable
     stated = ite(valid, TOLERANCE, ite(cause.eq(LOCATED), NO_REFERENCE, cause))
-    nothing: dict[Var, Expr | int] = {position: 0, over: 0, under: 0}
-    passed: dict[Var, Expr | int] = {position: seen, over: seen_over, under: seen_under, reason: LOCATED}
+    nothing: dict[Var, Expr | int] = {position: 0, above: 0, below: 0}
+    passed: dict[Var, Expr | int] = {position: seen, above: seen_above, below: seen_below, reason: LOCATED}
     return Machine(
         name="delocalized",
         modes=table,
-        inputs=[valid, reference, cause, seen, seen_over, seen_under],
-        state={position: 0, over: 0, under: 0, reason: NO_REFERENCE},
+        inputs=[valid, reference, cause, seen, seen_above, seen_below],
+        state={position: 0, above: 0, below: 0, reason: NO_REFERENCE},
         outputs={
             "restrictive": current.eq(delocalized),
-            "position_mm": position,
-            "over_mm": over,
-            "under_mm": under,
+            "position_mm": position_if(current.eq(localized), position),
+            "margin_above_mm": margin_if(current.eq(localized), above),
+            "margin_below_mm": margin_if(current.eq(localized), below),
             "reason": reason,
         },
         transitions=[
@@ -66,12 +70,16 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
             Transition("reference accepted", delocalized, localized, usable & reference, passed, ("MRK-D1",), 1),
             Transition("stay restrictive", delocalized, delocalized, set=nothing, requirements=("MRK-D2",), rank=2),
         ],
-        ghosts={truth: ANY},
-        ghost_inputs=[next_truth],
-        ghost_moves={truth: next_truth},
-        assumption=valid.implies(_holds(seen, seen_under, seen_over, next_truth)),
+        world=World(
+            ghosts={truth: ANY},
+            choices=[next_truth],
+            moves={truth: next_truth},
+            clauses={
+                "a valid position holds the truth": valid.implies(_holds(seen, seen_below, seen_above, next_truth))
+            },
+        ),
         lemmas={
-            "a passed position holds the truth": current.eq(localized).implies(_holds(position, under, over, truth))
+            "a passed position holds the truth": current.eq(localized).implies(_holds(position, below, above, truth))
         },
         mode_variable=current,
         doc=(
@@ -83,6 +91,6 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
     )
 
 
-def _holds(position: NumVar, under: NumVar, over: NumVar, truth: NumVar) -> Bool:
+def _holds(position: NumVar, below: NumVar, above: NumVar, truth: NumVar) -> Bool:
     centre = exact_to(position, NM)
-    return between(centre - exact_to(under, NM), truth, centre + exact_to(over, NM))
+    return between(centre - exact_to(below, NM), truth, centre + exact_to(above, NM))

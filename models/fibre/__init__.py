@@ -39,10 +39,12 @@ from safeloc.language.expr import (
     ite,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.language.world import World
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.cycle import Cycle
-from safeloc.models.fibre.variables import NM_PER_MM, FibreConfig, Parts, parts
+from safeloc.models.fibre.variables import FibreConfig, Parts, parts
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 __all__ = ["Fibre", "FibreConfig", "build", "machine", "parts"]
 SEEN = ("FWG-1", "FWG-2", "FWG-3", "FWG-8", "FWG-11", "FWG-12", "FWG-13", "FWG-14")
@@ -77,15 +79,12 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
         state=own.state(),
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, table)),
-        ghosts=own.ghosts(),
-        ghost_inputs=[own.step, own.next_base, own.next_count, own.next_real],
-        ghost_moves={
+        world=World(ghosts=own.ghosts(), choices=[own.step, own.next_base, own.next_count, own.next_real], moves={
             own.truth: own.truth + own.step,
             own.true_base: own.next_base,
             own.true_count: own.next_count,
             own.real: own.next_real,
-        },
-        assumption=_assumption(own, cycle, current, table),
+        }, clauses=_clauses(own, cycle, current, table), reads_machine="its clauses still assume what passes the machine's own checks"),
         lemmas=_lemmas(own, current, table),
         definitions={
             "position signal So": cycle.enters, "normal again": cycle.leaves, "signal fits the map": cycle.fits,
@@ -178,12 +177,11 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     located = current.eq(table[2])
     counts = current.one_of(table[1], table[2]) & own.counted
     margin = own.config.edge_tolerance_mm + ceil_to(own.drift, MM)
-    zero = as_num(0, MM)
     return {
         "valid": located,
-        "position_mm": ite(located, own.base + own.since, zero),
-        "over_mm": ite(located, margin, zero),
-        "under_mm": ite(located, margin, zero),
+        "position_mm": position_if(located, own.base + own.since),
+        "margin_above_mm": margin_if(located, margin),
+        "margin_below_mm": margin_if(located, margin),
         "error": current.eq(table[3]),
         "position_signal": own.signal.eq(v.POSITION_SIGNAL),
         "section_event": own.signal,
@@ -200,7 +198,7 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
 # ------------------------------------------------------------------ the environment, and what helps to prove
 
 
-def _assumption(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> Bool:
+def _clauses(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     """The detector's bounds, and the law of the code."""
     located, after = current.eq(table[2]), own.truth + own.step
     law = between(-cycle.charge, own.step - exact_to(ite(own.run.present, own.run.value, 0), NM), cycle.charge)
@@ -211,18 +209,20 @@ def _assumption(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...
     referred = own.reference & cycle.band.eq(v.NORMAL)
     at_reference = abs_(after - exact_to(own.reference_place, NM)) <= own.config.edge_tolerance_mm * NM_PER_MM
     found = current.eq(table[1]) & own.answer & (own.read >= own.config.window)
-    return all_of(
-        [
-            law,
-            between(own.truth.low, after, own.truth.high),
-            edge.implies(at_edge),
-            (~edge).implies(own.next_base.eq(own.true_base)),
-            (located & edge & ~cycle.error).implies(own.next_base.eq(exact_to(by_map, NM))),
-            referred.implies(at_reference & own.next_count.eq(own.reference_count)),
-            found.implies(own.true_base.eq(exact_to(own.answer_place, NM)) & own.next_count.eq(own.answer_count)),
-            _code_law(own, cycle, current.eq(table[1]), located),
-        ]
-    )
+    return {
+        "a measured run is true within its error": law,
+        "the vehicle stays on the line": between(own.truth.low, after, own.truth.high),
+        "an edge is seen near a section's end": edge.implies(at_edge),
+        "without an edge the section's end stays": (~edge).implies(own.next_base.eq(own.true_base)),
+        "an edge that fits the map is the map's": (located & edge & ~cycle.error).implies(
+            own.next_base.eq(exact_to(by_map, NM))
+        ),
+        "a reference is true": referred.implies(at_reference & own.next_count.eq(own.reference_count)),
+        "a word that is found is found where it lies": found.implies(
+            own.true_base.eq(exact_to(own.answer_place, NM)) & own.next_count.eq(own.answer_count)
+        ),
+        "sections follow the code": _code_law(own, cycle, current.eq(table[1]), located),
+    }
 
 
 def _code_law(own: Parts, cycle: Cycle, counting: Bool, located: Bool) -> Bool:

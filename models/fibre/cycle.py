@@ -21,9 +21,9 @@ from safeloc.language.expr import (
     floor_div,
     ite,
 )
-from safeloc.language.units import COUNT, MM, NM, PPM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
 from safeloc.models.fibre import variables as v
-from safeloc.models.fibre.variables import NM_PER_MM, Parts
+from safeloc.models.fibre.variables import Parts
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.railway.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, VirtualSection, Waterfall
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 STREAMS = Path(__file__).parents[1] / "streams"
 
@@ -42,7 +42,9 @@ def order_picture() -> Waterfall:
 
 
 def _reported(machine: str, valid: str) -> Reported:
-    return Reported(f"{machine}.position_mm", f"{machine}.under_mm", f"{machine}.over_mm", f"{machine}.{valid}")
+    return Reported(
+        f"{machine}.position_mm", f"{machine}.margin_below_mm", f"{machine}.margin_above_mm", f"{machine}.{valid}"
+    )
 
 
 def loud(recording: str) -> LoudFibre | None:

@@ -14,9 +14,10 @@ import numpy as np
 
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.fibre import machine
 from safeloc.models.fibre.code import Symbol, make_code
-from safeloc.models.fibre.variables import NM_PER_MM, FibreConfig
+from safeloc.models.fibre.variables import FibreConfig
 from safeloc.models.verification.variables import VerificationConfig
 from safeloc.runtime.streams.steps import Cell
 
@@ -225,8 +226,8 @@ def simulate_stay(config: VerificationConfig, *, seed: int, stay: Stay | None = 
         failed = stay.emitter_fails is not None and cycle >= stay.emitter_fails
         step = _reference(stay, cycle, front) | _control(stay, cycle)
         step |= {
-            "associated": True, "fibre_position_mm": front + int(rng.integers(-8_000, 8_000)), "fibre_over_mm": 10_000,
-            "fibre_under_mm": 10_000, "fibre_located": True,
+            "associated": True, "fibre_position_mm": front + int(rng.integers(-8_000, 8_000)), "fibre_margin_above_mm": 10_000,
+            "fibre_margin_below_mm": 10_000, "fibre_located": True,
             "fibre_speed_mm_s": stay.speed_mm_s + int(rng.integers(-500, 500)),
             "fibre_error": stay.error_from is not None and cycle >= stay.error_from,
             "chain_tested": not failed, "chain_failed": failed, "train_leaves": cycle == stay.cycles - 1,

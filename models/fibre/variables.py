@@ -23,7 +23,7 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.machine import ANY, Initial
-from safeloc.language.units import COUNT, MM, NM, Unit
+from safeloc.language.units import COUNT, MM, MS_PER_S, NM, NM_PER_MM, Unit
 
 CDB = Unit("cdB")
 BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")
@@ -40,8 +40,6 @@ WHY = members(
     NO_END_OF_SECTION, FLIGHT_DIFFERS, REFLECTION_DIFFERS,
 ) = WHY  # fmt: skip
 SYMBOLS = 4
-NM_PER_MM = 1_000_000
-MS_PER_S = 1_000
 
 
 class FibreConfig(Config):

@@ -29,7 +29,7 @@ Inputs of a cycle, by name. What is not listed is wired:
     area.counters_healthy, area.counters_clear                        both counters of the area
     area.train_k_*  (k from 2)     event, rear_mm, front_mm, report_age_ms, trusted, integer, downwards
 
-Outputs, by name: `verification.trusted`, `.position_mm`, `.over_mm`, `.under_mm`, `.revoked`, `.reason`, `.verified_*`,
+Outputs, by name: `verification.trusted`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, `.revoked`, `.reason`, `.verified_*`,
 `.handover_*` (the train, and what the neighbour takes over); `front.error`, `rear.error` (F) with their reasons;
 `emitter.failed`; `report.*`; `section_n.clear` and its evidence. What each machine keeps is told by its own outputs.
 
@@ -58,6 +58,7 @@ from safeloc.models.fibre_area.entry import Entry, entry
 from safeloc.models.fibre_area.report import Report
 from safeloc.models.sections import Section, SectionsConfig, section, section_wires
 from safeloc.models.verification import Verification, VerificationConfig
+from safeloc.models.vocabulary.absent import heard_interval
 
 
 class FibreAreaConfig(Config):
@@ -142,8 +143,8 @@ def joined(
 
 def ends(fibre: Fibre) -> tuple[Num, Num]:
     """Bounds of one end of the train, as its machine reports them."""
-    position, over, under = (fibre.machine.output(f"{name}_mm") for name in ("position", "over", "under"))
-    return position - under, position + over
+    position, below, above = heard_interval(fibre.machine)
+    return position - below, position + above
 
 
 def _verification_wires(
@@ -154,12 +155,12 @@ def _verification_wires(
     located = front.machine.flag("valid") & rear.machine.flag("valid")
     (front_low, front_high), (rear_low, rear_high) = ends(front), ends(rear)
     near, far = front_low - rear_high, front_high - rear_low
-    position, over, under = (front.machine.output(f"{name}_mm") for name in ("position", "over", "under"))
+    position, below, above = heard_interval(front.machine)
     usable = all_of(
         [
             located,
             between(-config.position_limit_mm, position, config.position_limit_mm),
-            (over <= config.margin_limit_mm) & (under <= config.margin_limit_mm),
+            (above <= config.margin_limit_mm) & (below <= config.margin_limit_mm),
             *(
                 between(var.value.low, term, var.value.high)
                 for var, term in ((own.ends_low, near), (own.ends_high, far))
@@ -179,7 +180,7 @@ def _verification_wires(
         own.leaves: entry_.leaves,
         own.next_truth: front.own.truth,
     }
-    told = {own.place.value: position, own.place_over: over, own.place_under: under}
+    told = {own.place.value: position, own.place_above: above, own.place_below: below}
     told |= {own.ends_low.value: near, own.ends_high.value: far}
     return {**wires, **{var: _if(usable, term) for var, term in told.items()}}
 

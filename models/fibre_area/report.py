@@ -27,7 +27,6 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     Var,
-    all_of,
     as_num,
     between,
     boolean,
@@ -36,6 +35,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, MS, UM
+from safeloc.language.world import World
 from safeloc.models.area.slot import Reach
 
 TRACE = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
@@ -142,10 +142,12 @@ def build(own: Parts) -> Report:
             "downwards": current.eq(low),
         },
         transitions=list(_table(own, table)),
-        ghosts={own.rear_is: False, own.front_is: False},
-        ghost_inputs=own.choices,
-        ghost_moves={own.rear_is: own.next_rear_is, own.front_is: own.next_front_is},
-        assumption=_assumption(own),
+        world=World(
+            ghosts={own.rear_is: False, own.front_is: False},
+            choices=own.choices,
+            moves={own.rear_is: own.next_rear_is, own.front_is: own.next_front_is},
+            clauses=_clauses(own),
+        ),
         lemmas={
             "a believed high end is the train's": current.one_of(whole, high).implies(own.front_is),
             "a believed low end is the train's": current.one_of(whole, low).implies(own.rear_is),
@@ -178,18 +180,22 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("may be in parts", table, neither, TRUE, untold, TRACE, 2)
 
 
-def _assumption(own: Parts) -> Bool:
+def _clauses(own: Parts) -> dict[str, Bool]:
     """The pattern is part of the train: all of it if it has all axles; and its leading end is the train's."""
     charge = exact_to(own.reach.charge_mm(own.age), UM)
-    return all_of(
-        [
-            own.has_all.implies(own.next_rear_is & own.next_front_is),
-            (own.front_is & own.upwards & ~own.downwards).implies(own.next_front_is),
-            (own.rear_is & own.downwards & ~own.upwards).implies(own.next_rear_is),
-            own.next_front_is.implies(_near(own.next_front, own.pattern_front, charge)),
-            own.next_rear_is.implies(_near(own.next_rear, own.pattern_rear, charge)),
-        ]
-    )
+    return {
+        "a pattern with all axles is the whole train": own.has_all.implies(own.next_rear_is & own.next_front_is),
+        "the leading high end stays the train's": (own.front_is & own.upwards & ~own.downwards).implies(
+            own.next_front_is
+        ),
+        "the leading low end stays the train's": (own.rear_is & own.downwards & ~own.upwards).implies(own.next_rear_is),
+        "the train's high end is near the pattern's": own.next_front_is.implies(
+            _near(own.next_front, own.pattern_front, charge)
+        ),
+        "the train's low end is near the pattern's": own.next_rear_is.implies(
+            _near(own.next_rear, own.pattern_rear, charge)
+        ),
+    }
 
 
 def _near(place: Num, read: Num, charge: Num) -> Bool:

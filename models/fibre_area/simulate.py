@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import MS_PER_S, NM_PER_UM, UM_PER_MM
 from safeloc.models.fibre.simulate import Drive, Section, line, simulate
 from safeloc.models.fibre_area import FibreAreaConfig
 from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
-NM_PER_UM = 1_000
-UM_PER_MM = 1_000
-MS_PER_S = 1_000
 REMARK = "truth_mm"
 PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
 

@@ -10,7 +10,7 @@ sent while that area trusts the train. A record that does not arrive is a refere
 
 Inputs of a cycle: all of models.verification for `giving` and for `taking`, without the latter's record (count and
 length, wired) and without when it is due and from whom (wired); `border.record_arrives`, `border.train_gone`.
-Outputs: `speaker.given`, `.position_mm`, `.over_mm`, `.under_mm`, and those of the other machines by their names.
+Outputs: `speaker.given`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, and those of the other machines by their names.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from safeloc.models.fibre_handover.border import build as build_border
 from safeloc.models.fibre_handover.border import parts as border_parts
 from safeloc.models.fibre_handover.speaker import Speaker, speaker
 from safeloc.models.verification import Verification, VerificationConfig, build, parts
+from safeloc.models.vocabulary.absent import heard_interval
 
 
 class FibreHandoverConfig(Config):
@@ -59,8 +60,8 @@ class FibreHandover:
 
 def interval(verified: Verification) -> tuple[Num, Num]:
     """Bounds of the front, as a verification gives them out."""
-    position, over, under = (verified.machine.output(f"{name}_mm") for name in ("position", "over", "under"))
-    return position - under, position + over
+    position, below, above = heard_interval(verified.machine)
+    return position - below, position + above
 
 
 def compose_machines(config: FibreHandoverConfig | None = None) -> FibreHandover:

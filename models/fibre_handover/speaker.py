@@ -31,6 +31,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import MM
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 TRACE = ("FVA-D1", "FVA-1", "FVA-10")
 
@@ -73,7 +74,7 @@ def speaker(far_mm: int) -> Speaker:
         modes=table,
         inputs=[*inputs, begins, ends],
         state={low: 0, high: 0},
-        outputs={"given": current.ne(table[0]), **_interval(low, high)},
+        outputs={"given": current.ne(table[0]), **_interval(current.ne(table[0]), low, high)},
         transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
         mode_variable=current,
         doc="Which of two neighbouring areas gives a train's position out.",
@@ -81,10 +82,14 @@ def speaker(far_mm: int) -> Speaker:
     return Speaker(machine, giving, taking, begins, ends, low, high)
 
 
-def _interval(low: NumVar, high: NumVar) -> dict[str, Expr]:
+def _interval(given: Bool, low: NumVar, high: NumVar) -> dict[str, Expr]:
     """The bounds as a position with what it may be off by."""
     middle = floor_div(low + high, 2)
-    return {"position_mm": middle, "under_mm": middle - low, "over_mm": high - middle}
+    return {
+        "position_mm": position_if(given, middle),
+        "margin_below_mm": margin_if(given, middle - low),
+        "margin_above_mm": margin_if(given, high - middle),
+    }
 
 
 def _table(

@@ -22,10 +22,12 @@ from dataclasses import dataclass
 from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, NM, UM_S
+from safeloc.language.world import World
 from safeloc.models.guard import law
 from safeloc.models.guard.box import Box, Held, become, begun, tolerable, usable
 from safeloc.models.guard.judgement import Judged, judge
 from safeloc.models.guard.variables import NOTHING, PASSED, UNCONFIRMED, GuardConfig, Parts, parts
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 TRACE = ("MRK-D6",)
 
@@ -61,10 +63,13 @@ def build(own: Parts) -> Guard:
         state=_state(own),
         outputs=_outputs(own, holding),
         transitions=[*_held(own, judged, table), *_free(own, judged, table)],
-        ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0},
-        ghost_inputs=[own.next_truth, own.next_speed],
-        ghost_moves=law.moves(own, holding),
-        assumption=law.assumption(own, judged, holding, recovering),
+        world=World(
+            ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0},
+            choices=[own.next_truth, own.next_speed],
+            moves=law.moves(own, holding),
+            clauses=law.clauses(own, judged, holding, recovering),
+            reads_machine="its clauses still assume what passes the machine's own checks",
+        ),
         lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]))},
         definitions=_definitions(judged),
         mode_variable=current,
@@ -197,11 +202,11 @@ def _outputs(own: Parts, holding: Bool) -> dict[str, Expr]:
     return {
         "valid": valid,
         "passed": own.judged.eq(PASSED),
-        "position_mm": ite(valid, middle, 0),
-        "under_mm": ite(valid, middle - low, 0),
-        "over_mm": ite(valid, high - middle, 0),
-        "window_from_mm": ite(holding, low, 0),
-        "window_to_mm": ite(holding, high, 0),
+        "position_mm": position_if(valid, middle),
+        "margin_below_mm": margin_if(valid, middle - low),
+        "margin_above_mm": margin_if(valid, high - middle),
+        "window_from_mm": position_if(holding, low),
+        "window_to_mm": position_if(holding, high),
         "holding": holding,
         "agreed_fixes": own.agreed,
         "reason": own.judged,

@@ -20,8 +20,8 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MS, NM, UM_S
-from safeloc.models.guard.variables import NM_PER_MM, GuardConfig, Parts, reach_nm
+from safeloc.language.units import COUNT, MS, NM, NM_PER_MM, UM_S
+from safeloc.models.guard.variables import GuardConfig, Parts, reach_nm
 
 
 @dataclass(frozen=True, eq=False)

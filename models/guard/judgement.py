@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, Num, between, exact_to, ite, minimum
-from safeloc.language.units import NM, UM_S
+from safeloc.language.units import NM, NM_PER_MM, UM_S
 from safeloc.models.guard.box import Box, Held, begun, half_nm, held, moved, narrowed, of_fix, told, usable
 from safeloc.models.guard.variables import (
     AMBIGUOUS,
@@ -13,7 +13,6 @@ from safeloc.models.guard.variables import (
     FAULT,
     JUDGED,
     JUMP,
-    NM_PER_MM,
     NO_FAULT,
     NOTHING,
     OFF_TRACK,

@@ -13,10 +13,13 @@ from safeloc.models.guard.judgement import Judged
 from safeloc.models.guard.variables import Parts
 
 
-def assumption(own: Parts, cycle: Judged, holding: Bool, recovering: Bool) -> Bool:
+def clauses(own: Parts, cycle: Judged, holding: Bool, recovering: Bool) -> dict[str, Bool]:
     """The vehicle moves as its figures say while something is held; a confirmed fix is true within its bound."""
     confirmed = ((holding & cycle.agrees) | (recovering & cycle.agrees)) & cycle.confirmed
-    return holding.implies(_motion(own)) & confirmed.implies(_true(own))
+    return {
+        "the vehicle moves within its figures": holding.implies(_motion(own)),
+        "a confirmed fix is true within its bound": confirmed.implies(_true(own)),
+    }
 
 
 def _motion(own: Parts) -> Bool:

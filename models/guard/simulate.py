@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.language.nodes import Value
-from safeloc.models.guard.variables import FAULT, NM_PER_MM, GuardConfig
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.guard.variables import FAULT, GuardConfig
 
 FIX_EVERY_MS = 400
 SPELLS = ("sound", "off track", "jump", "silence", "no fix", "ambiguous")

@@ -8,10 +8,8 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
-from safeloc.language.units import COUNT, MM, MM_S, MS, NM, UM_S
+from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, UM_PER_MM, UM_S
 
-NM_PER_MM = 1_000_000
-UM_PER_MM = 1_000
 FARTHEST_OFF_MM = 10_000_000
 """A fix farther off every track than this is handed in as the fault OFF_TRACK."""
 

@@ -40,9 +40,8 @@ from safeloc.models.turn_off import simulate as turn_off_streams
 from safeloc.railway.map.routes import Route
 from safeloc.railway.map.walk import Walk
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.reader_faults import ReaderFault
-from safeloc.simulation.sensors import Fault
 from safeloc.simulation.speed_profile import Halt, drive
 
 STAND_S, REDUCED_MM_S = 4.0, 600
@@ -128,9 +127,9 @@ def _odometry(journey: Journey) -> Iterator[Stream]:
     yield Stream("odometry", config, steps, struck=struck)
 
 
-def _of_odometry(struck: Sequence[Struck], max_step_mm: int) -> list[Fault | ReaderFault]:
+def _of_odometry(struck: Sequence[Struck], max_step_mm: int) -> list[Fault]:
     """Of the front reader, and of the front end's first unit."""
-    found: list[Fault | ReaderFault] = []
+    found: list[Fault] = []
     for one in struck:
         found += [*one.of_reader(), *one.of_distance("front_wheel", max_step_mm)]
     return found

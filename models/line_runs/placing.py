@@ -7,47 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
-from safeloc.models.balise.simulate import GroupFault, GroupFaultKind
-from safeloc.models.line_runs.faults import Asked
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.line_runs.faults import FAULTS, Asked
 from safeloc.models.line_runs.ways import MODELS, balise_groups, identities, reflectors
-from safeloc.models.reflector.simulate import Disturbance
 from safeloc.railway.map.elements import BaliseGroup, Reflector
 from safeloc.railway.map.routes import Route
+from safeloc.simulation.faults import Fault, Figure
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.reader_faults import ReaderFault, ReaderFaultKind
-from safeloc.simulation.sensors import NM_PER_MM, Fault, FaultKind
 
-OF_GROUP: dict[str, GroupFaultKind] = {
-    "group-missed": "missed",
-    "group-corrupted": "corrupted",
-    "group-incomplete": "incomplete",
-    "group-reversed": "wrong way",
-    "group-early": "early",
-    "group-late": "late",
-    "group-stale": "stale",
-    "group-malformed": "malformed",
-    "group-repeated": "duplicate",
-    "group-foreign": "other identity",
-}
-OF_READER: dict[str, ReaderFaultKind] = {
-    "group-missed": "missed",
-    "group-repeated": "repeated",
-    "group-foreign": "foreign",
-}
-OF_DISTANCE: dict[str, FaultKind] = {
-    "distance-missing": "drop-out",
-    "distance-jump": "jump",
-    "wheel-slide": "slide",
-    "wheel-slip": "slip",
-    "wheel-stuck": "stuck",
-}
-OF_RADAR = {
-    "frames-missing": "pause",
-    "reflector-hidden": "blind",
-    "echoes-weak": "weak",
-    "echoes-shifted": "shift",
-    "decoy": "decoy",
-}
 SHIFT_MM, DECOY_MM = 20_000, 30_000
 WITHIN = re.compile(r"(\d+)-(\d+)")
 
@@ -70,27 +37,33 @@ class Struck:
     place_mm: int = 0
     model: str = "NONE"
 
-    def of_group(self) -> list[GroupFault]:
+    def of_group(self) -> list[Fault]:
         """For the balise simulation."""
-        return [GroupFault(self.identity, OF_GROUP[self.name])] if self.name in OF_GROUP else []
+        return [Fault(kind, self.identity) for kind in self._kinds("group")]
 
-    def of_reader(self) -> list[ReaderFault]:
+    def of_reader(self) -> list[Fault]:
         """For the front reader of the odometry simulation."""
-        kind = OF_READER.get(self.name)
-        return [] if kind is None else [ReaderFault("front_marker", kind, self.begin, self.end)]
+        return [Fault(kind, "front_marker", self.begin, self.end) for kind in self._kinds("reader")]
 
     def of_distance(self, sensor: str, max_step_mm: int) -> list[Fault]:
         """For a distance sensor of that name. A jump is beyond what the vehicle can run in a cycle, and within the
         input's range: farther ones would be stopped at the border."""
-        kind = OF_DISTANCE.get(self.name)
-        return [] if kind is None else [Fault(sensor, kind, self.begin, self.end, max_step_mm + 500)]
+        figures = {"by_mm": max_step_mm + 500} if self.name == "distance-jump" else {}
+        return [Fault(kind, sensor, self.begin, self.end, figures) for kind in self._kinds("distance")]
 
-    def of_radar(self) -> list[Disturbance]:
+    def of_radar(self) -> list[Fault]:
         """For the reflector simulation."""
-        if self.name not in OF_RADAR:
-            return []
-        by_mm = {"echoes-shifted": SHIFT_MM, "decoy": DECOY_MM}.get(self.name, 0)
-        return [Disturbance(OF_RADAR[self.name], self.begin, self.end, by_mm, self.model)]
+        figures: dict[str, dict[str, Figure]] = {
+            "echoes-shifted": {"by_mm": SHIFT_MM},
+            "decoy": {"by_mm": DECOY_MM, "model": self.model},
+        }
+        more = figures.get(self.name, {})
+        return [Fault(kind, "", self.begin, self.end, more) for kind in self._kinds("radar")]
+
+    def _kinds(self, simulation: str) -> list[str]:
+        """What that simulation calls it, if it makes it."""
+        kind = FAULTS[self.name].kinds.get(simulation)
+        return [] if kind is None else [kind]
 
 
 def placed(asked: Asked, route: Route, motion: Motion) -> Struck | None:

@@ -31,6 +31,7 @@ from safeloc.models.localizer.configuration import CHECKED, LocalizerConfig, Sou
 from safeloc.models.localizer.sources import PIECES, Piece, Stated
 from safeloc.models.motion import Motion
 from safeloc.models.transmission import Transmission, TransmissionConfig
+from safeloc.models.vocabulary.absent import heard_interval
 from safeloc.models.vocabulary.reasons import NO_REFERENCE
 
 __all__ = ["CHECKED", "Localizer", "LocalizerConfig", "More", "Piece", "SourceName", "Stated", "compose_machines"]
@@ -128,17 +129,17 @@ def _downlink(
     stated = pieces["fibre"].stated
     return link, {
         link.own.sent: machine.flag("trusted") | machine.flag("untrusted"),
-        **_into_link(link, stated.valid, stated.position, stated.under, stated.over),
-        link.own.next_truth: moves.own.truth,
+        **_into_link(link, stated.valid, stated.position, stated.below, stated.above),
+        link.own.next_truth: moves.own.ghosts.truth,
     }
 
 
 def _link(name: str, config: TransmissionConfig, moves: Motion) -> Transmission:
-    return transmission.build(replace(transmission.parts(config), truth=moves.own.truth), name)
+    return transmission.build(replace(transmission.parts(config), truth=moves.own.ghosts.truth), name)
 
 
-def _into_link(link: Transmission, valid: Bool, position: Num, under: Num, over: Num) -> dict[Var, Expr]:
-    return {link.own.valid: valid, link.own.position: position, link.own.under: under, link.own.over: over}
+def _into_link(link: Transmission, valid: Bool, position: Num, below: Num, above: Num) -> dict[Var, Expr]:
+    return {link.own.valid: valid, link.own.position: position, link.own.below: below, link.own.above: above}
 
 
 def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> dict[str, Stated]:
@@ -146,9 +147,8 @@ def _all_stated(pieces: Mapping[str, Piece], downlink: Transmission | None) -> d
     stated = {name: piece.stated for name, piece in pieces.items()}
     if downlink is not None:
         machine = downlink.machine
-        position, under, over = (machine.output(f"{what}_mm") for what in ("position", "under", "over"))
         held = machine.flag("valid")
-        stated["fibre"] = Stated(held, position, under, over, held, NO_REFERENCE)
+        stated["fibre"] = Stated(held, *heard_interval(machine), held, NO_REFERENCE)
     return stated
 
 
@@ -156,7 +156,7 @@ def _into_arbitration(counts: Arbitration, moves: Motion, stated: Mapping[str, S
     wires: dict[Var, Expr] = {
         counts.own.distance.value: moves.machine.output("distance_mm"),
         counts.own.distance.present: moves.told,
-        counts.own.next_truth: moves.own.truth,
+        counts.own.next_truth: moves.own.ghosts.truth,
     }
     for source in counts.own.sources:
         wires |= _hears(source, stated[source.name])
@@ -167,8 +167,8 @@ def _hears(source: Source, stated: Stated) -> dict[Var, Expr]:
     return {
         source.valid: stated.valid,
         source.position: stated.position,
-        source.under: stated.under,
-        source.over: stated.over,
+        source.below: stated.below,
+        source.above: stated.above,
         source.reference: stated.reference,
         source.reason: stated.reason,
     }
@@ -176,17 +176,18 @@ def _hears(source: Source, stated: Stated) -> dict[Var, Expr]:
 
 def _into_guard(guard: Machine, counts: Arbitration, moves: Motion) -> dict[Var, Expr]:
     sees, says = {var.name: var for var in guard.inputs if isinstance(var, (NumVar, BoolVar))}, counts.machine
+    position, below, above = heard_interval(says)
     return {
         sees["source_valid"]: says.flag("valid"),
         sees["reference_accepted"]: says.flag("reference_accepted"),
         sees["source_reason"]: says.output("reason"),
-        sees["source_position_mm"]: says.output("position_mm"),
-        sees["source_over_mm"]: says.output("over_mm"),
-        sees["source_under_mm"]: says.output("under_mm"),
-        next(iter(guard.ghost_inputs)): moves.own.truth,
+        sees["source_position_mm"]: position,
+        sees["source_margin_above_mm"]: above,
+        sees["source_margin_below_mm"]: below,
+        next(iter(guard.world.choices)): moves.own.ghosts.truth,
     }
 
 
 def _into_uplink(uplink: Transmission, guard: Machine, moves: Motion) -> dict[Var, Expr]:
-    numbers = (guard.output(f"{what}_mm") for what in ("position", "under", "over"))
-    return {**_into_link(uplink, ~guard.flag("restrictive"), *numbers), uplink.own.next_truth: moves.own.truth}
+    link = _into_link(uplink, ~guard.flag("restrictive"), *heard_interval(guard))
+    return {**link, uplink.own.next_truth: moves.own.ghosts.truth}

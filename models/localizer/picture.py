@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.railway.pictures import Interval, Refusals, Sources, Things
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 PASSED_ON = Reported(
-    position="delocalized.position_mm", under="delocalized.under_mm", over="delocalized.over_mm",
+    position="delocalized.position_mm", below="delocalized.margin_below_mm", above="delocalized.margin_above_mm",
     valid="delocalized.restrictive", valid_is=False,
 )  # fmt: skip
 ODOMETERS = ("front_wheel", "front_radar", "rear_wheel", "rear_radar")
@@ -35,8 +35,10 @@ def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
 def _interval(name: str) -> Interval:
     """What a source states to arbitration: of the fibre what has come on board."""
     machine = {"satellite": "position", "fibre": "downlink"}.get(name, name)
-    position, under, over, valid = (f"{machine}.{what}" for what in ("position_mm", "under_mm", "over_mm", "valid"))
-    return Interval(name, Reported(position, under, over, valid))
+    position, below, above, valid = (
+        f"{machine}.{what}" for what in ("position_mm", "margin_below_mm", "margin_above_mm", "valid")
+    )
+    return Interval(name, Reported(position, below, above, valid))
 
 
 def _whole() -> Iterator[Refusals]:

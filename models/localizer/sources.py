@@ -16,7 +16,8 @@ from safeloc.models.motion import Motion
 from safeloc.models.odometry.variables import parts as odometry_parts
 from safeloc.models.reflector import variables as reflecting
 from safeloc.models.satellite import variables as satellite_words
-from safeloc.models.satellite.law import REFERENCE
+from safeloc.models.satellite.world import REFERENCE, SELECTED
+from safeloc.models.vocabulary.absent import heard_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 
 
@@ -26,8 +27,8 @@ class Stated:
 
     valid: Bool
     position: Num
-    under: Num
-    over: Num
+    below: Num
+    above: Num
     reference: Bool
     reason: Num
 
@@ -57,7 +58,7 @@ def _told_distance(step: Optional, more: NumVar | None, moves: Motion) -> dict[V
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe)
-    own = replace(own, truth=moves.own.truth, true_step=moves.own.true_step)
+    own = replace(own, ghosts=replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step))
     model = odometry.build(own)
     wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
     return Piece((model.machine,), {var: term for one in wires for var, term in one.items()}, _plainly(model.machine))
@@ -65,9 +66,9 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     own = balise_parts(config.balise)
-    world = replace(own.world, truth=moves.own.truth, true_step=moves.own.true_step)
-    if moves.own.check is not None:
-        world = replace(world, wander=moves.own.check.wander, next_wander=moves.own.check.next_wander)
+    world = replace(own.world, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step)
+    if moves.own.ghosts.units is not None:
+        world = replace(world, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
     own = replace(own, world=world)
     machine = balise.build(own).machine
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
@@ -83,9 +84,7 @@ def _plainly(machine: Machine) -> Stated:
     """What a machine states whose outputs have the common names and reasons."""
     return Stated(
         machine.flag("valid"),
-        machine.output("position_mm"),
-        machine.output("under_mm"),
-        machine.output("over_mm"),
+        *heard_interval(machine),
         machine.flag("reference_accepted"),
         machine.output("reason"),
     )
@@ -93,9 +92,9 @@ def _plainly(machine: Machine) -> Stated:
 
 def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     own = reflecting.parts(config.reflector)
-    ghosts = replace(own.ghosts, truth=moves.own.truth, true_step=moves.own.true_step)
-    if moves.own.check is not None:
-        ghosts = replace(ghosts, wander=moves.own.check.wander, next_wander=moves.own.check.next_wander)
+    ghosts = replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step)
+    if moves.own.ghosts.units is not None:
+        ghosts = replace(ghosts, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
     own = replace(own, ghosts=ghosts)
     machine = reflector.build(own).machine
     error = machine.output("error")
@@ -104,9 +103,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
     why = ite(error.one_of(reflecting.NO_POSITION, reflecting.NO_ERROR), NO_REFERENCE, why)
     stated = Stated(
         machine.flag("valid"),
-        ite(machine.flag("valid"), machine.output("position_mm"), 0),
-        ite(machine.flag("valid"), machine.output("under_mm"), 0),
-        ite(machine.flag("valid"), machine.output("over_mm"), 0),
+        *heard_interval(machine),
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
@@ -116,16 +113,13 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
     selection = satellite_selection.build(satellite_selection.parts(config.satellite.selection))
-    own = replace(satellite_words.parts(config.satellite), truth=moves.own.truth)
+    own = replace(satellite_words.parts(config.satellite), truth=moves.own.ghosts.truth)
     machine = satellites.build(own)
-    wires: dict[Var, Expr] = {
-        told: one.standing.eq(satellite_selection.USABLE)
-        for told, one in zip(own.usable, selection.own.channels, strict=True)
-    }
-    wires[own.next_truth] = moves.own.truth
+    wires = satellites.selection_wires(own, selection)
+    wires[own.next_truth] = moves.own.ghosts.truth
     trusted = next((earlier[name].stated for name in ("balise", "odometry", "reflector") if name in earlier), None)
     if trusted is not None:
-        accuracy = maximum(trusted.under, trusted.over)
+        accuracy = maximum(trusted.below, trusted.above)
         heard = trusted.reference & (accuracy <= own.accuracy.high)
         wires |= {
             own.reference.present: heard,
@@ -138,29 +132,25 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
     reason = ite(why.one_of(satellite_words.CONTRADICTION, satellite_words.DRIFT), CONTRADICTION, reason)
     stated = Stated(
         machine.flag("valid"),
-        machine.output("position_mm"),
-        machine.output("under_mm"),
-        machine.output("over_mm"),
+        *heard_interval(machine),
         machine.flag("valid") & machine.output("fix").eq(satellite_words.ACCEPTED),
         ite(machine.flag("valid"), LOCATED, reason),
     )
-    owed = () if trusted is None else (Clause(machine, REFERENCE),)
-    return Piece((selection.machine, machine), wires, stated, owed)
+    reference = () if trusted is None else (Clause(machine, REFERENCE),)
+    return Piece((selection.machine, machine), wires, stated, (*reference, Clause(machine, SELECTED)))
 
 
 def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     """The trackside's verified position; on board it is stated by the downlink."""
-    model = verification.build(replace(verification.parts(config.fibre), truth=moves.own.truth))
+    model = verification.build(replace(verification.parts(config.fibre), truth=moves.own.ghosts.truth))
     machine, trusted = model.machine, model.machine.flag("trusted")
     stated = Stated(
         trusted,
-        machine.output("position_mm"),
-        machine.output("under_mm"),
-        machine.output("over_mm"),
+        *heard_interval(machine),
         trusted,
         NO_REFERENCE,
     )
-    return Piece((machine,), {model.own.next_truth: moves.own.truth}, stated)
+    return Piece((machine,), {model.own.next_truth: moves.own.ghosts.truth}, stated)
 
 
 PIECES = {

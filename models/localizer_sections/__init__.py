@@ -34,6 +34,7 @@ from safeloc.models.localizer_sections.train_seen import TrainSeen
 from safeloc.models.motion import Motion
 from safeloc.models.sections import Section, Sections, SectionsConfig, section, section_wires
 from safeloc.models.transmission import Transmission
+from safeloc.models.vocabulary.absent import heard_interval
 
 NAME = "localizer_sections"
 
@@ -129,10 +130,10 @@ class _Behind:
             ),
         )
 
-    def _world(self) -> train_ends.World:
+    def _world(self) -> train_ends.FrontEnd:
         motion, tolerance = self._config.localizer.motion, self._config.localizer.tolerance_mm
         most = motion.max_speed_mm_s * motion.period_ms * 1_000
-        return train_ends.World(most, motion.position_limit_mm, tolerance, self._moves.own.truth)
+        return train_ends.FrontEnd(most, motion.position_limit_mm, tolerance, self._moves.own.ghosts.truth)
 
     def _far_link(self) -> Transmission:
         """The uplink's own figures; its margin wider by what is unknown of the length."""
@@ -147,7 +148,7 @@ class _Behind:
             area.limit_mm,
             near.period_ms,
             near.age_limit_ms,
-            train_seen.heard("front", limit, near.margin_limit_mm, self._moves.own.truth),
+            train_seen.heard("front", limit, near.margin_limit_mm, self._moves.own.ghosts.truth),
             train_seen.heard("far", limit, far.margin_limit_mm, self.ends.own.far),
         )
 
@@ -157,10 +158,8 @@ class _Behind:
         own, guard = self.ends.own, self._guard
         return {
             own.valid: ~guard.flag("restrictive"),
-            own.position: guard.output("position_mm"),
-            own.under: guard.output("under_mm"),
-            own.over: guard.output("over_mm"),
-            own.next_truth: self._moves.own.truth,
+            **_interval(own, guard),
+            own.next_truth: self._moves.own.ghosts.truth,
         }
 
     def _into_far_uplink(self) -> Mapping[Var, Expr]:
@@ -170,9 +169,7 @@ class _Behind:
             own.sent: near.sent,
             own.arrived: near.arrived,
             own.valid: ends.flag("valid"),
-            own.position: ends.output("position_mm"),
-            own.under: ends.output("under_mm"),
-            own.over: ends.output("over_mm"),
+            **_interval(own, ends),
             own.next_truth: self.ends.own.far,
         }
 
@@ -181,16 +178,11 @@ class _Behind:
         wires: dict[Var, Expr] = {
             own.age: self._uplink.machine.output("age_ms"),
             own.upwards: self.ends.own.upwards,
-            own.front.next_truth: self._moves.own.truth,
+            own.front.next_truth: self._moves.own.ghosts.truth,
             own.far.next_truth: self.ends.own.far,
         }
         for told, link in ((own.front, self._uplink.machine), (own.far, self.far_uplink.machine)):
-            wires |= {
-                told.valid: link.flag("valid"),
-                told.position: link.output("position_mm"),
-                told.under: link.output("under_mm"),
-                told.over: link.output("over_mm"),
-            }
+            wires |= {told.valid: link.flag("valid"), **_interval(told, link)}
         return wires
 
     def _into_area(self) -> Mapping[Var, Expr]:
@@ -212,3 +204,8 @@ class _Behind:
         for one in self.sections:
             wires |= section_wires(self.area, one)
         return wires
+
+
+def _interval(own: train_ends.Parts | transmission.Parts | train_seen.Heard, says: Machine) -> dict[Var, Expr]:
+    """An interval that one machine hears of another."""
+    return dict(zip((own.position, own.below, own.above), heard_interval(says), strict=True))

@@ -11,12 +11,14 @@ from pathlib import Path
 
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group
-from safeloc.models.localizer.simulation.simulate import NM_PER_MM, Journey, Steps, Stretch, Trouble
+from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch
 from safeloc.models.localizer.simulation.simulate import first_state as localizer_first
 from safeloc.models.localizer.simulation.simulate import simulate as simulate_localizer
 from safeloc.models.localizer_sections import NAME, LocalizerSectionsConfig
 from safeloc.runtime.streams.steps import Cell, write_steps
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
 FOLDER, SEED, UM_PER_MM, NM_PER_UM = Path(__file__).parents[1] / "streams", 3, 1_000, 1_000
@@ -59,7 +61,7 @@ SCENES: Mapping[str, Scene] = {
         says="The rear part is lost and stands in the section: the front end runs on, the section is not FREE again.",
     ),
     "silent-uplink": Scene(
-        replace(RUN, troubles=[Trouble("uplink silent", 340, 10_000)]), ENDS, (SECTION,),
+        replace(RUN, troubles=[Fault("uplink silent", "", 340, 10_000)]), ENDS, (SECTION,),
         says="The radio link falls silent while the train is in the section: located on board, it leaves, and the section "
         "is not FREE again.",
     ),

@@ -24,7 +24,6 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     Var,
-    all_of,
     as_num,
     between,
     boolean,
@@ -37,9 +36,10 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.language.units import MM, NM, UM
+from safeloc.language.units import MM, NM, NM_PER_MM, UM
+from safeloc.language.world import World
 from safeloc.models.area.slot import Slot
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 TRACE = ("FVA-9", "FVA-18")
 SENT = "the front end's interval holds it"
@@ -54,8 +54,8 @@ class TrainConfig(Config):
 
 
 @dataclass(frozen=True, eq=False)
-class World:
-    """What the machine shares with others: top speed over a cycle (nm), the line's end (mm), and the front end (ghost)."""
+class FrontEnd:
+    """The front end of the train, as other machines have it: top speed over a cycle (nm), the line's end (mm), the place (ghost)."""
 
     most_nm: int
     limit_mm: int
@@ -67,7 +67,7 @@ class World:
 class Parts:
     """The variables of the machine.
 
-    valid, position, under, over  inputs: the front end's interval, as it is passed on
+    valid, position, below, above  inputs: the front end's interval, as it is passed on
     whole            input: integrity monitoring confirms the train in this cycle
     upwards          the front end faces growing positions: fixed
     told, ...        the far end's interval
@@ -76,16 +76,16 @@ class Parts:
     """
 
     config: TrainConfig
-    world: World
+    world: FrontEnd
     valid: BoolVar
     position: NumVar
-    under: NumVar
-    over: NumVar
+    below: NumVar
+    above: NumVar
     whole: BoolVar
     upwards: BoolVar
     told_position: NumVar
-    told_under: NumVar
-    told_over: NumVar
+    told_below: NumVar
+    told_above: NumVar
     far: NumVar
     next_truth: NumVar
     next_far: NumVar
@@ -100,7 +100,7 @@ class TrainEnds:
     own: Parts
 
 
-def parts(config: TrainConfig, world: World, train: Slot) -> Parts:
+def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
     """Fresh variables; the train's ghosts are those of its slot in the area."""
     limit, widest = world.limit_mm, world.margin_mm
     wider, reach = widest + config.length_tolerance_mm, limit * NM_PER_MM
@@ -109,13 +109,13 @@ def parts(config: TrainConfig, world: World, train: Slot) -> Parts:
         world,
         boolean("front_valid"),
         number("front_position_mm", MM, -limit, limit),
-        number("front_under_mm", MM, 0, widest),
-        number("front_over_mm", MM, 0, widest),
+        number("front_margin_below_mm", MM, 0, widest),
+        number("front_margin_above_mm", MM, 0, widest),
         boolean("train_whole"),
         boolean("faces_upwards"),
         number("far_position_mm", MM, -limit, limit),
-        number("far_under_mm", MM, 0, wider),
-        number("far_over_mm", MM, 0, wider),
+        number("far_margin_below_mm", MM, 0, wider),
+        number("far_margin_above_mm", MM, 0, wider),
         number("far_end_nm", NM, -reach, reach),
         number("next_truth_nm", NM, -reach, reach),
         number("next_far_end_nm", NM, -reach, reach),
@@ -128,30 +128,32 @@ def build(own: Parts) -> TrainEnds:
     table = modes("NOTHING", "FRONT_ONLY", "BOTH")
     current = current_mode(table)
     both, train = current.eq(table[2]), own.train
-    low, high = own.told_position - own.told_under, own.told_position + own.told_over
+    low, high = own.told_position - own.told_below, own.told_position + own.told_above
     rear, front = _along_the_line(own.world.truth, own.far)
     next_rear, next_front = _along_the_line(own.next_truth, own.next_far)
     machine = Machine(
         name="ends",
         modes=table,
-        inputs=[own.valid, own.position, own.under, own.over, own.whole],
-        state={own.upwards: ANY, own.told_position: 0, own.told_under: 0, own.told_over: 0},
+        inputs=[own.valid, own.position, own.below, own.above, own.whole],
+        state={own.upwards: ANY, own.told_position: 0, own.told_below: 0, own.told_above: 0},
         outputs={
             "valid": both,
-            "position_mm": own.told_position,
-            "under_mm": own.told_under,
-            "over_mm": own.told_over,
+            "position_mm": position_if(both, own.told_position),
+            "margin_below_mm": margin_if(both, own.told_below),
+            "margin_above_mm": margin_if(both, own.told_above),
             "faces_upwards": own.upwards,
         },
         transitions=list(_table(own, table)),
-        ghosts={own.world.truth: ANY, own.far: ANY, train.true_rear: ANY, train.true_front: ANY},
-        ghost_inputs=[own.next_truth, own.next_far],
-        ghost_moves={
-            own.world.truth: own.next_truth, own.far: own.next_far,
-            train.true_rear: next_rear, train.true_front: next_front,
-        },
-        assumption=_assumption(own),
-        clauses={SENT: _sent_truly(own)},
+        world=World(
+            ghosts={own.world.truth: ANY, own.far: ANY, train.true_rear: ANY, train.true_front: ANY},
+            choices=[own.next_truth, own.next_far],
+            moves={
+                own.world.truth: own.next_truth,
+                own.far: own.next_far,
+                train.true_rear: next_rear,
+                train.true_front: next_front,
+            },
+            clauses=_clauses(own), reads_machine="the far end lies behind where the machine faces"),
         initially=_behind(own, own.world.truth, own.far) & train.true_rear.eq(rear) & train.true_front.eq(front),
         lemmas={
             "the far end is inside": both.implies(between(exact_to(low, NM), own.far, exact_to(high, NM))),
@@ -173,7 +175,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     length, limit = own.config.length_mm, own.world.limit_mm
     far, wider = own.position + ite(own.upwards, as_num(-length, MM), length), own.config.length_tolerance_mm
     told: dict[Var, Expr] = {
-        own.told_position: far, own.told_under: own.under + wider, own.told_over: own.over + wider
+        own.told_position: far, own.told_below: own.below + wider, own.told_above: own.above + wider
     }  # fmt: skip
     untold: dict[Var, Expr] = {var: as_num(0, MM) for var in told}
     known = own.valid & own.whole & between(-limit, far, limit)
@@ -196,19 +198,18 @@ def _behind(own: Parts, front: Num, far: Num) -> Bool:
     return (own.upwards & (far <= front)) | (~own.upwards & (front <= far))
 
 
-def _assumption(own: Parts) -> Bool:
+def _clauses(own: Parts) -> dict[str, Bool]:
     most = own.world.most_nm
     length, slack = own.config.length_mm * NM_PER_MM, own.config.length_tolerance_mm * NM_PER_MM
     extent = ite(own.upwards, own.next_truth - own.next_far, own.next_far - own.next_truth)
-    return all_of(
-        [
-            extent >= 0,
-            own.whole.implies(between(length - slack, extent, length + slack)),
-            between(-most, own.next_far - own.far, most),
-        ]
-    )
+    return {
+        "the far end lies behind the near one": extent >= 0,
+        "a whole train has its length": own.whole.implies(between(length - slack, extent, length + slack)),
+        "the far end keeps to the highest speed": between(-most, own.next_far - own.far, most),
+        SENT: _sent_truly(own),
+    }
 
 
 def _sent_truly(own: Parts) -> Bool:
-    low, high = own.position - own.under, own.position + own.over
+    low, high = own.position - own.below, own.position + own.above
     return own.valid.implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))

@@ -36,6 +36,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, MS, NM
+from safeloc.language.world import World
 
 TRACE = ("FVA-9", "FVA-18")
 
@@ -46,25 +47,25 @@ class Heard:
 
     valid: BoolVar
     position: NumVar
-    under: NumVar
-    over: NumVar
+    below: NumVar
+    above: NumVar
     truth: NumVar
     next_truth: NumVar
 
     @property
     def low(self) -> Num:
         """Its lower bound."""
-        return self.position - self.under
+        return self.position - self.below
 
     @property
     def high(self) -> Num:
         """Its upper bound."""
-        return self.position + self.over
+        return self.position + self.above
 
     @property
     def inputs(self) -> list[Var]:
         """What is heard of it."""
-        return [self.valid, self.position, self.under, self.over]
+        return [self.valid, self.position, self.below, self.above]
 
     def holds(self) -> Bool:
         """What is given out of it holds the true place."""
@@ -114,8 +115,8 @@ def heard(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> Heard:
     return Heard(
         boolean(f"{name}_valid"),
         number(f"{name}_position_mm", MM, -limit_mm, limit_mm),
-        number(f"{name}_under_mm", MM, 0, margin_mm),
-        number(f"{name}_over_mm", MM, 0, margin_mm),
+        number(f"{name}_margin_below_mm", MM, 0, margin_mm),
+        number(f"{name}_margin_above_mm", MM, 0, margin_mm),
         truth,
         number(f"next_{name}_truth_nm", NM, truth.low, truth.high),
     )
@@ -156,10 +157,15 @@ def build(own: Parts) -> TrainSeen:
             "downwards": own.downwards,
         },
         transitions=list(_table(own, table)),
-        ghosts={front.truth: ANY, far.truth: ANY},
-        ghost_inputs=[front.next_truth, far.next_truth],
-        ghost_moves={front.truth: front.next_truth, far.truth: far.next_truth},
-        assumption=front.holds() & far.holds(),
+        world=World(
+            ghosts={front.truth: ANY, far.truth: ANY},
+            choices=[front.next_truth, far.next_truth],
+            moves={front.truth: front.next_truth, far.truth: far.next_truth},
+            clauses={
+                "a near end that comes holds the truth": front.holds(),
+                "a far end that comes holds the truth": far.holds(),
+            },
+        ),
         lemmas=_lemmas(own, current, table),
         mode_variable=current,
         doc=(

@@ -20,12 +20,15 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, between, number
-from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import MM, NM
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Optional, Var, number
+from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
+from safeloc.language.units import MM
+from safeloc.models.motion.told_error import lemmas, with_told_error
 from safeloc.models.motion.unit_check import UnitCheck, told_law, unit_check
-from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.motion.world import Ghosts, Surroundings, ghosts, initially, world
+from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, Limits
+from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import Odometer, odometer
 
 __all__ = ["Motion", "MotionConfig", "Parts", "build", "parts"]
@@ -65,6 +68,14 @@ class MotionConfig(Config):
         return self.odometer if self.check is None else told_law(self.odometer, self.check, self.band_mm)
 
     @property
+    def physics(self) -> Physics:
+        """What the world knows of the vehicle's movement and its measurement."""
+        return Physics(
+            self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm,
+            self.gap_limit_cycles, self.gap_limit_cycles + 1,
+        )  # fmt: skip
+
+    @property
     def limits(self) -> Limits:
         """What the odometer needs, rounded so that gates are no tighter than physics."""
         step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
@@ -77,14 +88,19 @@ class MotionConfig(Config):
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The odometer, its check, and the world: where the front end is, and how far it runs in the cycle (ghosts, nm)."""
+    """The odometer, its check, what is told, and the world's variables."""
 
     config: MotionConfig
     odometer: Odometer
     check: UnitCheck | None
     distance: NumVar
-    truth: NumVar
-    true_step: NumVar
+    ghosts: Ghosts
+
+    @property
+    def around(self) -> Surroundings:
+        """What the world knows."""
+        check = None if self.check is None else self.check.unit
+        return Surroundings(self.ghosts, self.config.physics, self.odometer, check)
 
     @property
     def told(self) -> Bool:
@@ -128,29 +144,28 @@ class Motion:
     @property
     def shared(self) -> list[Var]:
         """Ghosts that those who use the distance have in common with it."""
-        world: list[Var] = [self.own.truth, self.own.true_step]
-        return world if self.own.check is None else [*world, self.own.check.wander, self.own.check.next_wander]
+        seen = self.own.ghosts
+        return [seen.truth, seen.true_step, *([] if seen.units is None else (seen.units.told, seen.units.next_told))]
 
 
 def parts(config: MotionConfig) -> Parts:
     """Fresh variables for one vehicle."""
     limits = config.limits
-    reach = config.position_limit_mm * NM_PER_MM
+    laws = None if config.check is None else (config.odometer, config.check)
     measures = odometer(config.odometer, limits)
     return Parts(
         config,
         measures,
         None if config.check is None else unit_check(measures, config.check, config.band_mm),
         number("distance_mm", MM, -limits.max_step_mm, limits.max_step_mm),
-        number("truth_nm", NM, -reach, reach),
-        number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
+        ghosts(config.physics, config.position_limit_mm, laws, config.told),
     )
 
 
 def build(own: Parts) -> Motion:
     """The machine over the given variables."""
     table = modes("SILENT", "MEASURING")
-    check, after = own.check, own.truth + own.true_step
+    around = world(own.around)
     made = Machine(
         name="motion",
         modes=table,
@@ -158,16 +173,15 @@ def build(own: Parts) -> Motion:
         state=own.state(),
         outputs=_outputs(own),
         transitions=list(_rows(own, table)),
-        ghosts={own.truth: ANY, **({} if check is None else check.ghosts())},
-        ghost_inputs=[own.true_step] if check is None else [own.true_step, check.next_wander],
-        ghost_moves={own.truth: after, **({} if check is None else check.moves())},
-        assumption=between(own.truth.low, after, own.truth.high),
-        clauses={} if check is None else {"one unit keeps its law": check.assumption(own.true_step)},
+        world=around if own.check is None else with_told_error(around, own.around, own.check),
+        initially=initially(own.around),
+        lemmas={} if own.check is None else lemmas(own.around, own.check),
         mode_variable=current_mode(table),
         doc=(
             "The vehicle's odometer, told only where the vehicle can have run the distance, and its true movement: no "
             "faster than its highest speed, and on the line. With a check unit one of the two is assumed to keep its "
-            "law, whichever; what a distance is worth is told with it. Without one, that is assumed by those who use it."
+            "law, whichever, and the vehicle to stand where the odometer measures nothing and the check unit no more than "
+            "its floor; what a distance is worth is told with it. Without one, that is assumed by those who use it."
         ),
     )
     return Motion(made, own)

@@ -12,8 +12,9 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import Distances, Fault, Law, measure
+from safeloc.simulation.sensors import Distances, Law, measure
 
 
 @lru_cache(maxsize=8)

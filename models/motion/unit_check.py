@@ -33,25 +33,19 @@ from safeloc.language.expr import (
     as_num,
     between,
     boolean,
-    choice,
-    enumeration,
     exact_to,
     floor_div,
     ite,
     maximum,
-    members,
     minimum,
     number,
     with_unit,
 )
-from safeloc.language.machine import ANY, Initial
-from safeloc.language.units import COUNT, MM, MS, NM
-from safeloc.models.vocabulary.error_law import NM_PER_MM, ErrorLaw
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.odometer import Odometer, most_told_nm
 from safeloc.models.vocabulary.odometer import odometer as a_unit
-
-LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
-ODOMETER_LAWFUL, CHECK_LAWFUL = LAWFUL
 
 
 def told_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
@@ -62,13 +56,11 @@ def told_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
 
 @dataclass(frozen=True, eq=False)
 class UnitCheck:
-    """The odometer, the unit that checks it, what is told, and which unit really keeps its law.
+    """The odometer, the unit that checks it, and what is told.
 
     apart       what the two differ by and has not been charged, nm
     told, more  whether the last cycle's distance is told, and the charge beyond the odometer's law, nm
     unheard     cycles since a distance was told
-    lawful      ghost: a unit that keeps its law; the other one may do as it likes
-    wander, next_wander     ghosts: the one-off part of the error of what is told, before the cycle and after it, nm
     """
 
     odometer: Odometer
@@ -78,9 +70,6 @@ class UnitCheck:
     told: BoolVar
     more: NumVar
     unheard: NumVar
-    lawful: NumVar
-    wander: NumVar
-    next_wander: NumVar
 
     @cached_property
     def checked(self) -> Bool:
@@ -182,38 +171,10 @@ class UnitCheck:
             self.unheard: ite(self.checked, as_num(0, COUNT), waited),
         }
 
-    # ------------------------------------------------------------------ the environment
-
-    def ghosts(self) -> dict[Var, Initial]:
-        """Which unit keeps its law, and the one-off part of the error; both open."""
-        return {self.lawful: ANY, self.wander: ANY}
-
-    def moves(self) -> dict[Var, Expr]:
-        """How the ghosts move."""
-        return {self.lawful: self.lawful, self.wander: self.next_wander}
-
-    def assumption(self, true_step: Num) -> Bool:
-        """One unit keeps its law, whichever; and the vehicle stands where it is taken to stand, true_step in nm."""
-        by_odometer = self._keeps_law(self.odometer, true_step, as_num(0, NM), as_num(0, NM))
-        by_check = self._keeps_law(self.unit, true_step, self.apart, self.apart_after)
-        still = true_step.eq(0) & self.next_wander.eq(self.wander)
-        lawful = self.lawful.eq(ODOMETER_LAWFUL)
-        return ite(lawful, by_odometer, by_check & self.standing.implies(still))
-
-    def _keeps_law(self, unit: Odometer, true_step: Num, apart: Num, apart_after: Num) -> Bool:
-        """The unit's own wander is that of what is told, less what the units are apart; it rests without a distance."""
-        half = unit.law.wander_nm
-        change = (self.next_wander - self.wander) - (apart_after - apart)
-        error = true_step - exact_to(unit.step.value, NM) - change
-        measured = between(-unit.most_error, error, unit.most_error)
-        within = between(-half, self.next_wander - apart_after, half)
-        return ite(unit.admitted, measured & within, change.eq(0))
-
 
 def unit_check(odometer: Odometer, law: ErrorLaw, band_mm: int) -> UnitCheck:
     """A check by a unit of that law, with fresh variables."""
     limits, band = odometer.limits, band_mm * NM_PER_MM
-    half = told_law(odometer.law, law, band_mm).wander_nm
     return UnitCheck(
         odometer,
         a_unit(law, limits, "check"),
@@ -222,7 +183,4 @@ def unit_check(odometer: Odometer, law: ErrorLaw, band_mm: int) -> UnitCheck:
         boolean("distance_told"),
         number("told_more_nm", NM, 0, most_told_nm(limits.max_step_mm)),
         number("unheard_cycles", COUNT, 0, limits.gap_limit + 1),
-        choice("lawful_unit", enumeration(LAWFUL)),
-        number("odometer_wander_nm", NM, -half, half),
-        number("odometer_next_wander_nm", NM, -half, half),
     )

@@ -34,9 +34,12 @@ from safeloc.language.machine import Initial, Machine, Transition, current_mode,
 from safeloc.language.units import MM
 from safeloc.models.odometry.cycle import Judged, Situation, judge, nothing
 from safeloc.models.odometry.distance_device import Device, Values, choose
-from safeloc.models.odometry.environment import environment, lemmas
+from safeloc.models.odometry.hidden_faults import with_hidden
+from safeloc.models.odometry.lemmas import lemmas
 from safeloc.models.odometry.marker_reading import ACCEPTED
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
+from safeloc.models.odometry.world import world
+from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 
 VALUES = members("values", "NONE", "M1", "M2")
@@ -71,7 +74,6 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
     current = current_mode(mode)
     situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
     judged = judge(own, situation)
-    around = environment(own, judged)
     made = Machine(
         name=name,
         modes=mode,
@@ -79,19 +81,16 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
         state=_state(own),
         outputs=_outputs(own, current, mode),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
-        ghosts=around.first,
-        ghost_inputs=around.choices,
-        ghost_moves=around.moves,
-        assumption=around.assumption,
+        world=with_hidden(world(own), judged),
         lemmas=lemmas(own, current, mode),
         definitions=_definitions(own, judged),
         mode_variable=current,
         doc=(
             "Position of end A of the vehicle from distance measured since position markers, which a reader at either "
-            "end reads. Assumed: every distance that passes the plausibility gates obeys its unit's error law; no cycle "
-            "runs farther than the highest speed allows; every reading that passes all checks (identity, order, "
-            "pairing, window) is true within accuracy, vehicle length tolerance and latency. Nothing is assumed of any "
-            "other reading or measurement."
+            "end reads. Assumed: a unit delivers a distance that obeys its error law, or one that no vehicle can have run; no "
+            "cycle runs farther than the highest speed allows; a reader stood over the marker that it gives, within its "
+            "latency, the map has that marker within its accuracy, and the vehicle is as long as told. Once in the age limit "
+            "a reader may give a marker that lies far away instead (never, where the first marker is believed at once)."
         ),
     )
     return Odometry(made, own, judged)
@@ -222,7 +221,7 @@ def _definitions(own: Parts, cycle: Judged) -> dict[str, Expr]:
         for unit, ok, values in zip(device.units, moved.admitted, cycle.after(device), strict=True):
             named |= {f"{unit.name} admitted": ok, f"{unit.name} judged now": unit.verdict()}
             named |= {f"{unit.name} alive after": values.alive, f"{unit.name} position after": values.position}
-            named |= {f"{unit.name} over after": values.over, f"{unit.name} under after": values.under}
+            named |= {f"{unit.name} margin above after": values.above, f"{unit.name} margin below after": values.below}
         named |= {f"{device.name} alive after": after.alive, f"{device.name} margin after": after.margin}
     for index, device in enumerate(own.devices):
         named[f"{device.name} device has the smaller margin"] = _leads(own, cycle, index)
@@ -257,9 +256,9 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
     accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
     return {
         "valid": valid,
-        "position_mm": ite(valid, values.position, 0),
-        "over_mm": ite(valid, ceil_to(values.over, MM), 0),
-        "under_mm": ite(valid, ceil_to(values.under, MM), 0),
+        "position_mm": position_if(valid, values.position),
+        "margin_above_mm": margin_if(valid, ceil_to(values.above, MM)),
+        "margin_below_mm": margin_if(valid, ceil_to(values.below, MM)),
         "values": ite(valid, by_leading, NO_VALUES),
         "unit": ite(valid, speaks, NO_UNIT),
         "age_ms": ite(valid, _of_lead(rear, [d.age for d in own.devices]), 0),

@@ -21,9 +21,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import (
+    FALSE,
     Bool,
     BoolVar,
     Expr,
+    Lit,
     Num,
     NumVar,
     Optional,
@@ -42,34 +44,37 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, MS, NM, Enumeration
-from safeloc.models.vocabulary.error_law import NM_PER_MM, ErrorLaw
+from safeloc.language.units import COUNT, MM, MS, NM, PPM, Enumeration
+from safeloc.models.vocabulary.error_law import WHOLE_PPM, ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """Position and margins at one moment: truth lies in [position - under, position + over] while `alive`."""
+    """Position and margins at one moment: truth lies in [position - below, position + above] while `alive`.
+
+    Which margin is which ETCS variable: `safeloc.models.vocabulary.interval`.
+    """
 
     alive: Bool
     position: Num
-    over: Num
-    under: Num
+    above: Num
+    below: Num
 
     @property
     def margin(self) -> Num:
         """The greater of both sides, nm."""
-        return maximum(self.over, self.under)
+        return maximum(self.above, self.below)
 
     @property
     def low(self) -> Num:
         """Lower end, nm."""
-        return exact_to(self.position, NM) - self.under
+        return exact_to(self.position, NM) - self.below
 
     @property
     def high(self) -> Num:
         """Upper end, nm."""
-        return exact_to(self.position, NM) + self.over
+        return exact_to(self.position, NM) + self.above
 
     def meets(self, other: Values) -> Bool:
         """Whether both intervals have a point in common."""
@@ -85,8 +90,8 @@ def choose(condition: Bool, then: Values, other: Values) -> Values:
     return Values(
         ite(condition, then.alive, other.alive),
         ite(condition, then.position, other.position),
-        ite(condition, then.over, other.over),
-        ite(condition, then.under, other.under),
+        ite(condition, then.above, other.above),
+        ite(condition, then.below, other.below),
     )
 
 
@@ -102,8 +107,8 @@ class Unit:
     step: Optional
     alive: BoolVar
     position: NumVar
-    over: NumVar
-    under: NumVar
+    above: NumVar
+    below: NumVar
     last: NumVar
     gap: NumVar
     judged: NumVar
@@ -112,7 +117,7 @@ class Unit:
     @property
     def values(self) -> Values:
         """Its values before the step."""
-        return Values(self.alive, self.position, self.over, self.under)
+        return Values(self.alive, self.position, self.above, self.below)
 
     def start_wander_nm(self, device: Device) -> int:
         """Half of the one-off constant that a reading charges: the own one, or the greater one of the device's units."""
@@ -132,8 +137,8 @@ class Unit:
         return {
             self.alive: False,
             self.position: 0,
-            self.over: 0,
-            self.under: 0,
+            self.above: 0,
+            self.below: 0,
             self.last: 0,
             self.gap: self.limits.gap_limit + 1,
             self.judged: MISSING,
@@ -153,8 +158,8 @@ class Unit:
         return {
             self.alive: values.alive,
             self.position: ite(values.alive, values.position, 0),
-            self.over: ite(values.alive, values.over, 0),
-            self.under: ite(values.alive, values.under, 0),
+            self.above: ite(values.alive, values.above, 0),
+            self.below: ite(values.alive, values.below, 0),
         }
 
 
@@ -223,8 +228,8 @@ def _unit(name: str, law: ErrorLaw, limits: Limits) -> Unit:
         optional(f"{name}_mm", MM, -reach, reach),
         boolean(f"{name}_alive"),
         number(f"{name}_position_mm", MM, -limits.position_limit_mm, limits.position_limit_mm),
-        number(f"{name}_over_nm", NM, 0, limits.tolerance_nm),
-        number(f"{name}_under_nm", NM, 0, limits.tolerance_nm),
+        number(f"{name}_margin_above_nm", NM, 0, limits.tolerance_nm),
+        number(f"{name}_margin_below_nm", NM, 0, limits.tolerance_nm),
         number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
         number(f"{name}_gap_cycles", COUNT, 0, limits.lone_limit + 1),
         choice(f"{name}_judged", measured),
@@ -239,8 +244,6 @@ class Cycle:
     device: Device
     admitted: tuple[Bool, Bool]
     reach: Num
-    forward: Num
-    backward: Num
     age: Num
     run: Num
     failed: Bool
@@ -257,6 +260,23 @@ class Cycle:
         first, second = self.device.units
         return ite(self.admitted[0], first.step.value, ite(self.admitted[1], second.step.value, as_num(0, MM)))
 
+    def farthest(self, share_ppm: int) -> tuple[Num, Num]:
+        """How far the vehicle may have run forwards, and backwards, in this share of the cycle, nm.
+
+        What was measured is not what was run: the units' laws are charged. Where not both measured, or a unit drifts with a
+        time that nobody knows before it is set, it is the highest speed.
+        """
+        units, share = self.device.units, Lit(share_ppm, PPM)
+        steps = [ite(ok, unit.step.value, 0) for ok, unit in zip(self.admitted, units, strict=True)]
+        wrong = maximum(
+            *(unit.law.portion(share_ppm).growth_nm(self.reach, self.age, unit.limits.period_ms) for unit in units)
+        )
+        sure = self.admitted[0] & self.admitted[1] if not any(unit.law.drift_mm_s2 for unit in units) else FALSE
+        unknown = as_num(-(-self.device.limits.blind_nm * share_ppm // WHOLE_PPM), NM)
+        forward = maximum(maximum(*steps) * share + wrong, 0)
+        backward = maximum(maximum(*(-step for step in steps)) * share + wrong, 0)
+        return ite(sure, forward, unknown), ite(sure, backward, unknown)
+
     def listen(self) -> dict[Var, Expr]:
         """Updates that happen in every cycle."""
         first, second = self.device.units
@@ -272,24 +292,19 @@ def cycle(device: Device) -> Cycle:
     age = device.age + limits.period_ms
     run = device.run + reach
     first, second = device.units
-    heard = _usable(limits, (admitted[0], admitted[1]))
-    blind = ~(heard[0] | heard[1])
     failed = (
         _failed(device, (admitted[0], admitted[1])) | (age > limits.age_limit_ms) | (run > limits.position_limit_mm)
     )
-    far = as_num(limits.blind_nm // NM_PER_MM + 1, MM)
     moved = (
         _prolonged(first, second, (admitted[0], admitted[1]), reach, age, failed),
         _prolonged(second, first, (admitted[1], admitted[0]), reach, age, failed),
     )
     clash = moved[0].alive & moved[1].alive & ~moved[0].meets(moved[1])
-    kept = tuple(Values(values.alive & ~clash, values.position, values.over, values.under) for values in moved)
+    kept = tuple(Values(values.alive & ~clash, values.position, values.above, values.below) for values in moved)
     return Cycle(
         device,
         (admitted[0], admitted[1]),
         reach,
-        ite(blind, far, maximum(maximum(steps[0], steps[1]), 0)),
-        ite(blind, far, maximum(maximum(-steps[0], -steps[1]), 0)),
         age,
         run,
         failed | clash,
@@ -313,10 +328,10 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
     heard, unheard = _usable(limits, admitted), _unheard(limits, admitted, reach, (growth, checking))
     charge = ite(heard[0], alone, ite(heard[1], bridged, unheard))
     moved = own.position + ite(heard[0], own.step.value, ite(heard[1], other.step.value, as_num(0, MM)))
-    over, under = own.over + charge, own.under + charge
-    tolerable = maximum(over, under) <= limits.tolerance_nm
+    above, below = own.above + charge, own.below + charge
+    tolerable = maximum(above, below) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
-    return Values(own.alive & ~failed & tolerable & on_line, moved, over, under)
+    return Values(own.alive & ~failed & tolerable & on_line, moved, above, below)
 
 
 def _usable(limits: Limits, admitted: tuple[Bool, Bool]) -> tuple[Bool, Bool]:

@@ -26,6 +26,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
 from safeloc.language.units import COUNT, MM
+from safeloc.language.world import World
 from safeloc.models.odometry.marker_reading import Reader
 from safeloc.models.vocabulary.measured import Limits
 
@@ -151,7 +152,7 @@ def world(field: Field, limits: Limits, arrangement: Arrangement) -> Machine:
             Transition(name, running, running, when, _moved(field, front, rear), ("MRK-D5",), rank)
             for rank, (name, when) in enumerate({**meets, "between markers": TRUE}.items())
         ],
-        assumption=_forward(field, limits),
+        world=World(clauses={"the vehicle runs forward on the line": _forward(field, limits)}),
         initially=between_markers & arranged & (field.rear_place >= 1),
         lemmas={"both ends are between markers": between_markers, "the vehicle lies as arranged": arranged},
         doc="A line with evenly spaced markers; vehicle length, spacing and accuracy are free and stay as they are.",

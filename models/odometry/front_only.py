@@ -16,11 +16,12 @@ from safeloc.language.composition import Composition, compose
 from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Optional, Var, all_of
 from safeloc.language.machine import Machine
 from safeloc.language.terms import Substitution
+from safeloc.language.world import World
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry.distance_device import Device
-from safeloc.models.odometry.environment import on_board
 from safeloc.models.odometry.marker_reading import NOT_BETTER, OUT_OF_ORDER, OUT_OF_WINDOW, REPEATED, UNCONFIRMED
 from safeloc.models.odometry.variables import OdometryConfig, parts
+from safeloc.models.odometry.world import on_board
 
 REFUSED = (REPEATED, OUT_OF_ORDER, OUT_OF_WINDOW, UNCONFIRMED)
 """Verdicts that no true reading of a new marker ahead gets, but for UNCONFIRMED in the very cycle of a loss."""
@@ -68,7 +69,16 @@ def compose_comparison(
 
 def _undisturbed(model: Odometry) -> Odometry:
     """On board, on a stream without a turn, a contradiction or a refused reading at the front."""
-    return replace(model, machine=replace(on_board(model.machine), assumption=undisturbed(model)))
+    return replace(
+        model,
+        machine=replace(
+            on_board(model.machine),
+            world=World(
+                clauses={"nothing disturbs the stream": undisturbed(model)},
+                reads_machine="the machine judges what disturbs it; what is shown is of streams that do not",
+            ),
+        ),
+    )
 
 
 def undisturbed(model: Odometry) -> Bool:
@@ -132,7 +142,7 @@ def _same_values(whole: Comparison) -> Iterator[tuple[str, Bool]]:
 
 
 def _empty_when_dead(device: Device) -> Bool:
-    units = [unit.alive | (unit.position.eq(0) & unit.over.eq(0) & unit.under.eq(0)) for unit in device.units]
+    units = [unit.alive | (unit.position.eq(0) & unit.above.eq(0) & unit.below.eq(0)) for unit in device.units]
     empty = device.run.eq(0) & device.age.eq(0)
     return all_of([*units, device.values.alive | empty, device.by_leading])
 

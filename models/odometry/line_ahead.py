@@ -14,6 +14,7 @@ from safeloc.language.expr import Bool, Expr, NumVar, Var, ite, number, optional
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.terms import Substitution
 from safeloc.language.units import COUNT, MM
+from safeloc.language.world import World
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry.variables import OdometryConfig, parts
 
@@ -35,7 +36,7 @@ class LineAhead:
 def compose_line(config: OdometryConfig | None = None) -> LineAhead:
     """The odometry machine with its whole assumption, on a line ahead, without a turn."""
     model = build(parts(config or OdometryConfig()))
-    source = replace(model, machine=replace(model.machine, assumption=_on_the_line(model)))
+    source = replace(model, machine=replace(model.machine, world=_on_the_line(model)))
     line, wires = _line(source)
     joined = compose("odometry_on_a_line_ahead", [source.machine, line], wires)
     whole = LineAhead(source, line, joined)
@@ -43,11 +44,12 @@ def compose_line(config: OdometryConfig | None = None) -> LineAhead:
     return replace(whole, composition=replace(joined, system=system))
 
 
-def _on_the_line(model: Odometry) -> Bool:
-    """The machine's own assumption; no turn; and what the front reader reads of a known marker is true."""
-    own, reading = model.own, model.judged.readings[0]
-    true = own.readers[0].known.implies(reading.fix.holds(own.truth + own.true_step))
-    return model.machine.assumption & ~model.judged.reversed & true
+def _on_the_line(model: Odometry) -> World:
+    """The machine's own world; no turn; and the front reader reads no marker that is not under it."""
+    around, stray = model.machine.world, model.own.ghosts.readers[0].stray
+    more = {"the vehicle does not turn": ~model.judged.reversed, "the front reader reads no stray marker": ~stray}
+    why = "the machine judges by itself whether the vehicle turns; what is shown is of streams on which it does not"
+    return replace(around, clauses={**around.clauses, **more}, reads_machine=why)
 
 
 def _line(source: Odometry) -> tuple[Machine, dict[Var, Expr]]:
@@ -69,9 +71,11 @@ def _line(source: Odometry) -> tuple[Machine, dict[Var, Expr]]:
             Transition("marker read", running, running, known, requirements=("MRK-1",), rank=0),
             Transition("no marker", running, running, requirements=("MRK-1",), rank=1),
         ],
-        ghosts={last: 0, last_place: ANY},
-        ghost_moves={last: ite(known, marker.value, last), last_place: ite(known, place.value, last_place)},
-        assumption=known.implies((marker.value > last) & (place.value > last_place)),
+        world=World(
+            ghosts={last: 0, last_place: ANY},
+            moves={last: ite(known, marker.value, last), last_place: ite(known, place.value, last_place)},
+            clauses={"markers lie in order": known.implies((marker.value > last) & (place.value > last_place))},
+        ),
         doc="The markers that the front reader comes to: in order, each once.",
     )
     wires: dict[Var, Expr] = {marker.present: reader.marker.present, marker.value: reader.marker.value}
@@ -81,7 +85,7 @@ def _line(source: Odometry) -> tuple[Machine, dict[Var, Expr]]:
 def _behind(whole: LineAhead) -> Bool:
     """The machine runs forward and remembers, if any, a marker that lies behind."""
     own, line = whole.source.own, whole.composition.of(whole.line)
-    last, last_place = (line.num(ghost) for ghost in whole.line.ghosts if isinstance(ghost, NumVar))
+    last, last_place = (line.num(ghost) for ghost in whole.line.world.ghosts if isinstance(ghost, NumVar))
     behind = whole.says.num(own.last_place) <= last_place
     passed = whole.says.num(own.last_marker) <= last
     return whole.says.bool(~own.backwards) & passed & (whole.says.bool(own.last_marker.eq(0)) | behind)

@@ -19,9 +19,9 @@ from safeloc.language.terms import Substitution
 from safeloc.language.units import COUNT, MM, NM, PPM
 from safeloc.models.odometry import Odometry, build
 from safeloc.models.odometry.distance_device import Device, Unit
-from safeloc.models.odometry.environment import on_board
 from safeloc.models.odometry.field import LONGEST_VEHICLE_MM, SHORTER, Arrangement, Field, field_over, readings, world
 from safeloc.models.odometry.variables import OdometryConfig, parts
+from safeloc.models.odometry.world import on_board
 from safeloc.models.vocabulary.error_law import ErrorLaw
 
 ONE_LAW = OdometryConfig(
@@ -113,7 +113,7 @@ def _measured(whole: MarkerField, device: Device, phase: NumVar) -> Iterator[tup
     for unit in device.units:
         fresh = exact_to(whole.own.num(whole.field.accuracy), NM) + 2 * unit.law.wander_nm
         margin = fresh + past * Lit(unit.law.rate_ppm, PPM)
-        exact = says.num(unit.position).eq(position) & says.num(unit.over).eq(margin) & says.num(unit.under).eq(margin)
+        exact = says.num(unit.position).eq(position) & says.num(unit.above).eq(margin) & says.num(unit.below).eq(margin)
         yield f"{unit.name} is exact", says.bool(unit.alive).implies(exact)
 
 

@@ -5,7 +5,7 @@ line). Marker information may also come from satellites (MRK-D6): a virtual mark
 
 The position that is kept is that of end A (the front reader). A reading at end B adds the vehicle length and its
 tolerance. What was run between passing the marker and the end of the cycle (`since`) moves the position; what is
-not known of it (reader latency) widens the side the vehicle runs to.
+not known of it (reader latency) widens the side the vehicle runs to, by what it may really have run in that time.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, NM, PPM, Enumeration
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM, Enumeration
 from safeloc.models.odometry.distance_device import Cycle, Values
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.vocabulary.error_law import WHOLE_PPM
 
 READING = members(
     "reading",
@@ -72,6 +72,7 @@ class Reader:
     """A marker reader: the inputs of one reading and the verdict on it.
 
     offset, offset_tolerance_mm: where end A is when this reader stands over a place (the vehicle length at end B), mm.
+    unsteady_nm: what a changing speed adds to the run in the reader's latency, and to that in the whole cycle.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Reader:
     accuracy_mm: int
     latency_ppm: int
     since_ppm: int
+    unsteady_nm: tuple[int, int]
 
     @property
     def inputs(self) -> tuple[Optional, ...]:
@@ -107,7 +109,7 @@ class Reader:
 
 
 def reader(name: str, *, offset: Num, offset_tolerance_mm: int, accuracy_mm: int, latency_ppm: int, since_ppm: int,
-           position_limit_mm: int, max_step_mm: int, last_identity: int) -> Reader:  # fmt: skip
+           unsteady_nm: tuple[int, int], position_limit_mm: int, max_step_mm: int, last_identity: int) -> Reader:  # fmt: skip
     """A reader with fresh variables named `name_marker...`."""
     verdicts = READING[0].unit
     assert isinstance(verdicts, Enumeration)
@@ -123,44 +125,41 @@ def reader(name: str, *, offset: Num, offset_tolerance_mm: int, accuracy_mm: int
         accuracy_mm,
         latency_ppm,
         since_ppm,
+        unsteady_nm,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Fix:
-    """What a reading says of end A at the end of the cycle: truth in [position - under, position + over], nm."""
+    """What a reading says of end A at the end of the cycle: truth in [position - below, position + above], nm."""
 
     position: Num
-    over: Num
-    under: Num
+    above: Num
+    below: Num
 
     def values(self, wander_nm: int, tolerance_nm: int, limit_mm: int) -> Values:
         """The fix as a unit's new values: its one-off constant is charged from the start."""
-        over, under = self.over + 2 * wander_nm, self.under + 2 * wander_nm
-        usable = (maximum(over, under) <= tolerance_nm) & between(-limit_mm, self.position, limit_mm)
-        return Values(usable, self.position, over, under)
+        above, below = self.above + 2 * wander_nm, self.below + 2 * wander_nm
+        usable = (maximum(above, below) <= tolerance_nm) & between(-limit_mm, self.position, limit_mm)
+        return Values(usable, self.position, above, below)
 
     def meets(self, values: Values) -> Bool:
         """Whether the fix and the interval of `values` have a point in common."""
         centre = exact_to(self.position, NM)
-        return (centre - self.under <= values.high) & (values.low <= centre + self.over)
-
-    def holds(self, truth: Num) -> Bool:
-        """Whether the fix holds the truth."""
-        centre = exact_to(self.position, NM)
-        return between(centre - self.under, truth, centre + self.over)
+        return (centre - self.below <= values.high) & (values.low <= centre + self.above)
 
 
 def fix(reader: Reader, moved: Cycle) -> Fix:
     """The fix of this cycle's reading, given what the device at the same end measured in the cycle."""
     since = reader.since.value_or(as_num(0, MM))
-    whole_cycle = 1_000_000
-    share = Lit(reader.latency_ppm, PPM)
-    late_over = ite(reader.since.present, moved.forward * share, moved.forward * Lit(whole_cycle, PPM))
-    late_under = ite(reader.since.present, moved.backward * share, moved.backward * Lit(whole_cycle, PPM))
+    late, untimed = moved.farthest(reader.latency_ppm), moved.farthest(WHOLE_PPM)
+    slack, whole = reader.unsteady_nm
+    forth, back = (
+        ite(reader.since.present, one + slack, other + whole) for one, other in zip(late, untimed, strict=True)
+    )
     accuracy = exact_to(reader.accuracy.value_or(as_num(reader.accuracy_mm, MM)), NM)
     own = accuracy + abs_(since) * Lit(reader.since_ppm, PPM) + reader.offset_tolerance_mm * NM_PER_MM
-    return Fix(reader.place.value + since + reader.offset, own + late_over, own + late_under)
+    return Fix(reader.place.value + since + reader.offset, own + forth, own + back)
 
 
 # ------------------------------------------------------------------ identities that wait for the trailing reader

@@ -10,14 +10,19 @@ from dataclasses import replace
 
 import numpy as np
 
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.odometry.ghosts import READERS
 from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.odometry.world import far_away_mm
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.simulation import reader_faults, sensors
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.reader_faults import ReaderFault, with_faults
-from safeloc.simulation.sensors import Distances, Fault, Law, Reading, check_faults, measure, read_markers
+from safeloc.simulation.reader_faults import with_faults
+from safeloc.simulation.sensors import Distances, Law, Reading, measure, read_markers
 
-READERS = ("front_marker", "rear_marker")
 Steps = list[dict[str, int | bool]]
+_NO_MARKERS = {f"{name}_{what}": nothing for name in READERS for what, nothing in (("spot_nm", 0), ("stray", False))}
 
 
 def vehicle_of(config: OdometryConfig) -> VehicleConfig:
@@ -39,7 +44,7 @@ def simulate(
     foreign: float = 0.002,
     legs: Sequence[Leg] | None = None,
     motion: Motion | None = None,
-    faults: Sequence[Fault | ReaderFault] = (),
+    faults: Sequence[Fault] = (),
     first_unit: Distances | None = None,
     second_unit: Distances | None = None,
 ) -> Steps:
@@ -48,8 +53,8 @@ def simulate(
     markers  (identity, place in mm) in order of place; every 250 m by default
     marker_accuracy_mm  of all markers, or of each by its identity
     motion   how the vehicle runs; instead of it legs to drive, a random service by default
-    faults   named faults of `front_wheel`, `front_radar`, ... (Fault) and of `front_marker`, `rear_marker` (ReaderFault);
-             while one is active the assumption may be broken
+    faults   named faults of `front_wheel`, `front_radar`, ... (`sensors.KINDS`) and of `front_marker`, `rear_marker`
+             (`reader_faults.KINDS`); while one is active the assumption may be broken
     first_unit, second_unit  what the front end's units measured, where others hear the same; their faults are in it already
     """
     rng = np.random.default_rng(seed)
@@ -59,10 +64,10 @@ def simulate(
     ends = ("front", "rear")[: config.devices]
     laws = (config.first_unit, config.second_unit)
     names, cycles = [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm)
-    of_units = [fault for fault in faults if isinstance(fault, Fault)]
-    of_readers = [fault for fault in faults if isinstance(fault, ReaderFault)]
-    check_faults(of_units, names, cycles)
-    check_faults(of_readers, READERS, cycles)
+    of_readers = [fault for fault in faults if fault.where in READERS]
+    of_units = [fault for fault in faults if fault.where not in READERS]
+    sensors.KINDS.require(of_units, places=names, length=cycles)
+    reader_faults.KINDS.require(of_readers, length=cycles)
     distances = [
         measure(f"{end}_{law.kind}", motion, _law(law), rng, dropout=dropout, faults=of_units)
         for end in ends
@@ -76,32 +81,48 @@ def simulate(
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
         read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
         readings += with_faults(name, read, known, of_readers)
-    return _steps(motion, distances, readings)
+    return _steps(config, motion, distances, readings)
 
 
 def _law(law: ErrorLaw) -> Law:
     return Law(law.constant_mm, law.rate_ppm, law.floor_mm_s, law.knee_mm_s)
 
 
-def _steps(motion: Motion, distances: Sequence[Distances], readings: Sequence[Reading]) -> Steps:
+def _steps(
+    config: OdometryConfig, motion: Motion, distances: Sequence[Distances], readings: Sequence[Reading]
+) -> Steps:
     steps: Steps = []
     true, before = motion.step_nm, {unit.name: 0 for unit in distances}
     for number in range(len(true)):
         step: dict[str, int | bool] = {"true_step_nm": int(true[number])}
+        step |= {"true_length_nm": config.vehicle_length_mm * NM_PER_MM, **_NO_MARKERS}
         for unit in distances:
             if unit.present[number]:
                 step[f"{unit.name}_mm"] = int(unit.step_mm[number])
                 before[unit.name] = int(unit.wander_nm[number])
             step[f"{unit.name}_next_wander_nm"] = before[unit.name]
-        step["truth_mm"] = int(motion.position_nm[number]) // 1_000_000
+        step["truth_mm"] = int(motion.position_nm[number]) // NM_PER_MM
         steps.append(step)
     for reading in readings:
         if reading.cycle < len(steps):  # a reading may be repeated after the run's end
-            steps[reading.cycle] |= _reading(reading)
+            steps[reading.cycle] |= {
+                **_reading(reading),
+                **_marker(config, reading, int(motion.position_nm[reading.cycle])),
+            }
     return steps
 
 
-def _reading(reading: Reading) -> Mapping[str, int]:
+def _marker(config: OdometryConfig, reading: Reading, truth_nm: int) -> dict[str, int | bool]:
+    """The ghosts of a reading: where its marker really lies, or that it is not under the reader at all."""
+    if reading.place_mm is None:
+        return {}
+    name, length_mm = READERS[reading.end], config.vehicle_length_mm if reading.end else 0
+    spot_nm = truth_nm - (reading.since_mm + length_mm) * NM_PER_MM
+    stray = abs(reading.place_mm * NM_PER_MM - spot_nm) > far_away_mm(config) * NM_PER_MM
+    return {f"{name}_spot_nm": spot_nm, f"{name}_stray": stray}
+
+
+def _reading(reading: Reading) -> dict[str, int | bool]:
     name = READERS[reading.end]
     if reading.place_mm is None:
         return {name: reading.marker}

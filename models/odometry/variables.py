@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import TRUE, Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, members, number
-from safeloc.language.units import COUNT, MM, MS, NM
+from safeloc.language.expr import Bool, BoolVar, Lit, Num, NumVar, boolean, choice, enumeration, number
+from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.distance_device import Device, Unit, device
+from safeloc.models.odometry.ghosts import Bounds, Ghosts, faulty_unit, ghosts
+from safeloc.models.odometry.hidden_faults import unseen
 from safeloc.models.odometry.marker_reading import Pending, Reader, reader
-from safeloc.models.vocabulary.error_law import NM_PER_MM, RADAR, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.reasons import REASON
 
@@ -62,6 +64,10 @@ class OdometryConfig(Config):
             )
         return self
 
+    def unsteady_nm(self, window_ms: int) -> int:
+        """What a changing speed adds, in so many ms of a cycle, to the share of the cycle's run; rounded up."""
+        return -(-self.max_acceleration_mm_s2 * self.period_ms * window_ms // 2)
+
     @property
     def limits(self) -> Limits:
         """What the devices need, rounded so that gates are no tighter than physics."""
@@ -86,12 +92,8 @@ class Parts:
     last_marker: NumVar
     last_place: NumVar
     reason: NumVar
-    truth: NumVar
-    true_step: NumVar
-    wanders: tuple[tuple[NumVar, NumVar], ...]
+    ghosts: Ghosts
     length: NumVar | None = None
-    faulty: NumVar | None = None
-    unseen: tuple[NumVar, ...] = ()
 
     @property
     def units(self) -> tuple[Unit, ...]:
@@ -102,12 +104,6 @@ class Parts:
     def train_data(self) -> tuple[NumVar, ...]:
         """Inputs that describe the vehicle: its length, where it is not configured."""
         return () if self.length is None else (self.length,)
-
-    def lawful(self, unit: Unit) -> Bool:
-        """Whether the unit keeps its error law; of a machine without faults every unit does."""
-        if self.faulty is None:
-            return TRUE
-        return self.faulty.ne(Lit(1 + self.units.index(unit), self.faulty.unit))
 
     def partner(self, unit: Unit) -> tuple[Device, Unit]:
         """The unit's device, and the other unit of it."""
@@ -134,7 +130,6 @@ def parts(config: OdometryConfig, *, length: NumVar | None = None, with_fault: b
     names = ("front", "rear")[: config.devices]
     offset = Lit(config.vehicle_length_mm, MM) if length is None else length
     longest = config.vehicle_length_mm if length is None else length.high
-    reach_nm = (config.position_limit_mm + 2 * config.tolerance_mm + longest) * NM_PER_MM
     identities = config.last_marker_identity
     place = config.position_limit_mm
     devices = tuple(device(name, laws, limits) for name in names)
@@ -151,46 +146,23 @@ def parts(config: OdometryConfig, *, length: NumVar | None = None, with_fault: b
         number("last_marker", COUNT, 0, identities),
         number("last_marker_position_mm", MM, -place, place),
         choice("reason", enumeration(REASON)),
-        number("truth_nm", NM, -reach_nm, reach_nm),
-        number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
-        tuple(_wander(unit) for device in devices for unit in device.units),
+        _ghosts(config, devices, longest, with_fault=with_fault),
         length,
-        _faulty(devices) if with_fault else None,
-        () if config.single_fault_safe or not with_fault else tuple(_unseen(device) for device in devices),
     )
 
 
-def _unseen(device: Device) -> NumVar:
-    """What a fault too small to be seen may have added since the device was set, as long ago as the age limit allows."""
-    cycles = device.limits.age_limit_ms // device.limits.period_ms + 2
-    most = unseen_at_reading_nm(device) + cycles * unseen_in_a_cycle_nm(device)
-    return number(f"{device.name}_unseen_nm", NM, 0, most)
-
-
-def unseen_at_reading_nm(device: Device) -> int:
-    """What a unit is charged too little for the other one's one-off constant, nm."""
-    first, second = (unit.law.wander_nm for unit in device.units)
-    return 2 * abs(first - second)
-
-
-def unseen_in_a_cycle_nm(device: Device) -> int:
-    """The most that one cycle may hide: twice the greater law at top speed and full age, nm."""
-    limits = device.limits
-    farthest, oldest = Lit(limits.max_step_mm, MM), Lit(limits.age_limit_ms, MS)
-    growths = [unit.law.growth_nm(farthest, oldest, limits.period_ms) for unit in device.units]
-    return 2 * max(growth.value for growth in growths if isinstance(growth, Lit))
-
-
-def _faulty(devices: tuple[Device, ...]) -> NumVar:
-    """The unit that may break its law, or NONE."""
-    names = [unit.name for device in devices for unit in device.units]
-    return choice("faulty_unit", enumeration(members("faulty", "NONE", *names)))
-
-
-def _wander(unit: Unit) -> tuple[NumVar, NumVar]:
-    """The one-off part of a unit's error: its value before the cycle and, freely chosen, after it."""
-    most = unit.law.wander_nm
-    return number(f"{unit.name}_wander_nm", NM, -most, most), number(f"{unit.name}_next_wander_nm", NM, -most, most)
+def _ghosts(config: OdometryConfig, devices: tuple[Device, ...], longest_mm: int, *, with_fault: bool) -> Ghosts:
+    line_mm = config.position_limit_mm + 2 * config.tolerance_mm + longest_mm
+    bounds = Bounds(
+        config.period_ms, config.max_speed_mm_s, line_mm, longest_mm + config.vehicle_length_tolerance_mm,
+        config.lone_limit_cycles, config.age_limit_ms,
+    )  # fmt: skip
+    units = [unit for device in devices for unit in device.units]
+    found = ghosts(bounds, [(unit.name, unit.law, unit.step.value) for unit in units])
+    if not with_fault:
+        return found
+    hidden = () if config.single_fault_safe else tuple(unseen(device) for device in devices)
+    return replace(found, faulty=faulty_unit([unit.name for unit in units]), unseen=hidden)
 
 
 def _reader(config: OdometryConfig, name: str, offset: Num, tolerance_mm: int) -> Reader:
@@ -201,6 +173,7 @@ def _reader(config: OdometryConfig, name: str, offset: Num, tolerance_mm: int) -
         accuracy_mm=config.marker_accuracy_mm,
         latency_ppm=-(-config.reader_latency_ms * 1_000_000 // config.period_ms),
         since_ppm=max(config.first_unit.rate_ppm, config.second_unit.rate_ppm),
+        unsteady_nm=(config.unsteady_nm(config.reader_latency_ms), config.unsteady_nm(config.period_ms)),
         position_limit_mm=config.position_limit_mm,
         max_step_mm=config.limits.max_step_mm,
         last_identity=config.last_marker_identity,

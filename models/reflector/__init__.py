@@ -15,37 +15,28 @@ what was known before. In every other mode odometry goes on from the last positi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import (
-    TRUE,
-    Bool,
-    Expr,
-    Lit,
-    Num,
-    Var,
-    all_of,
-    as_num,
-    between,
-    ceil_to,
-    exact_to,
-    ite,
-    members,
-)
-from safeloc.language.machine import ANY, Initial, Machine, current_mode, modes
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var, all_of, as_num, between, ceil_to, exact_to, ite
+from safeloc.language.machine import Initial, Machine, current_mode, modes
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector.cycle import Judged, Zones, judge
-from safeloc.models.reflector.echo import Judgement
-from safeloc.models.reflector.map_data import Reflector, is_it_or_clear
 from safeloc.models.reflector.table import rows
-from safeloc.models.reflector.variables import NO_POSITION, Parts, ReflectorConfig, parts
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.reflector.variables import (
+    BY_ODOMETRY,
+    BY_REFLECTOR,
+    MODES,
+    NO_POSITION,
+    NO_SOURCE,
+    Parts,
+    ReflectorConfig,
+    parts,
+)
+from safeloc.models.reflector.world import ODOMETER, named, world
+from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
-SOURCE = members("source", "NONE", "ODOMETRY", "REFLECTOR")
-NO_SOURCE, BY_ODOMETRY, BY_REFLECTOR = SOURCE
-MODES = ("DELOCALIZED", "NOT_READY", "REFERENCE", "ODOMETRY", "SEARCH", "VIEW", "COAST", "PASSING")
+__all__ = ["ODOMETER", "ReflectorMachine", "build", "machine"]
 
 
 def machine(config: ReflectorConfig | None = None) -> Machine:
@@ -86,30 +77,18 @@ def build(own: Parts) -> ReflectorMachine:
         state=_state(own),
         outputs=_outputs(own, current, mode),
         transitions=list(rows(own, judged, mode)),
-        ghosts={own.ghosts.truth: ANY, own.ghosts.wander: ANY},
-        ghost_inputs=[
-            own.ghosts.true_step,
-            own.ghosts.next_wander,
-            *own.ghosts.reflector,
-            *own.ghosts.origin,
-        ],
-        ghost_moves={
-            own.ghosts.truth: own.ghosts.truth + own.ghosts.true_step,
-            own.ghosts.wander: _wander_after(own),
-        },
-        assumption=assumption(own, judged),
-        clauses={ODOMETER: _odometer_law(own)},
+        world=world(own, current.eq(mode[0])),
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         mode_variable=current,
         doc=(
             "Position of end A from the range to radar reflectors near them, and from odometry between them. Assumed: "
-            "a measured distance that passes the speed gate obeys the odometer's error law, and no cycle runs farther "
-            "than the highest speed allows; a balise that does not contradict the position is true within its accuracy; "
-            "an echo of a reflector gives its range within the echo's error bound; at or above the minimum intensity a "
-            "reflector's model is read correctly; reflectors stand where the map has them within its accuracy, and no "
-            "other one of the same model is nearer to one than the map says; no other thing shows the looked-for model "
-            "with the minimum intensity at a range that fits. Nothing is assumed of any other echo."
+            "a measured distance that a vehicle can have run obeys the odometer's error law, and no cycle runs farther "
+            "than the highest speed allows; a balise reading is true within its accuracy, or, while a position is known, "
+            "of a balise far away; an echo of a reflector gives its range within the echo's error bound; at or above the "
+            "minimum intensity a reflector's model is read correctly; reflectors stand where the map has them within its "
+            "accuracy, and no other one of the same model is nearer to one than the map says; no other thing shows a "
+            "reflector's signature with the minimum intensity. Nothing is assumed of any other echo."
         ),
     )
     return ReflectorMachine(made, own, judged)
@@ -155,9 +134,9 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
     sighted = current.one_of(reference, search, view, coast, passing)
     return {
         "valid": valid,
-        "position_mm": own.track.position,
-        "over_mm": ceil_to(own.track.over, MM),
-        "under_mm": ceil_to(own.track.under, MM),
+        "position_mm": position_if(valid, own.track.position),
+        "margin_above_mm": margin_if(valid, ceil_to(own.track.above, MM)),
+        "margin_below_mm": margin_if(valid, ceil_to(own.track.below, MM)),
         "precise": precise,
         "ready": current.one_of(odometry, search, view, coast, passing),
         "searching": current.one_of(reference, search),
@@ -165,7 +144,7 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
         "error": own.error,
         "recognised": own.recognised,
         "reflector_model": ite(sighted, own.target.model, NO_MODEL),
-        "reflector_position_mm": ite(sighted, own.target.position, 0),
+        "reflector_position_mm": position_if(sighted, own.target.position),
         "range_mm": own.range,
         "range_error_mm": own.range_error,
         "lateral_mm": own.lateral,
@@ -196,75 +175,31 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
     return named
 
 
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-ODOMETER = "the odometer keeps its law"
-"""The clause that an earlier machine can be made to keep, if it judges the distance."""
-
-
-def _wander_after(own: Parts) -> Num:
-    """Of a distance that comes judged it may move in every cycle: whatever it does is charged."""
-    told = TRUE if own.config.told_distance else own.odometer.admitted
-    return ite(told, own.ghosts.next_wander, own.ghosts.wander)
-
-
-def _odometer_law(own: Parts) -> Bool:
-    """What a cycle is charged covers what its distance misses."""
-    ghosts, odometer = own.ghosts, own.odometer
-    error = ghosts.true_step - exact_to(odometer.moved, NM) - (_wander_after(own) - ghosts.wander)
-    return between(-odometer.growth, error, odometer.growth)
-
-
-def assumption(own: Parts, cycle: Judged) -> Bool:
-    """Error laws of balise and radar, the layout rules of the map, and what clutter does not do; the odometer is a clause."""
-    after = own.ghosts.truth + own.ghosts.true_step
-    balise = (own.balise.read & ~cycle.balise_contradicts).implies(cycle.balise.holds(after))
-    on_line = between(own.ghosts.truth.low, after, own.ghosts.truth.high)
-    return all_of([balise, on_line, *_radar_law(own, cycle, after)])
-
-
-def _radar_law(own: Parts, cycle: Judged, after: Num) -> Iterator[Bool]:
-    """Per slot: range law, recognition and layout, and clutter."""
-    looked_for = ((cycle.target.judgements, cycle.reflector), (cycle.ahead.judgements, own.ahead.reflector))
-    for index, slot in enumerate(own.slots):
-        real, origin = own.ghosts.reflector[index], own.ghosts.origin[index]
-        forward, backward = cycle.now.lag
-        bound = exact_to(slot.error, NM)
-        off = after - (origin + own.config.radar_offset_mm * NM_PER_MM - exact_to(slot.range.value, NM))
-        yield (real & slot.range.present & own.frame).implies(between(-bound - backward, off, bound + forward))
-        for judgements, reflector in looked_for:
-            yield judgements[index].fits.implies(real)
-            yield (real & _seems(judgements[index], reflector, own)).implies(
-                is_it_or_clear(reflector, origin, own.config.radar_offset_mm, own.config.accuracy_nm)
-            )
-
-
-def _seems(one: Judgement, reflector: Reflector, own: Parts) -> Bool:
-    """An echo of the reflector's model with the minimum intensity."""
-    strong = one.slot.intensity >= own.config.minimum_intensity_cdb
-    return one.slot.range.present & strong & one.slot.model.eq(reflector.model)
+# ------------------------------------------------------------------ what helps to prove
 
 
 def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
-    lost, *_, view, coast, passing = mode
+    lost, _, reference, _, search, view, coast, passing = mode
     truth, wander = own.ghosts.truth, own.ghosts.wander
     half = as_num(own.odometer.law.wander_nm, NM)
 
-    def reckoned(position: Num, over: Num, under: Num) -> Bool:
+    def reckoned(position: Num, above: Num, below: Num) -> Bool:
         off = truth - exact_to(position, NM) - wander
-        return between(half - under, off, over - half)
+        return between(half - below, off, above - half)
 
     track, anchor = own.track, own.anchor
     located = all_of([current.ne(lost), current.ne(view)])
     return {
-        "a dead-reckoned interval holds the truth": located.implies(reckoned(track.position, track.over, track.under)),
+        "a dead-reckoned interval holds the truth": located.implies(reckoned(track.position, track.above, track.below)),
         "a measured interval holds the truth": current.eq(view).implies(track.interval.holds(truth)),
         "the anchor holds the truth": current.one_of(view, coast, passing).implies(
-            reckoned(anchor.position, anchor.over, anchor.under)
+            reckoned(anchor.position, anchor.above, anchor.below)
         ),
         "nothing is kept while delocalized": current.eq(lost).implies(
-            all_of(var.eq(0) for var in (track.position, track.over, track.under))
+            all_of(var.eq(0) for var in (track.position, track.above, track.below))
+        ),
+        "the target is an entry of the map": current.one_of(reference, search, view, coast, passing).implies(
+            own.target.model.ne(NO_MODEL) & (named(own, own.ghosts.told) | named(own, own.ghosts.sought))
         ),
         "no range outside the view zone": current.ne(view).implies(own.range.eq(0)),
     }

@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, Lit, Num, Optional, abs_, as_num, exact_to, ite, optional
-from safeloc.language.units import COUNT, MM, NM, PPM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
 from safeloc.models.reflector.dead_reckoning import Interval, Odometer
-from safeloc.models.vocabulary.error_law import NM_PER_MM
 
 
 @dataclass(frozen=True, eq=False)

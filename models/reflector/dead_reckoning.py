@@ -26,37 +26,40 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, NM, PPM
-from safeloc.models.vocabulary.error_law import NM_PER_MM, ErrorLaw
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
+from safeloc.models.vocabulary.error_law import ErrorLaw
 
 
 @dataclass(frozen=True, eq=False)
 class Interval:
-    """The truth lies in [position - under, position + over]: position in mm, both sides in nm."""
+    """The truth lies in [position - below, position + above]: position in mm, both sides in nm.
+
+    Which margin is which ETCS variable: `safeloc.models.vocabulary.interval`.
+    """
 
     position: Num
-    over: Num
-    under: Num
+    above: Num
+    below: Num
 
     @cached_property
     def low(self) -> Num:
         """Lower end, nm."""
-        return exact_to(self.position, NM) - self.under
+        return exact_to(self.position, NM) - self.below
 
     @cached_property
     def high(self) -> Num:
         """Upper end, nm."""
-        return exact_to(self.position, NM) + self.over
+        return exact_to(self.position, NM) + self.above
 
     @cached_property
     def margin(self) -> Num:
         """The greater side, nm."""
-        return maximum(self.over, self.under)
+        return maximum(self.above, self.below)
 
     @cached_property
     def width(self) -> Num:
         """Both sides together, nm."""
-        return self.over + self.under
+        return self.above + self.below
 
     def meets(self, other: Interval) -> Bool:
         """Whether both have a point in common."""
@@ -68,11 +71,11 @@ class Interval:
 
     def widened(self, both_sides_nm: Num | int) -> Interval:
         """The same with more margin on both sides."""
-        return Interval(self.position, self.over + both_sides_nm, self.under + both_sides_nm)
+        return Interval(self.position, self.above + both_sides_nm, self.below + both_sides_nm)
 
     def within(self, tolerance_nm: int, limit_mm: int) -> Bool:
         """Whether it may be kept: margins tolerable, position on the line."""
-        tolerable = (self.over <= tolerance_nm) & (self.under <= tolerance_nm)
+        tolerable = (self.above <= tolerance_nm) & (self.below <= tolerance_nm)
         return tolerable & between(-limit_mm, self.position, limit_mm)
 
 
@@ -80,8 +83,8 @@ def choose(condition: Bool, then: Interval, other: Interval) -> Interval:
     """`then` where the condition holds, else `other`."""
     return Interval(
         ite(condition, then.position, other.position),
-        ite(condition, then.over, other.over),
-        ite(condition, then.under, other.under),
+        ite(condition, then.above, other.above),
+        ite(condition, then.below, other.below),
     )
 
 
@@ -90,21 +93,21 @@ class Track:
     """An interval kept in state."""
 
     position: NumVar
-    over: NumVar
-    under: NumVar
+    above: NumVar
+    below: NumVar
 
     @cached_property
     def interval(self) -> Interval:
         """The interval before the step."""
-        return Interval(self.position, self.over, self.under)
+        return Interval(self.position, self.above, self.below)
 
     def state(self) -> dict[Var, Initial]:
         """State variables with initial values."""
-        return {self.position: 0, self.over: 0, self.under: 0}
+        return {self.position: 0, self.above: 0, self.below: 0}
 
     def become(self, interval: Interval) -> dict[Var, Expr]:
         """Updates that keep the interval."""
-        return {self.position: interval.position, self.over: interval.over, self.under: interval.under}
+        return {self.position: interval.position, self.above: interval.above, self.below: interval.below}
 
     def nothing(self) -> dict[Var, Expr]:
         """Updates after which nothing is kept."""
@@ -112,11 +115,11 @@ class Track:
 
 
 def track(position: str, margin: str, limit_mm: int, tolerance_nm: int) -> Track:
-    """Fresh variables `{position}position_mm`, `{margin}over_nm`, `{margin}under_nm`."""
+    """Fresh variables `{position}position_mm`, `{margin}margin_above_nm`, `{margin}margin_below_nm`."""
     return Track(
         number(f"{position}position_mm", MM, -limit_mm, limit_mm),
-        number(f"{margin}over_nm", NM, 0, tolerance_nm),
-        number(f"{margin}under_nm", NM, 0, tolerance_nm),
+        number(f"{margin}margin_above_nm", NM, 0, tolerance_nm),
+        number(f"{margin}margin_below_nm", NM, 0, tolerance_nm),
     )
 
 
@@ -171,7 +174,7 @@ class Odometer:
 
     def run_on(self, interval: Interval) -> Interval:
         """The interval after this cycle; its one-off constant is charged already."""
-        moved = Interval(interval.position + self.moved, interval.over, interval.under)
+        moved = Interval(interval.position + self.moved, interval.above, interval.below)
         return moved.widened(self.growth)
 
     def lag(self, share_ppm: int) -> tuple[Num, Num]:

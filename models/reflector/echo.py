@@ -150,7 +150,7 @@ def judge(slot: Slot, reflector: Reflector, searched: Bool, now: Situation) -> J
     """The echo as a measurement of the reflector."""
     law, fix = now.law, now.fix(reflector, slot.range.value, slot.error)
     room = exact_to(reflector.clear, NM) - now.window.width
-    alone = (room > fix.over * 2) & (room > fix.under * 2)
+    alone = (room > fix.above * 2) & (room > fix.below * 2)
     verdict = first_of(
         (~slot.range.present, NONE),
         (~now.frame, NO_FRAME),

@@ -17,7 +17,6 @@ from safeloc.language.expr import (
     Optional,
     Var,
     as_num,
-    between,
     choice,
     enumeration,
     exact_to,
@@ -172,18 +171,3 @@ def target(limit_mm: int, range_limit_mm: int, offset_mm: int) -> Target:
         number("target_clear_mm", MM, 0, limit_mm),
         offset_mm,
     )
-
-
-def is_it(reflector: Reflector, origin_nm: Num, offset_mm: int, accuracy_nm: int) -> Bool:
-    """The echo's true origin is this reflector: it stands where the map has it, within the survey's accuracy."""
-    return between(-accuracy_nm, _apart(reflector, origin_nm, offset_mm), accuracy_nm)
-
-
-def is_it_or_clear(reflector: Reflector, origin_nm: Num, offset_mm: int, accuracy_nm: int) -> Bool:
-    """Layout rule: a reflector of this model is this one, or at least `clear` away by the map."""
-    apart, far = _apart(reflector, origin_nm, offset_mm), exact_to(reflector.clear, NM) - accuracy_nm
-    return is_it(reflector, origin_nm, offset_mm, accuracy_nm) | (apart >= far) | (-apart >= far)
-
-
-def _apart(reflector: Reflector, origin_nm: Num, offset_mm: int) -> Num:
-    return origin_nm - exact_to(reflector.place - offset_mm, NM)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.railway.pictures import Deviation, Things
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 STATION = {180_000: "204", 360_000: "205", 410_000: "208"}
 CALLED = {"reflector-figure-1": {180_000: "109", 600_000: "111"}, "reflector-figure-2-overrun": STATION}

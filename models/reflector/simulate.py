@@ -15,15 +15,17 @@ from functools import lru_cache
 import numpy as np
 
 from safeloc.codegen.compiled import Compiled, compile_system
-from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector import machine
 from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation import sensors
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
+from safeloc.simulation.sensors import Distances, Law, measure
 
 CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""
@@ -97,37 +99,34 @@ STOPS_MM = (350_000, 400_000)
 """Where end A stands at the stop points 207 and 210: 10 m before their reflectors."""
 
 
-@dataclass(frozen=True)
-class Disturbance:
-    """What goes wrong in cycles begin to end (not included).
+KINDS = Kinds(
+    "the radar",
+    {
+        **plain("pause", "blind", "weak"),
+        "shift": {"by_mm": 0},
+        "drift": {"by_mm": 0},
+        "decoy": {"by_mm": 0, "model": "A"},
+    },
+)
+"""Of the only radar, in cycles.
 
-    pause     no radar frames                 blind   frames without any reflector
-    weak      all echoes 20 dB weaker         shift   the radar measures `by_mm` too far
-    drift     the radar's error grows by `by_mm` every cycle
-    decoy     a strong echo of model `model` at `by_mm` ahead (breaks the law on clutter)
-    """
-
-    kind: str
-    begin: int
-    end: int
-    by_mm: int = 0
-    model: str = "A"
-
-    def __post_init__(self) -> None:
-        if self.kind not in ("pause", "blind", "weak", "shift", "drift", "decoy") or not 0 <= self.begin < self.end:
-            raise InputError(f"{self}: no such disturbance, or no cycles; see Disturbance.")
+pause     no radar frames                 blind   frames without any reflector
+weak      all echoes 20 dB weaker         shift   the radar measures `by_mm` too far
+drift     the radar's error grows by `by_mm` every cycle
+decoy     a strong echo of model `model` at `by_mm` ahead (breaks the law on clutter)
+"""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What one run is made of. `sensor_faults` are those of the odometer `wheel`; only a drop-out keeps the assumption."""
+    """What one run is made of. `disturbances` are those of the radar (`KINDS`), `sensor_faults` those of the odometer `wheel`; only a drop-out keeps the assumption."""
 
     route: Route = FIGURE_1
     error_mm: int = 200
     clutter: float = 0.3
     pauses: float = 0.02
     dropout: float = 0.005
-    disturbances: tuple[Disturbance, ...] = field(default=())
+    disturbances: tuple[Fault, ...] = field(default=())
     sensor_faults: tuple[Fault, ...] = ()
 
 
@@ -152,7 +151,8 @@ def simulate(
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )
-    check_faults(scene.sensor_faults, ["wheel"], len(motion.position_nm))
+    sensors.KINDS.require(scene.sensor_faults, places=["wheel"], length=len(motion.position_nm))
+    KINDS.require(scene.disturbances, places=[""], length=len(motion.position_nm))
     odometer = measured or measure("wheel", motion, law, rng, dropout=scene.dropout, faults=scene.sensor_faults)
     return _Run(config, scene, motion, odometer, rng).steps()
 
@@ -226,7 +226,7 @@ class _Run:
         """What the map says of the next reflector: beyond the balise, the target, or the reported position."""
         out, route = self._code.named_outputs(self._state), self._scene.route
         sighted = out["reflector_model"] != 0
-        reported = out["reflector_position_mm"] if sighted else out["position_mm"] - out["under_mm"]
+        reported = out["reflector_position_mm"] if sighted else out["position_mm"] - out["margin_below_mm"]
         if balise is None and not out["valid"]:
             return {}
         found = route.ahead(balise.position_mm if balise is not None else int(reported))
@@ -255,8 +255,8 @@ class _Run:
             values |= {f"echo_{number}_{name}": value for name, value in echo.items()}
         return values
 
-    def _hit(self, kind: str, cycle: int) -> Disturbance | None:
-        return next((d for d in self._scene.disturbances if d.kind == kind and d.begin <= cycle < d.end), None)
+    def _hit(self, kind: str, cycle: int) -> Fault | None:
+        return next((one for one in self._scene.disturbances if one.kind == kind and one.active(cycle)), None)
 
     def _reflected(self, cycle: int, at_frame: int) -> list[dict[str, Cell]]:
         """Echoes of the reflectors ahead, the nearest first."""
@@ -284,11 +284,12 @@ class _Run:
 
     def _fault_mm(self, cycle: int) -> int:
         shift, drift = self._hit("shift", cycle), self._hit("drift", cycle)
-        return (shift.by_mm if shift else 0) + (drift.by_mm * (cycle - drift.begin) if drift else 0)
+        shifted = KINDS.figure(shift, "by_mm") if shift else 0
+        return int(shifted + (KINDS.figure(drift, "by_mm") * (cycle - drift.begin) if drift else 0))
 
     def _decoys(self, cycle: int) -> list[dict[str, Cell]]:
         decoy = self._hit("decoy", cycle)
-        return [] if decoy is None else [_thing(decoy.by_mm, decoy.model, -5_000)]
+        return [] if decoy is None else [_thing(KINDS.figure(decoy, "by_mm"), KINDS.figure(decoy, "model"), -5_000)]
 
     def _clutter(self, at_frame: int) -> list[dict[str, Cell]]:
         """Strong things of no model, and things that look like a reflector but are too weak."""

@@ -7,16 +7,19 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number, optional
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.expr import BoolVar, Num, NumVar, boolean, choice, enumeration, members, number, optional
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.reflector.balise_reading import BaliseReading, balise_reading
 from safeloc.models.reflector.dead_reckoning import Odometer, Track, track
 from safeloc.models.reflector.echo import RadarLaw, Slot, slot
 from safeloc.models.reflector.map_data import NextReflector, Target, next_reflector, target
-from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.odometer import most_told_nm
-from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM
+from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM, MODEL
 
+SOURCE = members("source", "NONE", "ODOMETRY", "REFLECTOR")
+NO_SOURCE, BY_ODOMETRY, BY_REFLECTOR = SOURCE
+MODES = ("DELOCALIZED", "NOT_READY", "REFERENCE", "ODOMETRY", "SEARCH", "VIEW", "COAST", "PASSING")
 ERROR = members(
     "reflector_error",
     "NONE",
@@ -137,11 +140,27 @@ class ReflectorConfig(Config):
 
 
 @dataclass(frozen=True, eq=False)
+class Entry:
+    """What the map tells of a reflector: where it stands, its model, and how far the next one of that model is away."""
+
+    position: Num
+    model: Num
+    clear: Num
+
+    @property
+    def figures(self) -> tuple[Num, Num, Num]:
+        """All of it, in order."""
+        return (self.position, self.model, self.clear)
+
+
+@dataclass(frozen=True, eq=False)
 class Ghosts:
     """The world: where end A is, the wander of the odometer's error, and of each echo where it comes from.
 
     reflector  per slot: the echo comes from a reflector, be it the target or any other one of the line
     origin     per slot: where along the track it was reflected, nm
+    told       what the map told last
+    sought     what the map told of the reflector that the machine names as its target, if that is another one
     """
 
     truth: NumVar
@@ -150,6 +169,8 @@ class Ghosts:
     next_wander: NumVar
     reflector: tuple[BoolVar, ...]
     origin: tuple[NumVar, ...]
+    told: Entry
+    sought: Entry
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,4 +268,15 @@ def _ghosts(config: ReflectorConfig) -> Ghosts:
         number("next_wander_nm", NM, -most, most),
         tuple(boolean(f"echo_{number_}_from_reflector") for number_ in slots),
         tuple(number(f"echo_{number_}_origin_nm", NM, -2 * reach, 2 * reach) for number_ in slots),
+        _entry("told", config),
+        _entry("sought", config),
+    )
+
+
+def _entry(name: str, config: ReflectorConfig) -> Entry:
+    limit = config.position_limit_mm
+    return Entry(
+        number(f"{name}_reflector_mm", MM, -limit, limit),
+        choice(f"{name}_reflector_model", enumeration(MODEL)),
+        number(f"{name}_reflector_clear_mm", MM, 0, limit),
     )

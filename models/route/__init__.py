@@ -40,7 +40,8 @@ from safeloc.language.expr import (
     minimum,
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.language.world import World
 from safeloc.models.route.variables import (
     CONTRADICTION,
     NO_REASON,
@@ -53,7 +54,7 @@ from safeloc.models.route.variables import (
     parts,
 )
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 TRACE = ("RFL-D6",)
 
@@ -94,10 +95,13 @@ def build(own: Parts) -> Route:
         state=_state(own),
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, after, table)),
-        ghosts=ghosts,
-        ghost_inputs=choices,
-        ghost_moves=moves,
-        assumption=_assumption(own, current, table),
+        world=World(
+            ghosts=ghosts,
+            choices=choices,
+            moves=moves,
+            clauses=_clauses(own, current, table),
+            reads_machine="its clauses still assume what passes the machine's own checks",
+        ),
         lemmas=_lemmas(own, current, table),
         definitions={f"route {route.number} fits what is seen": fits(own, route) for route in own.routes},
         mode_variable=current,
@@ -239,8 +243,8 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
         name, least = f"route_{one.number}", floor_to(one.low - own.half_nm, MM)
         most = ceil_to(one.high + own.half_nm, MM)
         of_route[f"{name}_possible"] = one.possible
-        of_route[f"{name}_low_mm"] = ite(one.possible, least, 0)
-        of_route[f"{name}_high_mm"] = ite(one.possible, most, 0)
+        of_route[f"{name}_low_mm"] = position_if(one.possible, least)
+        of_route[f"{name}_high_mm"] = position_if(one.possible, most)
         taken = decided & one.possible
         route = ite(taken, as_num(one.number, COUNT), route)
         low, high = ite(taken, least, low), ite(taken, most, high)
@@ -248,9 +252,9 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
     return {
         "valid": decided,
         "route": route,
-        "position_mm": middle,
-        "under_mm": middle - low,
-        "over_mm": high - middle,
+        "position_mm": position_if(decided, middle),
+        "margin_below_mm": margin_if(decided, middle - low),
+        "margin_above_mm": margin_if(decided, high - middle),
         "refutes_authority": own.refuted.eq(1),
         "reason": own.reason,
         **of_route,
@@ -271,7 +275,7 @@ def _world(own: Parts) -> tuple[dict[Var, Initial], dict[Var, Expr], list[Var]]:
     return dict.fromkeys(moves, ANY), moves, choices
 
 
-def _assumption(own: Parts, current: Num, table: tuple[Lit, ...]) -> Bool:
+def _clauses(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     begun, after = own.start.present, own.truth + own.true_step
     carried = ~begun & current.one_of(table[1], table[2])
     most = own.odometer.most_error
@@ -282,7 +286,12 @@ def _assumption(own: Parts, current: Num, table: tuple[Lit, ...]) -> Bool:
     )
     seen = [(carried & own.true_route.eq(route.number)).implies(_is_seen(own, route, after)) for route in own.routes]
     lawful = (own.odometer.admitted & ~begun).implies(between(-most, error, most))
-    return all_of([lawful, begun.implies(started), *seen, between(own.truth.low, after, own.truth.high)])
+    return {
+        "admitted distances are true within their error": lawful,
+        "the start names the true route and place": begun.implies(started),
+        "what a route shows is seen on it": all_of(seen),
+        "the vehicle stays on the line": between(own.truth.low, after, own.truth.high),
+    }
 
 
 def _is_seen(own: Parts, route: Hypothesis, after: Num) -> Bool:

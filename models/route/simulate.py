@@ -16,13 +16,16 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.route import machine
 from safeloc.models.route.variables import RouteConfig
 from safeloc.railway.map.elements import Reflector
 from safeloc.railway.map.routes import Route
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation import sensors
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.sensors import NM_PER_MM, Distances, Fault, Law, check_faults, measure
+from safeloc.simulation.sensors import Distances, Law, measure
 
 Steps = list[dict[str, Cell]]
 
@@ -115,7 +118,7 @@ def simulate(
     if motion is None:
         vehicle = VehicleConfig(max_speed_mm_s=max(100, int(config.max_speed_mm_s * 0.9)))
         motion = move(vehicle, legs, config.period_ms)
-    check_faults(sensor_faults, ["odometer"], len(motion.position_nm))
+    sensors.KINDS.require(sensor_faults, places=["odometer"], length=len(motion.position_nm))
     law = Law(
         config.odometer.constant_mm, config.odometer.rate_ppm, config.odometer.floor_mm_s, config.odometer.knee_mm_s
     )

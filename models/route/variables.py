@@ -19,9 +19,9 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.turn_off import COURSE
-from safeloc.models.vocabulary.error_law import NM_PER_MM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Odometer, odometer
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL, NO_MODEL

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.composition import Composition, compose
+from safeloc.language.composition import Clause, Composition, compose
 from safeloc.language.expr import (
     FALSE,
     TRUE,
@@ -27,6 +27,7 @@ from safeloc.language.expr import (
     Num,
     Var,
     abs_,
+    all_of,
     any_of,
     as_num,
     between,
@@ -35,10 +36,10 @@ from safeloc.language.expr import (
     ite,
     minimum,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, NM, UM_S
 from safeloc.models.satellite.anchor import Anchor, carried
-from safeloc.models.satellite.law import Trusted, assumption, can_stop, clauses, enough, lemmas
+from safeloc.models.satellite.lemmas import lemmas
 from safeloc.models.satellite.motion import confirmed, fixed, predicted, referred, reportable, solved
 from safeloc.models.satellite.variables import (
     ACCEPTED,
@@ -53,6 +54,7 @@ from safeloc.models.satellite.variables import (
     NO_REFERENCE,
     NOT_LOCATED,
     NOT_USABLE,
+    SPARE,
     TOLERANCE,
     TOO_COARSE,
     TOO_FEW,
@@ -62,15 +64,17 @@ from safeloc.models.satellite.variables import (
     held,
     parts,
 )
-from safeloc.models.satellite_selection import USABLE, Selection
+from safeloc.models.satellite.world import SELECTED, Trusted, can_stop, world
+from safeloc.models.satellite_selection import USABLE, Channel, Selection
 from safeloc.models.satellite_selection import build as build_selection
 from safeloc.models.satellite_selection import parts as selection_parts
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
 ASSUMED: dict[Trusted, str] = {
     "satellites": (
-        "where every satellite of a solution is usable, the solution is within its protection level (which follows from "
-        "the bound of each used satellite). A common drift of all satellites within their bounds, cycle by cycle, is "
+        "a solution is within its protection level if every satellite in it keeps the bound, and signals are compared with a "
+        "prediction and a clock as good as configured; that usable satellites then keep the bound is proved. A common drift of all satellites within their bounds, cycle by cycle, is "
         "noticed by a reference, or by odometry where that is at hand, and by nothing else."
     ),
     "odometry": "the run that odometry gives is within its error. Nothing is assumed of any solution.",
@@ -96,10 +100,37 @@ def compose_machines(config: SatelliteConfig | None = None, trusted: Trusted = "
     selection = build_selection(selection_parts(config.selection))
     own = parts(config)
     machine = build(own, trusted)
-    wires: dict[Var, Expr] = {
-        told: one.standing.eq(USABLE) for told, one in zip(own.usable, selection.own.channels, strict=True)
-    }
-    return Satellite(selection, machine, own, compose(NAMES[trusted], [selection.machine, machine], wires))
+    wires = selection_wires(own, selection, trusted)
+    owed = [Clause(machine, SELECTED)] if trusted == "satellites" else []
+    whole = compose(NAMES[trusted], [selection.machine, machine], wires, discharge=owed)
+    return Satellite(selection, machine, own, whole)
+
+
+def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satellites") -> dict[Var, Expr]:
+    """What the position machine is told of each channel; and, of the world, what is true of the channel's signal."""
+    channels = selection.own.channels
+    wires: dict[Var, Expr] = {told: one.standing.eq(USABLE) for told, one in zip(own.usable, channels, strict=True)}
+    if trusted == "satellites":
+        for number, one in enumerate(channels):
+            compared, bounded = _true_of_signal(selection, one)
+            wires |= {own.compared[number]: compared, own.bounded[number]: bounded}
+    return wires
+
+
+def _true_of_signal(selection: Selection, one: Channel) -> tuple[Bool, Bool]:
+    """Prediction and clock leave no more in the differences than configured; the signal's errors keep their bounds."""
+    config, own = selection.own.config, selection.own
+    hidden = config.range_prediction_mm + config.range_clock_mm
+    hidden_speed = config.speed_prediction_mm_s + config.speed_clock_mm_s
+    most, most_speed = config.range_threshold_mm + hidden, config.speed_threshold_mm_s + hidden_speed
+    compared, bounded = list[Bool](), list[Bool]()
+    if config.compared != "doppler":
+        compared.append(between(-hidden, one.offset - own.clock, hidden))
+        bounded.append(between(-most, one.error, most))
+    if config.compared != "pseudorange":
+        compared.append(between(-hidden_speed, one.speed_offset - own.speed_clock, hidden_speed))
+        bounded.append(between(-most_speed, one.speed_error, most_speed))
+    return all_of(compared), all_of(bounded)
 
 
 def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
@@ -123,23 +154,19 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
         },
         outputs={
             "valid": valid,
-            "position_mm": ite(valid, floor_to(own.position, MM), 0),
-            "under_mm": ite(valid, ceil_to(held(own).under, MM), 0),
-            "over_mm": ite(valid, ceil_to(held(own).over, MM) + 1, 0),
+            "position_mm": position_if(valid, floor_to(own.position, MM)),
+            "margin_below_mm": margin_if(valid, ceil_to(held(own).below, MM)),
+            "margin_above_mm": margin_if(valid, ceil_to(held(own).above, MM) + 1),
             "coasting": current.eq(table[2]),
             "fix": own.judged,
             "missing": own.why_missing,
             "drift_checked": own.anchored,
-            "drift_bound_mm": ite(own.anchored, ceil_to(abs_(own.anchor_offset) + own.anchor_margin, MM) + 1, 0),
+            "drift_bound_mm": margin_if(own.anchored, ceil_to(abs_(own.anchor_offset) + own.anchor_margin, MM) + 1),
             "reason": own.reason,
         },
         transitions=list(_table(own, table, valid)),
-        ghosts={own.truth: ANY, own.true_speed: ANY},
-        ghost_inputs=[own.next_truth, own.next_speed],
-        ghost_moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
-        assumption=assumption(own),
+        world=world(own, trusted),
         initially=can_stop(own, own.truth, own.true_speed),
-        clauses=clauses(own, trusted),
         lemmas=lemmas(own, current, table, trusted),
         mode_variable=current,
         doc=(
@@ -151,6 +178,14 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
 
 
 # ------------------------------------------------------------------ what a cycle knows
+
+
+def enough(own: Parts) -> Bool:
+    """As many satellites as the unknowns, and those that detect or exclude beyond."""
+    total = as_num(0, COUNT)
+    for used in own.used:
+        total = total + ite(used, as_num(1, COUNT), 0)
+    return total >= own.unknowns + SPARE[own.config.redundancy]
 
 
 def verdict(own: Parts, located: Bool) -> Num:
@@ -216,7 +251,7 @@ def _become(own: Parts, state: State) -> dict[Var, Expr]:
 
 def _at_reference(own: Parts, state: State) -> Anchor:
     known = referred(own)
-    return Anchor(TRUE, state.position - known.position, known.over, TRUE)
+    return Anchor(TRUE, state.position - known.position, known.above, TRUE)
 
 
 def _anchored(own: Parts, anchor: Anchor) -> dict[Var, Expr]:

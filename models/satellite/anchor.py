@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
-from safeloc.language.units import NM
-from safeloc.models.satellite.variables import NM_PER_MM, Parts, State
+from safeloc.language.units import NM, NM_PER_MM
+from safeloc.models.satellite.variables import Parts, State
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def carried(own: Parts, state: State) -> Anchor:
     offset = own.anchor_offset + (state.position - own.position) - run
     margin = own.anchor_margin + error
     kept = own.anchored & (margin <= config.anchor_limit_mm * NM_PER_MM)
-    within = between(-(state.over + margin), offset, state.under + margin)
+    within = between(-(state.above + margin), offset, state.below + margin)
     return Anchor(kept, offset, margin, all_of([kept, within]) if _required(own) else any_of([~kept, within]))
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.satellite.ahead import Ahead
-from safeloc.models.satellite.variables import NM_PER_MM, SatelliteConfig
+from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.sensing.rounding import Interval, outward
 from safeloc.sensing.satellite.solution import Solution
 
 StepValues = dict[str, int | bool | str]
-UM_PER_MM = 1_000
 
 
 def no_fix(missing: str) -> StepValues:

@@ -7,8 +7,8 @@ follows the latest solution within them. So a solution with wide bounds still le
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, floor_div, ite, maximum, minimum
-from safeloc.language.units import MS, NM, UM_S
-from safeloc.models.satellite.variables import NM_PER_MM, Parts, State, around
+from safeloc.language.units import MS, NM, NM_PER_MM, UM_S
+from safeloc.models.satellite.variables import Parts, State, around
 
 
 def predicted(own: Parts) -> State:
@@ -71,5 +71,5 @@ def reportable(own: Parts, state: State) -> Bool:
     """It may be reported: margins within the tolerance when rounded, place and speed in range."""
     config = own.config
     limit, most = config.position_limit_mm * NM_PER_MM, (config.tolerance_mm - 2) * NM_PER_MM
-    place = [between(0, state.under, most), between(0, state.over, most), between(-limit, state.position, limit)]
+    place = [between(0, state.below, most), between(0, state.above, most), between(-limit, state.position, limit)]
     return all_of([*place, state.slowest <= state.speed, state.speed <= state.fastest])

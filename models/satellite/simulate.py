@@ -12,6 +12,7 @@ from functools import cache
 
 import numpy as np
 
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.satellite.chain import ChainConfig, Cycle, EpochChain, Outcome, Reference, Run
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
@@ -37,7 +38,7 @@ SCENES = (station_roof(0, 150), canyon(600, 1_800), cutting(2_400, 3_300), tunne
 BALISE_MM, SPEED_MM_S = 1_000, 300
 """Accuracy of a balise, and of the speed that is known at it."""
 ODOMETRY_MM, ODOMETRY_PERCENT = 5, 2
-MM, NM_PER_MM = 1_000, 1_000_000
+MM = 1_000
 
 
 FINE = SatelliteConfig(

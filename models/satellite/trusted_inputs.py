@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-UM_PER_MM = 1_000
+from safeloc.language.units import UM_PER_MM
 
 
 @dataclass(frozen=True, slots=True)

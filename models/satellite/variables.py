@@ -21,7 +21,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import COUNT, MM, NM, UM_S
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, UM_S
 from safeloc.models.satellite_selection import SelectionConfig
 
 REASON = members("reason", "LOCATED", "NO_REFERENCE", "TOLERANCE", "COASTED_OUT", "CONTRADICTION", "DRIFT")
@@ -33,7 +33,6 @@ NO_FIX, ACCEPTED, NOT_USABLE, TOO_FEW, DISJOINT, TOO_COARSE, NOT_LOCATED, DRIFTE
 MISSING = members(
     "missing", "NOTHING", "NO_EPOCH", "NO_PREDICTION", "TWO_PORTIONS", "NONE_LEFT", "FEW_LEFT", "ALIKE", "OUT_OF_RANGE"
 )  # fmt: skip
-NM_PER_MM = 1_000_000
 MAX_UNKNOWNS = 8
 Redundancy = Literal["solve", "detect", "exclude"]
 SPARE: dict[Redundancy, int] = {"solve": 0, "detect": 1, "exclude": 2}
@@ -137,6 +136,8 @@ class Parts:
     anchored      position and odometry since the last reference are comparable; anchor_offset: the position less that
                   place, anchor_margin: what odometry may be wrong by
     truth, true_speed  ghosts: nm and um/s
+    bounded, compared  ghosts per channel: the signal's error keeps the bound that the solver is to be given; prediction
+                  and clock are as good as configured
     """
 
     config: SatelliteConfig
@@ -172,6 +173,8 @@ class Parts:
     true_speed: NumVar
     next_truth: NumVar
     next_speed: NumVar
+    bounded: tuple[BoolVar, ...]
+    compared: tuple[BoolVar, ...]
 
 
 def parts(config: SatelliteConfig) -> Parts:
@@ -214,6 +217,8 @@ def parts(config: SatelliteConfig) -> Parts:
         number("true_speed_um_s", UM_S, -fast, fast),
         number("next_truth_nm", NM, -reach, reach),
         number("next_speed_um_s", UM_S, -fast, fast),
+        tuple(boolean(f"signal_bounded_{n}") for n in channels),
+        tuple(boolean(f"signal_compared_{n}") for n in channels),
     )
 
 
@@ -229,12 +234,12 @@ class State:
     fastest: Num
 
     @property
-    def under(self) -> Num:
+    def below(self) -> Num:
         """How far the true place may lie behind the estimate."""
         return self.position - self.low
 
     @property
-    def over(self) -> Num:
+    def above(self) -> Num:
         """How far it may lie ahead of it."""
         return self.high - self.position
 

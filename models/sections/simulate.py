@@ -13,10 +13,10 @@ import numpy as np
 
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
+from safeloc.language.units import UM_PER_MM
 from safeloc.models.sections import SectionsConfig
 from safeloc.runtime.streams.steps import Cell
 
-UM_PER_MM = 1_000
 Steps = list[dict[str, Cell]]
 
 

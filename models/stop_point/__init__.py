@@ -21,16 +21,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, between, exact_to, ite, members
-from safeloc.language.machine import ANY, Machine, current_mode, modes
-from safeloc.language.units import MM_S, NM
+from safeloc.language.expr import Bool, Expr, Lit, Num, ite
+from safeloc.language.machine import Machine, current_mode, modes
+from safeloc.language.units import MM_S
 from safeloc.models.stop_point.cycle import Judged, judge
 from safeloc.models.stop_point.table import rows
-from safeloc.models.stop_point.variables import NO_REASON, Parts, StopPointConfig, parts
+from safeloc.models.stop_point.variables import (
+    BRAKE,
+    CREEP,
+    HOLD,
+    MODES,
+    NO_ORDER,
+    NO_REASON,
+    PROCEED,
+    REVERSE,
+    Parts,
+    StopPointConfig,
+    parts,
+)
+from safeloc.models.stop_point.world import world
 
-ORDER = members("order", "NONE", "PROCEED", "BRAKE", "HOLD", "CREEP", "REVERSE")
-NO_ORDER, PROCEED, BRAKE, HOLD, CREEP, REVERSE = ORDER
-MODES = ("IDLE", "APPROACH", "BRAKING", "STOPPED", "SHORT", "CREEPING", "OVERRUN", "REPOSITIONING", "HELD")
 ORDERS = (NO_ORDER, PROCEED, BRAKE, HOLD, HOLD, CREEP, HOLD, REVERSE, HOLD)
 
 
@@ -41,11 +51,10 @@ def machine(config: StopPointConfig | None = None) -> Machine:
 
 @dataclass(frozen=True, eq=False)
 class StopPoint:
-    """The machine together with the terms it was built from, for properties to speak about."""
+    """The machine together with its variables, for properties to speak about."""
 
     machine: Machine
     own: Parts
-    judged: Judged
 
     def in_mode(self, *labels: str) -> Bool:
         """The machine is in one of the named modes."""
@@ -72,19 +81,18 @@ def build(own: Parts) -> StopPoint:
         },
         outputs=_outputs(own, current, table),
         transitions=list(rows(own, judged, table)),
-        ghosts={own.truth: ANY, own.true_speed: ANY},
-        ghost_inputs=[own.next_truth, own.next_true_speed],
-        ghost_moves={own.truth: own.next_truth, own.true_speed: own.next_true_speed},
-        assumption=assumption(own, judged),
+        world=world(own),
+        lemmas=_lemmas(own, current, table),
         definitions=_definitions(judged),
         mode_variable=current,
         doc=(
             "Precise stop at a selected stop point on the measured distance, with repositioning after an overrun. Assumed: "
-            "a valid interval holds the truth (the reflector machine's own proof discharges this), and speed is measured "
-            "within its error. Nothing is assumed of driver, brakes or track."
+            "a valid interval holds the truth (the reflector machine's own proof discharges this), speed is measured "
+            "within its error, and an order to brake stops the vehicle within reaction and braking distance. Nothing is "
+            "assumed of the driver."
         ),
     )
-    return StopPoint(made, own, judged)
+    return StopPoint(made, own)
 
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:
@@ -102,6 +110,15 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
     }
 
 
+def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    """A stop is pending just in the modes that speak of one; without one no distance is shown."""
+    idle = current.eq(table[0])
+    return {
+        "a stop is pending unless idle": idle.iff(own.pending.eq(0)),
+        "no distance while idle": idle.implies(own.distance.eq(0)),
+    }
+
+
 def _definitions(cycle: Judged) -> dict[str, Expr]:
     return {
         "possibly beyond the window": cycle.beyond,
@@ -111,10 +128,3 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
         "backwards too fast": cycle.backwards_too_fast,
         "forwards too fast": cycle.forwards_too_fast,
     }
-
-
-def assumption(own: Parts, cycle: Judged) -> Bool:
-    """A valid interval holds the truth, and speed is measured within its error."""
-    inside = between(exact_to(cycle.low, NM), own.next_truth, exact_to(cycle.high, NM))
-    error = own.config.speed_error_mm_s
-    return own.valid.implies(inside) & between(own.speed - error, own.next_true_speed, own.speed + error)

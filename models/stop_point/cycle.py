@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, ceil_to, ite, maximum, product
+from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, as_num, ceil_to, ite, maximum, minimum, product
 from safeloc.language.units import COUNT, MM, MM_S2, MS
 from safeloc.models.stop_point.variables import Parts
 
@@ -86,13 +86,18 @@ class Judged:
         return self.pending.stop - ite(self.own.precise, self.own.position, self.high)
 
     @property
+    def to_brake_in(self) -> Num:
+        """What is left for braking: to the stop, and from the interval's far end to the window's far end, the shorter."""
+        return minimum(self.to_go, self.pending.ends - self.high)
+
+    @property
     def brake_now(self) -> Bool:
         """The braking distance from the greatest possible speed, reaction included, is not shorter than what is left."""
         config = self.own.config
         speed = maximum(self.own.speed + config.speed_error_mm_s, 0)
         reaction = ceil_to(speed * Lit(config.reaction_ms, MS), MM)
         twice = Lit(2 * config.brake_mm_s2, MM_S2)
-        return product(speed, speed) >= (self.to_go - reaction) * twice
+        return product(speed, speed) >= (self.to_brake_in - reaction) * twice
 
     @property
     def forwards_too_fast(self) -> Bool:
@@ -125,8 +130,8 @@ def judge(own: Parts) -> Judged:
         )
     return Judged(
         own,
-        own.position - own.under,
-        own.position + own.over,
+        own.position - own.below,
+        own.position + own.above,
         Window(own.stop, own.before, own.after),
         chosen,
         any_of(known),

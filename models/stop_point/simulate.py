@@ -13,12 +13,12 @@ import numpy as np
 
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_MM, NM_PER_UM
 from safeloc.models.reflector.simulate import FIGURE_2, STOPS_MM, Scene, said, simulate, stopping
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import NM_PER_MM
 
 WINDOW_MM = 500
 SPEED_MM_S, BRAKE_MM_S2, STAND_S = 20_000, 800, 6.0
@@ -98,10 +98,17 @@ def simulate_platform(
                 "released": False,
                 "next_truth_nm": int(motion.position_nm[cycle]),
                 "next_true_speed_mm_s": true_speed,
+                "next_run_out_nm": run_out_nm(config, true_speed),
                 "truth_mm": int(motion.position_nm[cycle]) // NM_PER_MM,
             }
         )
     return steps
+
+
+def run_out_nm(config: StopPointConfig, speed_mm_s: int) -> int:
+    """How far a vehicle of that speed runs on when the brakes are ordered, by the guaranteed rate; none runs back."""
+    speed = max(speed_mm_s, 0)
+    return (speed * config.reaction_ms + speed * speed * 1_000 // (2 * config.brake_mm_s2)) * NM_PER_UM
 
 
 def _error(rng: np.random.Generator, config: StopPointConfig) -> int:
@@ -127,11 +134,7 @@ def _places(config: StopPointConfig, stops: Sequence[StopPlace]) -> dict[str, Ce
 
 
 def _position(outputs: Mapping[str, Value]) -> dict[str, Cell]:
-    """The reflector machine's report as inputs of this one."""
-    return {
-        "position_valid": outputs["valid"],
-        "position_precise": outputs["precise"],
-        "position_mm": outputs["position_mm"],
-        "over_mm": outputs["over_mm"],
-        "under_mm": outputs["under_mm"],
-    }
+    """The reflector machine's report as inputs of this one; 0 where it reports none."""
+    names = ("position_mm", "margin_above_mm", "margin_below_mm")
+    interval: dict[str, Cell] = {name: outputs[name] if outputs["valid"] else 0 for name in names}
+    return {"position_valid": outputs["valid"], "position_precise": outputs["precise"], **interval}

@@ -104,7 +104,7 @@ def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
     yield Transition("stops creeping", creeping, braking, unsafe | cycle.forwards_too_fast, near, TRACE, 8)
     yield Transition("stops reversing", repositioning, overrun, unsafe | cycle.backwards_too_fast, near, TRACE, 8)
     yield Transition("creeps into the window", creeping, braking, ~cycle.short | (cycle.to_go <= 0), near, TRACE, 9)
-    yield Transition("backs into the window", repositioning, braking, ~cycle.beyond, near, TRACE, 9)
+    yield Transition("backs into the window", repositioning, braking, ~cycle.beyond | cycle.short, near, TRACE, 9)
     yield Transition("measured again", table[8], braking, again, near, TRACE, 9)
 
 

@@ -19,9 +19,11 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import COUNT, MM, MM_S, NM
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import COUNT, MM, MM_S, NM, NM_PER_MM
 
+ORDER = members("order", "NONE", "PROCEED", "BRAKE", "HOLD", "CREEP", "REVERSE")
+NO_ORDER, PROCEED, BRAKE, HOLD, CREEP, REVERSE = ORDER
+MODES = ("IDLE", "APPROACH", "BRAKING", "STOPPED", "SHORT", "CREEPING", "OVERRUN", "REPOSITIONING", "HELD")
 REASON = members("stop_reason", "NONE", "NO_POSITION", "TOO_FAR", "TOO_COARSE", "NOT_AHEAD", "UNKNOWN_STOP")
 NO_REASON, NO_POSITION, TOO_FAR, TOO_COARSE, NOT_AHEAD, UNKNOWN_STOP = REASON
 MOST_WINDOW_MM = 10_000
@@ -37,7 +39,7 @@ class StopPointConfig(Config):
     speed_error_mm_s: int = quantity(100, "mm/s", 0, 5_000, "[M] 0.36 km/h; SUBSET-041 asks for 2 km/h only")
     standstill_mm_s: int = quantity(50, "mm/s", 0, 1_000, "[D] below one pulse in 100 ms")
     brake_mm_s2: int = quantity(800, "mm/s2", 1, 5_000, "[S] service brake 0.8 to 1.0 m/s2")
-    reaction_ms: int = quantity(1_500, "ms", 0, 10_000, "[M] until the brake acts")
+    reaction_ms: int = quantity(1_500, "ms", 0, 10_000, "[M] until the brake acts, one cycle included")
     reduced_speed_mm_s: int = quantity(833, "mm/s", 1, 10_000, "[M] 3 km/h for repositioning")
     reposition_limit_mm: int = quantity(
         5_000, "mm", 0, 100_000, "[M] farther back only under the dispatcher's authority"
@@ -73,14 +75,15 @@ class Parts:
     permitted  moving within the platform at reduced speed is permitted (dispatcher, doors, rear clear)
     departure  the stop is served, the vehicle may leave it
     released   whoever is in charge takes over: the stop is given up
+    run_out    ghost: how far the vehicle still runs if the order to brake comes in the next cycle
     """
 
     config: StopPointConfig
     valid: BoolVar
     precise: BoolVar
     position: NumVar
-    over: NumVar
-    under: NumVar
+    above: NumVar
+    below: NumVar
     speed: NumVar
     stops: tuple[MapStop, ...]
     selected: Optional
@@ -98,11 +101,13 @@ class Parts:
     next_truth: NumVar
     true_speed: NumVar
     next_true_speed: NumVar
+    run_out: NumVar
+    next_run_out: NumVar
 
     @property
     def inputs(self) -> list[Var | Optional]:
         """All inputs in order."""
-        measured = (self.valid, self.precise, self.position, self.over, self.under, self.speed)
+        measured = (self.valid, self.precise, self.position, self.above, self.below, self.speed)
         stops = [var for stop in self.stops for var in (stop.position, stop.before, stop.after)]
         return [*measured, *stops, self.selected, self.permitted, self.departure, self.released]
 
@@ -116,8 +121,8 @@ def parts(config: StopPointConfig) -> Parts:
         valid=boolean("position_valid"),
         precise=boolean("position_precise"),
         position=number("position_mm", MM, -limit, limit),
-        over=number("over_mm", MM, 0, config.tolerance_mm),
-        under=number("under_mm", MM, 0, config.tolerance_mm),
+        above=number("margin_above_mm", MM, 0, config.tolerance_mm),
+        below=number("margin_below_mm", MM, 0, config.tolerance_mm),
         speed=number("speed_mm_s", MM_S, -fast, fast),
         stops=tuple(_map_stop(number_, limit) for number_ in range(1, config.stop_points + 1)),
         selected=optional("selected_stop", COUNT, 1, config.stop_points),
@@ -135,7 +140,15 @@ def parts(config: StopPointConfig) -> Parts:
         next_truth=number("next_truth_nm", NM, -reach, reach),
         true_speed=number("true_speed_mm_s", MM_S, -fast - error, fast + error),
         next_true_speed=number("next_true_speed_mm_s", MM_S, -fast - error, fast + error),
+        run_out=number("run_out_nm", NM, 0, _longest_nm(config)),
+        next_run_out=number("next_run_out_nm", NM, 0, _longest_nm(config)),
     )
+
+
+def _longest_nm(config: StopPointConfig) -> int:
+    """The run-out from the highest speed, reaction included."""
+    fastest = config.max_speed_mm_s + config.speed_error_mm_s
+    return (fastest * config.reaction_ms // 1_000 + fastest * fastest // (2 * config.brake_mm_s2) + 1) * NM_PER_MM
 
 
 def _map_stop(number_: int, limit_mm: int) -> MapStop:

@@ -13,6 +13,7 @@ from safeloc.language.expr import BoolVar, Expr, NumVar, Var
 from safeloc.language.machine import Machine
 from safeloc.models import delocalized, odometry
 from safeloc.models.odometry.variables import OdometryConfig, parts
+from safeloc.models.vocabulary.absent import heard_interval
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,13 +33,14 @@ def compose_machines(config: OdometryConfig | None = None) -> Supervised:
         delocalized.DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.position_limit_mm)
     )
     sees, says = {var.name: var for var in guard.inputs if isinstance(var, (NumVar, BoolVar))}, source.machine
+    position, below, above = heard_interval(says)
     wires: dict[Var, Expr] = {
         sees["source_valid"]: says.flag("valid"),
         sees["reference_accepted"]: says.flag("reference_accepted"),
         sees["source_reason"]: says.output("reason"),
-        sees["source_position_mm"]: says.output("position_mm"),
-        sees["source_over_mm"]: says.output("over_mm"),
-        sees["source_under_mm"]: says.output("under_mm"),
-        next(iter(guard.ghost_inputs)): source.own.truth,
+        sees["source_position_mm"]: position,
+        sees["source_margin_above_mm"]: above,
+        sees["source_margin_below_mm"]: below,
+        next(iter(guard.world.choices)): source.own.ghosts.truth,
     }
     return Supervised(compose("supervised_odometry", [says, guard], wires, discharge=[guard]), source, guard)

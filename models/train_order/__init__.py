@@ -34,6 +34,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, UM
+from safeloc.language.world import World
 
 TRACE = ("FVA-2", "FVA-11")
 
@@ -169,10 +170,13 @@ def build(own: Parts) -> TrainOrder:
             **{f"train_of_pattern_{n}": one for n, one in enumerate(own.belongs, 1)},
         },
         transitions=list(_table(own, table)),
-        ghosts=dict.fromkeys(own.places, ANY),
-        ghost_inputs=[*own.next_places, *own.owners],
-        ghost_moves=dict(zip(own.places, own.next_places, strict=True)),
-        assumption=_assumption(own, current.eq(table[1])),
+        world=World(
+            ghosts=dict.fromkeys(own.places, ANY),
+            choices=[*own.next_places, *own.owners],
+            moves=dict(zip(own.places, own.next_places, strict=True)),
+            clauses=_clauses(own, current.eq(table[1])),
+            reads_machine="its clauses still assume what passes the machine's own checks",
+        ),
         lemmas=_lemmas(own, current.eq(table[1])),
         definitions={"patterns match trains": own.matched, "events possible": own.possible},
         mode_variable=current,
@@ -215,14 +219,17 @@ def _in_order(order: Sequence[Num], places: Sequence[NumVar]) -> Bool:
     )
 
 
-def _assumption(own: Parts, ordered: Bool) -> Bool:
+def _clauses(own: Parts, ordered: Bool) -> dict[str, Bool]:
     """Trains keep their order; a train enters at its end; each of so many patterns holds a train of its own."""
     told = ordered & ~own.fault & own.possible
     owners = [between(exact_to(low, UM), place_of(owner, own.next_places), exact_to(high, UM)) for low, high, owner in
               zip(own.lows, own.highs, own.owners, strict=True)]  # fmt: skip
     among = [any_of(owner.eq(one) for one in own.after) & owner.ne(0) for owner in own.owners]
     seen = [(own.patterns > rank).implies(owners[rank] & among[rank]) for rank in range(len(own.owners))]
-    return told.implies(_in_order(own.after, own.next_places) & own.matched.implies(all_of(seen)))
+    return {
+        "trains keep their order": told.implies(_in_order(own.after, own.next_places)),
+        "each of as many patterns holds a train of its own": (told & own.matched).implies(all_of(seen)),
+    }
 
 
 def _lemmas(own: Parts, ordered: Bool) -> dict[str, Bool]:

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from random import Random
 
+from safeloc.language.units import UM_PER_MM
 from safeloc.models.train_order import TrainOrderConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
 from safeloc.runtime.streams.steps import Cell
 
-UM_PER_MM = 1_000
 HALF_MM = 120_000  # half a pattern: a train and what is not known of its ends
 ENDS_MM = (0, 10_000_000)
 

@@ -34,8 +34,9 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM, MS, NM
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.language.world import World
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 TRACE = ("FVA-9", "FVA-18", "RFL-14")
 
@@ -67,8 +68,8 @@ class Report:
     there: Bool
     valid: Bool
     position: Num
-    under: Num
-    over: Num
+    below: Num
+    above: Num
     age: Num
 
     def older(self, config: TransmissionConfig) -> Report:
@@ -83,12 +84,12 @@ class Report:
     def usable(self, config: TransmissionConfig) -> Bool:
         """It holds a position, narrow enough when its age is charged."""
         charged, widest = self.charged(config), config.margin_limit_mm
-        return self.there & self.valid & (self.under + charged <= widest) & (self.over + charged <= widest)
+        return self.there & self.valid & (self.below + charged <= widest) & (self.above + charged <= widest)
 
     def holds(self, truth: Num, config: TransmissionConfig) -> Bool:
         """If it holds a position, the truth lies in its interval, widened by its age."""
         charged = self.charged(config)
-        low, high = self.position - self.under - charged, self.position + self.over + charged
+        low, high = self.position - self.below - charged, self.position + self.above + charged
         return (self.there & self.valid).implies(between(exact_to(low, NM), truth, exact_to(high, NM)))
 
 
@@ -101,8 +102,8 @@ def choose(condition: Bool, then: Report, other: Report) -> Report:
         (condition & then.there) | (~condition & other.there),
         (condition & then.valid) | (~condition & other.valid),
         ite(condition, then.position, other.position),
-        ite(condition, then.under, other.under),
-        ite(condition, then.over, other.over),
+        ite(condition, then.below, other.below),
+        ite(condition, then.above, other.above),
         ite(condition, then.age, other.age),
     )
 
@@ -114,25 +115,25 @@ class Slot:
     there: BoolVar
     valid: BoolVar
     position: NumVar
-    under: NumVar
-    over: NumVar
+    below: NumVar
+    above: NumVar
     age: NumVar
 
     @property
     def report(self) -> Report:
         """What is kept."""
-        return Report(self.there, self.valid, self.position, self.under, self.over, self.age)
+        return Report(self.there, self.valid, self.position, self.below, self.above, self.age)
 
     def state(self) -> dict[Var, Initial]:
         """State variables with initial values: no report."""
-        numbers: dict[Var, Initial] = dict.fromkeys((self.position, self.under, self.over, self.age), 0)
+        numbers: dict[Var, Initial] = dict.fromkeys((self.position, self.below, self.above, self.age), 0)
         return {self.there: False, self.valid: False, **numbers}
 
     def become(self, report: Report) -> dict[Var, Expr]:
         """Updates that keep the report."""
         return {
             self.there: report.there, self.valid: report.valid, self.position: report.position,
-            self.under: report.under, self.over: report.over, self.age: report.age,
+            self.below: report.below, self.above: report.above, self.age: report.age,
         }  # fmt: skip
 
 
@@ -150,8 +151,8 @@ class Parts:
     arrived: BoolVar
     valid: BoolVar
     position: NumVar
-    under: NumVar
-    over: NumVar
+    below: NumVar
+    above: NumVar
     flying: Slot
     held: Slot
     truth: NumVar
@@ -176,8 +177,8 @@ def parts(config: TransmissionConfig) -> Parts:
         boolean("arrived"),
         boolean("sent_valid"),
         number("sent_position_mm", MM, -limit, limit),
-        number("sent_under_mm", MM, 0, widest),
-        number("sent_over_mm", MM, 0, widest),
+        number("sent_margin_below_mm", MM, 0, widest),
+        number("sent_margin_above_mm", MM, 0, widest),
         _slot("flying", config),
         _slot("held", config),
         number("truth_nm", NM, -reach, reach),
@@ -191,8 +192,8 @@ def _slot(name: str, config: TransmissionConfig) -> Slot:
         boolean(f"{name}_there"),
         boolean(f"{name}_valid"),
         number(f"{name}_position_mm", MM, -limit, limit),
-        number(f"{name}_under_mm", MM, 0, widest),
-        number(f"{name}_over_mm", MM, 0, widest),
+        number(f"{name}_margin_below_mm", MM, 0, widest),
+        number(f"{name}_margin_above_mm", MM, 0, widest),
         number(f"{name}_age_cycles", COUNT, 0, ages),
     )
 
@@ -206,20 +207,25 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
     made = Machine(
         name=name,
         modes=table,
-        inputs=[own.sent, own.arrived, own.valid, own.position, own.under, own.over],
+        inputs=[own.sent, own.arrived, own.valid, own.position, own.below, own.above],
         state={**own.flying.state(), **own.held.state()},
         outputs={
             "valid": held,
-            "position_mm": ite(held, own.held.position, 0),
-            "under_mm": ite(held, own.held.under + charged, 0),
-            "over_mm": ite(held, own.held.over + charged, 0),
+            "position_mm": position_if(held, own.held.position),
+            "margin_below_mm": margin_if(held, own.held.below + charged),
+            "margin_above_mm": margin_if(held, own.held.above + charged),
             "age_ms": ite(held, with_unit(own.held.age * own.config.period_ms, MS), 0),
         },
         transitions=list(_table(own, table)),
-        ghosts={own.truth: ANY},
-        ghost_inputs=[own.next_truth],
-        ghost_moves={own.truth: own.next_truth},
-        assumption=_sent_truly(own) & _moves(own),
+        world=World(
+            ghosts={own.truth: ANY},
+            choices=[own.next_truth],
+            moves={own.truth: own.next_truth},
+            clauses={
+                "a position that is sent holds the truth": _sent_truly(own),
+                "the vehicle keeps to its highest speed": _moves(own),
+            },
+        ),
         lemmas=_lemmas(own, held),
         mode_variable=current,
         doc=(
@@ -238,7 +244,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     nothing, held = table
     config, flying = own.config, own.flying.report.older(own.config)
     lands, kept = own.arrived & flying.there, own.held.report.older(own.config)
-    sent = Report(TRUE, own.valid, own.position, own.under, own.over, as_num(0, COUNT))
+    sent = Report(TRUE, own.valid, own.position, own.below, own.above, as_num(0, COUNT))
     way = own.flying.become(choose(own.sent, sent, choose(lands, NO_REPORT, flying)))
     taken, gone = {**way, **own.held.become(flying)}, {**way, **own.held.become(NO_REPORT)}
     yield Transition("report arrives", table, held, lands & flying.usable(config), taken, TRACE, 0)
@@ -255,7 +261,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 def _sent_truly(own: Parts) -> Bool:
     """What the sender states holds the truth of that cycle."""
-    low, high = own.position - own.under, own.position + own.over
+    low, high = own.position - own.below, own.position + own.above
     return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
 
 

@@ -14,13 +14,13 @@ from functools import lru_cache
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector.simulate import Scene, said
 from safeloc.models.reflector.simulate import simulate as simulate_reflectors
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.turn_off import TurnOffConfig, machine
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import NM_PER_MM
 
 Steps = list[dict[str, Cell]]
 OTHER = {"STRAIGHT": "LEFT", "LEFT": "STRAIGHT", "RIGHT": "STRAIGHT"}
@@ -108,7 +108,7 @@ class _Run:
         if not reported["valid"]:
             return -limit, limit
         position = int(reported["position_mm"])
-        return position - int(reported["under_mm"]), position + int(reported["over_mm"])
+        return position - int(reported["margin_below_mm"]), position + int(reported["margin_above_mm"])
 
     def _here(self) -> int:
         return int(dict(zip(self._board.state_names, self._state, strict=True))["switch_here_mm"])

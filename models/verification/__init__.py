@@ -17,11 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, Var, all_of, as_num, between, exact_to, ite
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM, NM, UM
+from safeloc.language.expr import FALSE, TRUE, Expr, Lit, NumVar, Var, as_num, ite
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.judgement import Judged, judge
+from safeloc.models.verification.lemmas import lemmas
 from safeloc.models.verification.variables import NO_RECORD, NOT_VERIFIED, VERIFIED, Parts, VerificationConfig, parts
+from safeloc.models.verification.world import world
+from safeloc.models.vocabulary.absent import margin_if, position_if
 
 __all__ = ["Verification", "VerificationConfig", "build", "machine", "parts"]
 TRACE = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")
@@ -56,11 +59,8 @@ def build(own: Parts, *, name: str = "verification", place_kept: bool = False) -
         state=own.state(),
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, judged, table)),
-        ghosts={own.axles: ANY, own.length: ANY, own.truth: ANY},
-        ghost_inputs=[own.next_axles, own.next_length, own.next_truth],
-        ghost_moves={own.axles: own.next_axles, own.length: own.next_length, own.truth: own.next_truth},
-        assumption=_features_law(own) if place_kept else _features_law(own) & place_law(own),
-        lemmas=_lemmas(own, trusted),
+        world=world(own, place_kept=place_kept),
+        lemmas=lemmas(own, trusted),
         definitions={
             "mismatch": judged.mismatch,
             "why": judged.flaw,
@@ -117,9 +117,9 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
         "trusted": trusted,
         "untrusted": current.eq(table[3]),
         "revoked": current.eq(table[3]) & own.given,
-        "position_mm": ite(trusted, own.front, zero),
-        "over_mm": ite(trusted, own.front_over, zero),
-        "under_mm": ite(trusted, own.front_under, zero),
+        "position_mm": position_if(trusted, own.front),
+        "margin_above_mm": margin_if(trusted, own.front_above),
+        "margin_below_mm": margin_if(trusted, own.front_below),
         "reason": own.reason,
         "verified_count": own.by_count,
         "verified_length": own.by_length,
@@ -132,38 +132,4 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
         "handover_axles": ite(known, own.kept_count, as_num(0, COUNT)),
         "handover_length_low_mm": ite(known, own.kept_low, zero),
         "handover_length_high_mm": ite(known, own.kept_high, zero),
-    }
-
-
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-def place_law(own: Parts) -> Bool:
-    """A located interval holds the front."""
-    low, high = own.place.value - own.place_under, own.place.value + own.place_over
-    inside = between(exact_to(low, NM), own.next_truth, exact_to(high, NM))
-    return (own.located & own.place.present).implies(inside)
-
-
-def _features_law(own: Parts) -> Bool:
-    """Count and length that the fibre tells of a train are true of the train it tells of, within their bounds."""
-    tolerance = own.config.length_tolerance_mm
-    off = exact_to(own.seen_length.value, UM) - own.next_length
-    return all_of(
-        [
-            (own.associated & own.seen_count.present).implies(own.seen_count.value.eq(own.next_axles)),
-            (own.associated & own.seen_length.present).implies(between(-tolerance * 1_000, off, tolerance * 1_000)),
-        ]
-    )
-
-
-def _lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
-    interval = between(exact_to(own.front - own.front_under, NM), own.truth, exact_to(own.front + own.front_over, NM))
-    return {
-        "a trusted position holds the truth": trusted.implies(interval),
-        "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
-        "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),
-        "a count verified now is the train's": (trusted & own.by_count & own.age.eq(0)).implies(
-            own.axles.eq(own.kept_count)
-        ),
     }

@@ -23,12 +23,9 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MM, MM_S2, MS, Unit
-from safeloc.models.axle_counter.passage import UM_S
+from safeloc.language.units import COUNT, MM, MM_S2, MS, MS_PER_S, UM_PER_MM, UM_S, Unit
 from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
-
-UM_PER_MM = 1_000
 
 
 def judge(own: Parts, known: Bool, refused: Bool) -> Judged:
@@ -126,7 +123,7 @@ class Judged:
     def speed_fits(self) -> Bool:
         """The fibre's speed is the counter's, within tolerance and what the train can have changed since."""
         own, config = self.own, self.own.config
-        change = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // v.MS_PER_S)
+        change = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // MS_PER_S)
         slack = _scaled(own.record_age, change, own.seen_speed.value) + config.speed_tolerance_mm_s
         return between(own.record_speed_low - slack, own.seen_speed.value, own.record_speed_high + slack)
 
@@ -139,9 +136,9 @@ class Judged:
     def place_fits(self) -> Bool:
         """The fibre's interval meets the counter's, within tolerance and what the train can have run since."""
         own, config = self.own, self.own.config
-        run = -(-config.max_speed_mm_s * config.period_ms // v.MS_PER_S)
+        run = -(-config.max_speed_mm_s * config.period_ms // MS_PER_S)
         slack = _scaled(own.record_age, run, own.place.value) + config.place_tolerance_mm
-        low, high = own.place.value - own.place_under, own.place.value + own.place_over
+        low, high = own.place.value - own.place_below, own.place.value + own.place_above
         return (low <= own.record_place_high + slack) & (high >= own.record_place_low - slack)
 
     # -------------------------------------------------------------- course over time
@@ -198,8 +195,8 @@ class Judged:
         """The front is where the train cannot have come: not even within what both intervals leave open."""
         own = self.own
         run, reach = own.place.value - own.last_place, self.reach + own.config.jump_mm
-        above = run > reach + own.front_over + own.place_under
-        below = -run > reach + own.front_under + own.place_over
+        above = run > reach + own.front_above + own.place_below
+        below = -run > reach + own.front_below + own.place_above
         return self.placed & own.place_known & (above | below)
 
     @cached_property
@@ -305,8 +302,8 @@ class Judged:
             own.last_place: ite(self.placed, own.place.value, own.last_place),
             own.reach: ite(self.placed, 0, self.reach),
             own.front: ite(self.placed, own.place.value, own.front),
-            own.front_over: ite(self.placed, own.place_over, own.front_over),
-            own.front_under: ite(self.placed, own.place_under, own.front_under),
+            own.front_above: ite(self.placed, own.place_above, own.front_above),
+            own.front_below: ite(self.placed, own.place_below, own.front_below),
             own.age: self.age,
             own.by_count: ite(new, self.count_matches, own.by_count),
             own.by_length: ite(new, self.length_matches, own.by_length),

@@ -18,8 +18,7 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, MM_S, MM_S2, NM, UM
-from safeloc.models.axle_counter.passage import UM_S
+from safeloc.language.units import COUNT, MM, MM_S, MM_S2, NM, UM, UM_S
 
 REASON = members(
     "verification_reason",
@@ -36,7 +35,6 @@ REASON = members(
 ) = REASON  # fmt: skip
 FROM = members("reference_from", "NOBODY", "AXLE_COUNTER", "NEIGHBOUR")
 NOBODY, AXLE_COUNTER, NEIGHBOUR = FROM
-MS_PER_S = 1_000
 
 
 class VerificationConfig(Config):
@@ -54,7 +52,7 @@ class VerificationConfig(Config):
     length_change_mm: int = quantity(80_000, "mm", 0, 400_000, "[D] two readings, each within its tolerance")
     speed_tolerance_mm_s: int = quantity(1_400, "mm/s", 0, 20_000, "[S] Kowarik 2020: 5 km/h from one channel")
     place_tolerance_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] counter to first axle, and fibre edge")
-    traction_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure] figures section 2")
+    traction_mm_s2: int = quantity(1_300, "mm/s2", 1, 5_000, "[M, fairly sure] metro: 1.0 to 1.3")
     brake_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure]; 2 500 with track brake")
     jump_mm: int = quantity(10_000, "mm", 0, 1_000_000, "[M] besides what both intervals leave open")
     reference_age_limit_cycles: int = quantity(4, "cycles", 0, 10_000, "[D] 2 s from counter to safe computer")
@@ -108,8 +106,8 @@ class Parts:
     seen_length: Optional
     seen_speed: Optional
     place: Optional
-    place_over: NumVar
-    place_under: NumVar
+    place_above: NumVar
+    place_below: NumVar
     located: BoolVar
     ends_low: Optional
     ends_high: Optional
@@ -133,8 +131,8 @@ class Parts:
     last_place: NumVar
     reach: NumVar
     front: NumVar
-    front_over: NumVar
-    front_under: NumVar
+    front_above: NumVar
+    front_below: NumVar
     age: NumVar
     by_count: BoolVar
     by_length: BoolVar
@@ -158,7 +156,7 @@ class Parts:
         reference: list[Var | Optional] = [self.due, self.source, self.sound, *record]
         reference += [self.record_place_low, self.record_place_high, self.record_age]
         seen: list[Var | Optional] = [self.associated, self.seen_count, self.seen_length, self.seen_speed, self.place]
-        seen += [self.place_over, self.place_under, self.located, self.ends_low, self.ends_high, self.fibre_error]
+        seen += [self.place_above, self.place_below, self.located, self.ends_low, self.ends_high, self.fibre_error]
         control: list[Var | Optional] = [self.control_count, self.control_length, self.control_brake]
         return [*reference, *seen, *control, self.chain_tested, self.chain_failed, self.leaves]
 
@@ -171,7 +169,7 @@ class Parts:
     def numbers(self) -> tuple[NumVar, ...]:
         """The stored numbers, apart from age and reason."""
         course = (self.last_length, self.last_speed, self.slower, self.faster, self.last_place, self.reach)
-        return (self.kept_count, self.kept_low, self.kept_high, *course, self.front, self.front_over, self.front_under)
+        return (self.kept_count, self.kept_low, self.kept_high, *course, self.front, self.front_above, self.front_below)
 
     @property
     def known(self) -> tuple[BoolVar, ...]:
@@ -209,8 +207,8 @@ def parts(config: VerificationConfig) -> Parts:
         seen_length=optional("fibre_length_mm", MM, 0, long),
         seen_speed=optional("fibre_speed_mm_s", MM_S, -fast, fast),
         place=optional("fibre_position_mm", MM, -limit, limit),
-        place_over=number("fibre_over_mm", MM, 0, margin),
-        place_under=number("fibre_under_mm", MM, 0, margin),
+        place_above=number("fibre_margin_above_mm", MM, 0, margin),
+        place_below=number("fibre_margin_below_mm", MM, 0, margin),
         located=boolean("fibre_located"),
         ends_low=optional("fibre_ends_low_mm", MM, -far, far),
         ends_high=optional("fibre_ends_high_mm", MM, -far, far),
@@ -234,8 +232,8 @@ def parts(config: VerificationConfig) -> Parts:
         last_place=number("last_place_mm", MM, -limit, limit),
         reach=number("reach_since_mm", MM, 0, far),
         front=number("front_mm", MM, -limit, limit),
-        front_over=number("front_over_mm", MM, 0, margin),
-        front_under=number("front_under_mm", MM, 0, margin),
+        front_above=number("front_margin_above_mm", MM, 0, margin),
+        front_below=number("front_margin_below_mm", MM, 0, margin),
         age=number("verified_ago_cycles", COUNT, 0, ages),
         by_count=boolean("by_count"),
         by_length=boolean("by_length"),

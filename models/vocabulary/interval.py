@@ -6,40 +6,43 @@ from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, Num, NumVar, Var, between, exact_to, ite, maximum, minimum
 from safeloc.language.machine import Initial
-from safeloc.language.units import NM
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import NM, NM_PER_MM
 
 
 @dataclass(frozen=True, eq=False)
 class Interval:
-    """The front end lies in [position - under, position + over]; all nm along the route.
+    """The front end lies in [position - below, position + above]; all nm along the route.
 
-    `high` is the max safe front end, `low` the min safe front end (SUBSET-026 3.6.4.4, whose under-reading amount is
-    this `over`).
+    above  how far the truth may lie towards greater coordinates of the line
+    below  how far towards smaller ones
+
+    For a train whose front runs towards growing coordinates `above` is ETCS's L_DOUBTUNDER (under-reading amount: the
+    true front may be that far ahead of the estimate) and `below` is L_DOUBTOVER; when it runs the other way they change
+    places. With growing coordinates `high` is the max safe front end, `low` the min safe front end (SUBSET-026 3.6.4.4).
     """
 
     position: Num
-    over: Num
-    under: Num
+    above: Num
+    below: Num
 
     @property
     def low(self) -> Num:
         """Min safe front end, nm."""
-        return self.position - self.under
+        return self.position - self.below
 
     @property
     def high(self) -> Num:
         """Max safe front end, nm."""
-        return self.position + self.over
+        return self.position + self.above
 
     @property
     def margin(self) -> Num:
         """The greater of both sides, nm."""
-        return maximum(self.over, self.under)
+        return maximum(self.above, self.below)
 
     def moved(self, distance_mm: Num, growth: Num) -> Interval:
         """After a measured distance with an error of at most `growth` nm."""
-        return Interval(self.position + exact_to(distance_mm, NM), self.over + growth, self.under + growth)
+        return Interval(self.position + exact_to(distance_mm, NM), self.above + growth, self.below + growth)
 
     def meets(self, other: Interval, least: int = 0) -> Bool:
         """Whether both have a stretch of at least `least` nm in common."""
@@ -69,8 +72,8 @@ def choose(condition: Bool, then: Interval, other: Interval) -> Interval:
     """`then` where the condition holds, else `other`."""
     return Interval(
         ite(condition, then.position, other.position),
-        ite(condition, then.over, other.over),
-        ite(condition, then.under, other.under),
+        ite(condition, then.above, other.above),
+        ite(condition, then.below, other.below),
     )
 
 
@@ -79,18 +82,18 @@ class Held:
     """The machine's own interval: state variables, all 0 while there is none."""
 
     position: NumVar
-    over: NumVar
-    under: NumVar
+    above: NumVar
+    below: NumVar
 
     @property
     def interval(self) -> Interval:
         """As an interval."""
-        return Interval(self.position, self.over, self.under)
+        return Interval(self.position, self.above, self.below)
 
     def state(self) -> dict[Var, Initial]:
         """State variables with initial values."""
-        return {self.position: 0, self.over: 0, self.under: 0}
+        return {self.position: 0, self.above: 0, self.below: 0}
 
     def become(self, other: Interval) -> dict[Var, Num]:
         """Updates that make the interval its own."""
-        return {self.position: other.position, self.over: other.over, self.under: other.under}
+        return {self.position: other.position, self.above: other.above, self.below: other.below}

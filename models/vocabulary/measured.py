@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import members
-from safeloc.models.vocabulary.error_law import NM_PER_MM
+from safeloc.language.units import NM_PER_MM
 
 MEASURED = members("measured", "ADMITTED", "MISSING", "TOO_FAST", "JUMP")
 ADMITTED, MISSING, TOO_FAST, JUMP = MEASURED

@@ -30,8 +30,8 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.machine import Initial
-from safeloc.language.units import COUNT, MM, MS, NM
-from safeloc.models.vocabulary.error_law import NM_PER_MM, ErrorLaw
+from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MEASURED, MISSING, TOO_FAST, Limits
 

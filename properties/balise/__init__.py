@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, abs_, all_of, any_of, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import (
+    Bool,
+    Optional,
+    all_of,
+    any_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import MM, NM
 from safeloc.models.balise import Balise
@@ -16,6 +27,7 @@ from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.balise.layout import layout_properties
 from safeloc.properties.balise.linking import linking_properties
 from safeloc.properties.balise.step import LAW, Step
+from safeloc.properties.no_interval import no_interval
 
 
 def properties(model: Balise) -> list[Property]:
@@ -23,8 +35,10 @@ def properties(model: Balise) -> list[Property]:
     makers = (
         _safety,
         _references,
-        _charged_and_facing,
+        _charged,
+        _facing,
         _resets,
+        _told_ahead,
         _rejection,
         linking_properties,
         layout_properties,
@@ -36,24 +50,28 @@ def properties(model: Balise) -> list[Property]:
 def _safety(model: Balise) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid, tolerance = machine.flag("valid"), own.config.tolerance_mm
-    position, over, under = (exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "over", "under"))
+    position, above, below = (
+        exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "margin_above", "margin_below")
+    )
     yield always(
         "containment",
-        valid.implies(between(position - under, own.world.truth, position + over)),
+        valid.implies(between(position - below, own.world.truth, position + above)),
         statement="the reported interval holds the true position of the front end",
         requirements=("RFL-5", "RFL-D4"),
         assumption=LAW,
     )
     yield always(
         "tolerance",
-        (machine.output("over_mm") <= tolerance) & (machine.output("under_mm") <= tolerance),
+        valid.implies(
+            (machine.output("margin_above_mm") <= tolerance) & (machine.output("margin_below_mm") <= tolerance)
+        ),
         statement="a reported interval is never wider than the tolerable error, on either side",
         requirements=("RFL-D4",),
         unconditional=True,
     )
-    silent = [machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under", "reflector", "search")]
     nothing = [
-        *silent,
+        no_interval(machine),
+        *(machine.output(name).eq(0) for name in ("reflector_mm", "search_mm")),
         ~machine.flag("reflector_known"),
         ~machine.flag("wants_linking"),
         machine.output("expected").eq(0),
@@ -118,7 +136,7 @@ def _references(model: Balise) -> Iterator[Property]:
     right = [step.expecting, step.read_of(expected), ~step.against(expected), step.inside(expected), ~placed]
     yield always(
         "the expected group counts",
-        all_of([earlier_bool(valid), own.read.well_formed, step.whole, *right]).implies(
+        all_of([earlier_bool(valid), step.well_formed, step.whole, *right]).implies(
             own.memory.verdict.one_of(v.ACCEPTED, v.CONTRADICTED)
         ),
         statement="the expected group, read whole, in the announced orientation and inside its window, is accepted, unless it "
@@ -128,7 +146,7 @@ def _references(model: Balise) -> Iterator[Property]:
     )
 
 
-def _charged_and_facing(model: Balise) -> Iterator[Property]:
+def _charged(model: Balise) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     accepted, valid = own.memory.verdict.eq(v.ACCEPTED), machine.flag("valid")
     yield always(
@@ -148,13 +166,33 @@ def _charged_and_facing(model: Balise) -> Iterator[Property]:
         requirements=("RFL-D4",),
         unconditional=True,
     )
+
+
+def _facing(model: Balise) -> Iterator[Property]:
+    """What balises say of the direction of travel."""
+    machine, own, step = model.machine, model.own, Step(model)
+    along, was_along = own.memory.direction.eq(v.ALONG), earlier_num(own.memory.direction).eq(v.ALONG)
     yield always(
         "direction by orientation",
-        (own.memory.direction.eq(v.ALONG) & earlier_num(own.memory.direction).ne(v.ALONG)).implies(
-            own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE)
-            & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))
-        ),
+        (along & ~was_along).implies(step.counts & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))),
         statement="the direction of travel is stated only after a group with an orientation of its own, or a second group",
+        requirements=("RFL-D4",),
+        unconditional=True,
+    )
+    remembers = own.memory.group.ne(0)
+    now = step.counts & (step.oriented | step.surely_ahead)
+    yield always(
+        "direction is told when balises tell it",
+        along.iff(remembers & (was_along | now)),
+        statement="the direction is told from the group on that was passed as it was to be, or that lies surely beyond the "
+        "one before, as long as a group is remembered; never by anything else",
+        requirements=("RFL-D4",),
+        unconditional=True,
+    )
+    yield always(
+        "direction is put out",
+        machine.output("direction").eq(own.memory.direction),
+        statement="the direction told is the one that is remembered",
         requirements=("RFL-D4",),
         unconditional=True,
     )
@@ -199,19 +237,44 @@ def _resets(model: Balise) -> Iterator[Property]:
     )
     yield always(
         "margins never shrink",
-        (kept & ~accepted).implies((interval.over >= step.old.over) & (interval.under >= step.old.under)),
+        (kept & ~accepted).implies((interval.above >= step.old.above) & (interval.below >= step.old.below)),
         statement="without an accepted group neither margin shrinks",
         requirements=("RFL-D4",),
         unconditional=True,
     )
+
+
+def _told_ahead(model: Balise) -> Iterator[Property]:
+    """What a telegram says of the next reflector, and from where to search for it."""
+    own, step = model.own, Step(model)
     told = own.reflector.known & ~earlier_bool(own.reflector.known)
     new = own.reflector.place.ne(earlier_num(own.reflector.place)) & own.reflector.known
-    counted = own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE)
     reach = own.read.reflector.value
     yield always(
         "reflector told by an accepted telegram",
-        (told | new).implies(counted & own.reflector.place.eq(own.memory.place + reach)),
+        (told | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
         statement="the distance to the next reflector is taken only from a telegram that counts, from its group's place on",
+        requirements=("RFL-9",),
+        unconditional=True,
+    )
+    for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
+        yield _told_of(model, name, distance)
+
+
+def _told_of(model: Balise, name: str, distance: Optional) -> Property:
+    machine, own, step = model.machine, model.own, Step(model)
+    known, place = machine.flag(f"{name}_known"), machine.output(f"{name}_mm")
+    valid, zero = machine.flag("valid"), as_num(0, MM)
+    afresh = [known.iff(distance.present), place.eq(ite(distance.present, step.place_told + distance.value, zero))]
+    was = earlier_num(place)
+    still = earlier_bool(known) & (exact_to(was, NM) >= own.held.interval.low)
+    kept = [known.iff(still), place.eq(ite(still, was, zero))]
+    counted = own.memory.verdict.eq(v.ACCEPTED)
+    return always(
+        f"{name} distance of the telegram is told",
+        valid.implies(ite(counted, all_of(afresh), (~earlier_bool(valid)) | all_of(kept))),
+        statement=f"from an accepted telegram with a {name} distance on, the place so far beyond its group is told, until the "
+        "min safe front end is beyond it or another group counts; without that distance nothing is told",
         requirements=("RFL-9",),
         unconditional=True,
     )
@@ -221,7 +284,7 @@ def _rejection(model: Balise) -> Iterator[Property]:
     own, step = model.own, Step(model)
     interval, moved, kept = own.held.interval, step.moved, step.kept
     pairs = zip(
-        (interval.position, interval.over, interval.under), (moved.position, moved.over, moved.under), strict=True
+        (interval.position, interval.above, interval.below), (moved.position, moved.above, moved.below), strict=True
     )
     as_odometry = all_of(now.eq(alone) for now, alone in pairs)
     yield always(
@@ -280,9 +343,8 @@ def _sensors(model: Balise) -> Iterator[Property]:
     limits, gap = own.config.limits, earlier_num(odometer.gap)
     change = odometer.step.value - earlier_num(odometer.last)
     allowed = with_unit((gap + 1) * limits.max_step_change_mm, MM)
-    gate = (abs_(odometer.step.value) <= limits.max_step_mm) & (
-        (gap > limits.gap_limit) | between(-allowed, change, allowed)
-    )
+    possible = between(-limits.max_step_mm, odometer.step.value, limits.max_step_mm)
+    gate = possible & ((gap > limits.gap_limit) | between(-allowed, change, allowed))
     yield always(
         "odometer gate",
         odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),

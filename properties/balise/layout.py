@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from safeloc.language.expr import Bool, Num, abs_, all_of, between, minimum
+from safeloc.language.expr import Bool, Num, abs_, all_of, between, exact_to, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
+from safeloc.language.units import NM, NM_PER_MM
 from safeloc.models.balise import Balise
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.linking import Record
 from safeloc.models.balise.reckoning import as_reckoned, layout, reckoned_nm
 from safeloc.models.layout_rules import expectation_windows_apart
-from safeloc.models.vocabulary.error_law import NM_PER_MM
 from safeloc.properties.balise.step import Step
 
 
@@ -54,9 +54,10 @@ def _accuracy(model: Balise, slot: Record) -> Num:
 
 def _open(model: Balise, slot: Record) -> Bool:
     """The window of the group in a slot is open, after the step."""
-    interval = model.own.held.interval
-    first, last = model.own.config.reader.window(slot.place, _accuracy(model, slot))
-    return (interval.high >= first) & (interval.low <= last)
+    interval, config = model.own.held.interval, model.own.config
+    spread = exact_to(config.detection_mm + _accuracy(model, slot), NM)
+    nominal = exact_to(config.antenna_mm + slot.place, NM)
+    return (nominal - interval.high <= spread) & (interval.low - nominal <= spread)
 
 
 def _apart(model: Balise, nearer: Record, farther: Record) -> Bool:

@@ -5,16 +5,17 @@ Written apart from the terms that the machine itself is made of, so that a wrong
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite, maximum
+from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, as_num, exact_to, ite, maximum, with_unit
 from safeloc.language.spec import earlier_bool, earlier_num
-from safeloc.language.units import MM, NM
+from safeloc.language.units import MM, NM, UM
 from safeloc.models.balise import Balise
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.linking import Record
-from safeloc.models.balise.telegram import NOMINAL, PASSED, REVERSE
+from safeloc.models.balise.telegram import NOMINAL, PASSED, REVERSE, UNKNOWN
 from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.measured import ADMITTED
 
@@ -42,7 +43,7 @@ class Step:
     def old(self) -> Interval:
         """The interval before the step."""
         interval = self.model.own.held.interval
-        return Interval(*(earlier_num(term) for term in (interval.position, interval.over, interval.under)))
+        return Interval(*(earlier_num(term) for term in (interval.position, interval.above, interval.below)))
 
     @cached_property
     def admitted(self) -> Bool:
@@ -57,9 +58,25 @@ class Step:
     @cached_property
     def moved(self) -> Interval:
         """The interval before the step, moved by the measured distance and grown by the odometer's law."""
-        blind = as_num(self.model.own.config.limits.blind_nm, NM)
-        growth = ite(self.admitted, self.model.own.odometer.most_error, blind)
-        return self.old.moved(self.distance, growth)
+        charged = ite(self.admitted, self._lawful_nm, exact_to(self.reach(self.model.own.config.period_ms), NM))
+        more = self.model.own.odometer.more
+        growth = charged if more is None else more + charged
+        place = self.old.position + exact_to(self.distance, NM)
+        return Interval(place, self.old.above + growth, self.old.below + growth)
+
+    @cached_property
+    def _lawful_nm(self) -> Num:
+        """By how much a measured distance may miss the true one: the rate above the knee, and the floor over a cycle."""
+        law, period = self.model.own.config.odometer, self.model.own.config.period_ms
+        step = self.model.own.odometer.step.value
+        far = maximum(step, -step)
+        above = maximum(far - law.knee_mm_s * period // 1_000, 0) if law.knee_mm_s else far
+        return exact_to(Lit(law.floor_mm_s * period, UM), NM) + with_unit(above * law.rate_ppm, NM)
+
+    def reach(self, age_ms: Num | int) -> Num:
+        """The farthest that the vehicle gets in so much time, um."""
+        top = self.model.own.config.max_speed_mm_s
+        return Lit(top * age_ms, UM) if isinstance(age_ms, int) else with_unit(age_ms * top, UM)
 
     # ------------------------------------------------------------------ the telegram
 
@@ -67,6 +84,16 @@ class Step:
         """What was read has the identity of the group that was in a slot."""
         group = self.model.own.read.group
         return group.present & earlier_num(slot.group).eq(group.value)
+
+    @cached_property
+    def well_formed(self) -> Bool:
+        """Everything that belongs to a reading came, and its numbers can be those of one group."""
+        read = self.model.own.read
+        group = (read.group, read.link, read.check, read.age)
+        numbers = (read.total, read.read, read.first, read.last)
+        total, several = read.total.value, read.first.value.ne(read.last.value)
+        fits = [total >= one.value for one in numbers[1:]]
+        return all_of([*(one.present for one in (*numbers, *group)), *fits, several.iff(read.read.value.ne(1))])
 
     @cached_property
     def whole(self) -> Bool:
@@ -113,20 +140,78 @@ class Step:
             result = ite(self.read_of(slot), self.accuracy_of(slot), result)
         return result
 
-    def window(self, slot: Record) -> tuple[Num, Num]:
-        """The first and the last place of the front end at which the group that was in a slot can be read, nm."""
-        return self.model.own.config.reader.window(earlier_num(slot.place), self.accuracy_of(slot))
+    def can_read_from(self, slot: Record) -> Bool:
+        """The max safe front end has reached the first place where the antenna can read the group that was in a slot."""
+        farthest = maximum(self.old.high, self.moved.high) + self._spread(slot)
+        return farthest - exact_to(as_num(self.model.own.config.antenna_mm, MM), NM) >= self._place(slot)
+
+    def beyond(self, slot: Record, front: Num) -> Bool:
+        """A front end so far along has its antenna beyond the last place where the group that was in a slot can be read."""
+        antenna = front - exact_to(as_num(self.model.own.config.antenna_mm, MM), NM)
+        return antenna - self._place(slot) > self._spread(slot)
+
+    def _place(self, slot: Record) -> Num:
+        return exact_to(earlier_num(slot.place), NM)
+
+    def _spread(self, slot: Record) -> Num:
+        """Location accuracy of the group and detection accuracy of the antenna, nm."""
+        return exact_to(self.model.own.config.detection_mm + self.accuracy_of(slot), NM)
 
     def inside(self, slot: Record) -> Bool:
         """The max safe front end had reached the first place, and the min safe front end not passed the last one."""
-        first, last = self.window(slot)
-        return (maximum(self.old.high, self.moved.high) >= first) & (self.old.low <= last)
+        return self.can_read_from(slot) & ~self.beyond(slot, self.old.low)
 
     @cached_property
     def passed(self) -> Bool:
         """The min safe front end has passed the last place where the expected group can be read."""
-        _, last = self.window(self.model.own.linking.slots[0])
-        return maximum(self.old.low, self.moved.low) > last
+        expected = self.model.own.linking.slots[0]
+        return self.beyond(expected, self.old.low) | self.beyond(expected, self.moved.low)
+
+    # ------------------------------------------------------------------ what a telegram that counts says
+
+    @cached_property
+    def counts(self) -> Bool:
+        """The telegram was accepted, or is the candidate."""
+        return self.model.own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE)
+
+    def by_precedence(self, of_slot: Callable[[Record], Num], otherwise: Num) -> Num:
+        """What linking says of the group that was read, else what came with the telegram."""
+        result, located = otherwise, earlier_bool(self.model.machine.flag("valid"))
+        for slot in reversed(self.model.own.linking.slots):
+            known = located & earlier_num(slot.group).ne(0) & self.read_of(slot)
+            result = ite(known, earlier_num(of_slot(slot)), result)
+        return result
+
+    @cached_property
+    def place_told(self) -> Num:
+        """Where the group lies that was read, mm."""
+        return self.by_precedence(lambda slot: slot.place, self.model.own.read.place.value)
+
+    @cached_property
+    def oriented(self) -> Bool:
+        """The group has an orientation of its own, and it is known in which one it is to be passed."""
+        read = self.model.own.read
+        own = ite(~read.orientation.present, UNKNOWN, read.orientation.value)
+        return read.first.value.ne(read.last.value) & self.by_precedence(lambda slot: slot.orientation, own).ne(UNKNOWN)
+
+    @cached_property
+    def surely_ahead(self) -> Bool:
+        """The front end, as the telegram puts it at the least, is beyond where it was at the last group, by more than over."""
+        own, read, config = self.model.own, self.model.own.read, self.model.own.config
+        since = ite(~read.since.present, as_num(0, MM), read.since.value)
+        way = self.place_told - earlier_num(own.memory.place) + since
+        told = exact_to(way - self.accuracy_by_precedence - config.detection_mm - config.odometer.constant_mm, NM)
+        far = maximum(since, -since) * config.odometer.rate_ppm
+        unmeasured = self._run_back(read.age.value)
+        less = ite(~read.since.present, unmeasured, with_unit(far, NM))
+        return earlier_num(own.memory.group).ne(0) & (told - less > self.moved.above)
+
+    def _run_back(self, age: Num) -> Num:
+        """How far the vehicle may have run backwards since a reading without a counter, nm."""
+        config = self.model.own.config
+        step = exact_to(as_num(config.measuring_step_mm, MM), NM)
+        forwards = self.admitted & (age < config.period_ms + 1) & (self.distance >= 0)
+        return ite(~forwards, exact_to(self.reach(age), NM) + step, step)
 
     @cached_property
     def expecting(self) -> Bool:

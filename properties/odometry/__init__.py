@@ -2,46 +2,57 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, all_of, any_of, as_num, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import MM, NM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
 from safeloc.models.odometry.distance_device import Unit
-from safeloc.models.odometry.marker_reading import ACCEPTED, Reader
+from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
+from safeloc.properties.no_interval import no_interval
 
-LAW = "admitted distances obey their unit's error law; accepted readings are true within accuracy; top speed"
+LAW = (
+    "distances obey their unit's error law or cannot have been run; readers stand over the marker that they give, but for one "
+    "that lies far away, once in the age limit; the map's accuracy; the vehicle's length; top speed"
+)
+
+MM_IN_NM = 1_000_000
 
 
 def properties(model: Odometry) -> list[Property]:
     """Every property of the odometry machine."""
-    makers = (_safety, _references, _selection, _rejection, _sensors)
+    makers = (_safety, _references, _window, _selection, _rejection, _sensors, _ages)
     return [prop for maker in makers for prop in maker(model)]
 
 
 def _safety(model: Odometry) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid, position = machine.flag("valid"), exact_to(machine.output("position_mm"), NM)
-    over, under = exact_to(machine.output("over_mm"), NM), exact_to(machine.output("under_mm"), NM)
+    above, below = exact_to(machine.output("margin_above_mm"), NM), exact_to(machine.output("margin_below_mm"), NM)
     yield always(
         "containment",
-        valid.implies(between(position - under, own.truth, position + over)),
+        valid.implies(between(position - below, own.ghosts.truth, position + above)),
         statement="the reported interval holds the true position of end A",
         requirements=("MRK-1", "MRK-4", "MRK-5", "MRK-D6"),
         assumption=LAW,
     )
     yield always(
         "tolerance",
-        (machine.output("over_mm") <= own.config.tolerance_mm)
-        & (machine.output("under_mm") <= own.config.tolerance_mm),
+        valid.implies(
+            (machine.output("margin_above_mm") <= own.config.tolerance_mm)
+            & (machine.output("margin_below_mm") <= own.config.tolerance_mm)
+        ),
         statement="a reported interval is never wider than the tolerable error, on either side",
         requirements=("MRK-D1",),
         unconditional=True,
     )
-    silent = all_of(machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under", "distance_run"))
+    silent = no_interval(machine) & machine.output("distance_run_mm").eq(0)
     yield always(
         "no report when invalid",
         (~valid).implies(silent & machine.output("values").eq(NO_VALUES)),
@@ -49,10 +60,9 @@ def _safety(model: Odometry) -> Iterator[Property]:
         requirements=("MRK-D1", "MRK-D2"),
         unconditional=True,
     )
-    alive = any_of(unit.alive for unit in own.units)
     yield always(
         "same-step loss",
-        (~alive).implies(~valid),
+        all_of(~unit.alive for unit in own.units).implies(~valid),
         statement="the cycle in which the last usable value is lost is the cycle in which nothing is reported any more",
         requirements=("MRK-D1",),
         unconditional=True,
@@ -79,10 +89,10 @@ def _references(model: Odometry) -> Iterator[Property]:
         requirements=("MRK-1", "MRK-D1"),
         unconditional=True,
     )
-    accepted = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
+    kept = all_of([valid, earlier_bool(valid), *(reader.verdict.ne(ACCEPTED) for reader in own.readers)])
     yield always(
         "margin never shrinks",
-        (valid & earlier_bool(valid) & ~accepted).implies(model.lead.margin >= earlier_num(model.lead.margin)),
+        kept.implies(_margin(machine) >= earlier_num(_margin(machine))),
         statement="without an accepted reading the reported margin never shrinks",
         requirements=("MRK-D1", "MRK-D3"),
         unconditional=True,
@@ -98,33 +108,53 @@ def _references(model: Odometry) -> Iterator[Property]:
         )
 
 
+def _margin(machine: Machine) -> Num:
+    """The greater side of what is reported, mm."""
+    return maximum(machine.output("margin_below_mm"), machine.output("margin_above_mm"))
+
+
 def _entitled(model: Odometry, end: int, reader: Reader) -> Bool:
+    """A leading marker is new and lies ahead of the last one; a trailing one was read by the leading reader."""
     own, marker, place = model.own, reader.marker.value, reader.place.value
-    leads = earlier_bool(own.leads(end))
+    back = earlier_bool(own.backwards)
     last, last_place = earlier_num(own.last_marker), earlier_num(own.last_place)
-    ahead = ite(earlier_bool(own.backwards), place < last_place, place > last_place)
-    new = marker.ne(last) & (last.eq(0) | ahead)
-    waited = any_of(earlier_num(waiting).eq(marker) for waiting in own.pending.places)
-    return reader.marker.present & reader.place.present & ite(leads, new, waited)
+    ahead = ite(back, last_place > place, last_place < place)
+    new = last.eq(0) | (last.ne(marker) & ahead)
+    unknown = all_of(earlier_num(waiting).ne(marker) for waiting in own.pending.places)
+    leading = back if end == 1 else ~back
+    return all_of([reader.marker.present, reader.place.present, leading.implies(new), leading | ~unknown])
+
+
+def _window(model: Odometry) -> Iterator[Property]:
+    """The window refuses no reading that is true; that it refuses what is far off is part of containment."""
+    ghosts = model.own.ghosts
+    no_slip = all_of(one.next_wander.eq(earlier_num(one.wander)) for one in ghosts.units)
+    for end, reader in enumerate(model.own.readers):
+        yield always(
+            f"{('front', 'rear')[end]} reader over its marker is inside the window",
+            (no_slip & reader.verdict.eq(OUT_OF_WINDOW)).implies(ghosts.readers[end].stray),
+            statement="no reading of a marker that the reader stood over is refused as out of its window, in a cycle in "
+            "which no unit slips (the one-off part of no unit's error changes)",
+            requirements=("MRK-1", "MRK-5"),
+            assumption=LAW,
+        )
 
 
 def _selection(model: Odometry) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    valid, lead = machine.flag("valid"), model.lead
-    units = [unit.values for unit in own.units]
+    valid = machine.flag("valid")
     yield always(
         "the smallest margin leads",
-        valid.implies(all_of(value.alive.implies(lead.margin <= value.margin) for value in units)),
+        valid.implies(all_of(_no_worse(machine, unit) for unit in own.units)),
         statement="the reported margin is the smallest of all usable ones: no switch is ever to a worse one",
         requirements=("MRK-D3", "MRK-D4"),
         unconditional=True,
     )
-    front = any_of(unit.alive for unit in own.devices[0].units)
-    candidate = machine.mode.eq(machine.modes[1])
-    best = [unit.alive.implies(lead.margin <= unit.values.margin) for unit in own.devices[0].units]
+    candidate, of_front = machine.mode.eq(machine.modes[1]), own.devices[0].units
+    better = [unit.alive.implies(valid & _no_worse(machine, unit)) for unit in of_front]
     yield always(
         "never worse than the front device alone",
-        (front & ~candidate).implies(valid & all_of(best)),
+        candidate | all_of(better),
         statement="whenever the front device alone would have a position, one is reported, with a margin that is not "
         "greater than the front device's (which no reading of the other device touches)",
         requirements=("MRK-1", "MRK-D3", "MRK-D5"),
@@ -148,12 +178,18 @@ def _selection(model: Odometry) -> Iterator[Property]:
     )
 
 
+def _no_worse(machine: Machine, unit: Unit) -> Bool:
+    """What is reported, rounded up to whole mm, has no greater margin than the unit while that has a position."""
+    reported = exact_to(_margin(machine), NM) - (MM_IN_NM - 1)
+    return unit.alive.implies((reported <= unit.above) | (reported <= unit.below))
+
+
 def _rejection(model: Odometry) -> Iterator[Property]:
     own = model.own
     valid = model.machine.flag("valid")
     for device in own.devices:
         setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
-        rejected = ~any_of(reader.verdict.eq(ACCEPTED) for reader in setting)
+        rejected = all_of(reader.verdict.ne(ACCEPTED) for reader in setting)
         for unit, other in (device.units, device.units[::-1]):
             kept = rejected & valid & earlier_bool(valid) & unit.alive
             yield always(
@@ -164,6 +200,15 @@ def _rejection(model: Odometry) -> Iterator[Property]:
                 requirements=("MRK-1", "MRK-D1", "MRK-4"),
                 unconditional=True,
             )
+            silent = unit.judged.ne(ADMITTED) & other.judged.ne(ADMITTED)
+            farthest = own.config.max_speed_mm_s * own.config.period_ms * 1_000
+            yield always(
+                f"{unit.name} charges silence",
+                (kept & silent).implies(unit.above - earlier_num(unit.above) >= farthest),
+                statement="a cycle in which no distance of the device is admitted is charged with the highest speed",
+                requirements=("MRK-D1", "MRK-4"),
+                unconditional=True,
+            )
 
 
 def _ran_on(unit: Unit, other: Unit) -> Bool:
@@ -171,13 +216,13 @@ def _ran_on(unit: Unit, other: Unit) -> Bool:
     if unit.limits.single_fault_safe:  # a lone distance moves nothing
         heard = other_heard = heard & other_heard
     moved = ite(heard, unit.step.value, ite(other_heard, other.step.value, as_num(0, MM)))
-    growth = unit.over - earlier_num(unit.over)
+    growth = unit.above - earlier_num(unit.above)
     return all_of(
         [
             earlier_bool(unit.alive),
             unit.position.eq(earlier_num(unit.position) + moved),
             growth >= 0,
-            growth.eq(unit.under - earlier_num(unit.under)),
+            growth.eq(unit.below - earlier_num(unit.below)),
         ]
     )
 
@@ -198,17 +243,49 @@ def _sensors(model: Odometry) -> Iterator[Property]:
     for unit in own.units:
         yield always(
             f"{unit.name} gate",
-            unit.judged.eq(ADMITTED).implies(unit.step.present & _within_gate(unit)),
-            statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
-            "last one",
+            unit.judged.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
+            statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed "
+            "since the last one",
             requirements=("MRK-4", "MRK-D1"),
             unconditional=True,
         )
 
 
-def _within_gate(unit: Unit) -> Bool:
-    limits, gap = unit.limits, earlier_num(unit.gap)
-    change = unit.step.value - earlier_num(unit.last)
-    allowed = with_unit((gap + 1) * limits.max_step_change_mm, MM)
-    near = between(-allowed, change, allowed)
-    return between(-limits.max_step_mm, unit.step.value, limits.max_step_mm) & ((gap > limits.gap_limit) | near)
+def _within_gate(config: OdometryConfig, unit: Unit) -> Bool:
+    """In figures of the requirement: top speed and greatest acceleration, rounded up to mm, and steps of the measurement."""
+    farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
+    change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
+    step, last, cycles = unit.step.value, earlier_num(unit.last), earlier_num(unit.gap) + 1
+    allowed = with_unit(cycles * change, MM)
+    near = (step <= last + allowed) & (last <= step + allowed)
+    return (step <= farthest) & (step >= -farthest) & ((cycles > config.gap_limit_cycles + 1) | near)
+
+
+def _ages(model: Odometry) -> Iterator[Property]:
+    machine, config = model.machine, model.own.config
+    yield always(
+        "age limit",
+        machine.output("age_ms") <= config.age_limit_ms,
+        statement="no position is reported whose reference is older than the age limit",
+        requirements=("MRK-D1",),
+        unconditional=True,
+    )
+    for device in model.own.devices:
+        running = [one for unit in device.units for one in (unit.alive, earlier_bool(unit.alive))]
+        older = device.age - earlier_num(device.age)
+        fresh = device.age.eq(config.period_ms)
+        yield always(
+            f"{device.name} device grows older",
+            all_of(running).implies(older.eq(config.period_ms) | fresh),
+            statement="in every cycle without a reference the device's age grows by the cycle",
+            requirements=("MRK-D1",),
+            unconditional=True,
+        )
+        rejected = all_of(reader.verdict.ne(ACCEPTED) & reader.verdict.ne(CANDIDATE) for reader in model.own.readers)
+        yield always(
+            f"{device.name} device is set by a reading alone",
+            (all_of(running) & rejected).implies(older.eq(config.period_ms)),
+            statement="only a reading that was accepted, or is a candidate, makes the device's reference young again",
+            requirements=("MRK-1", "MRK-D1"),
+            unconditional=True,
+        )

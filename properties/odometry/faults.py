@@ -18,7 +18,7 @@ SOURCES = ("MRK-4", "MRK-D1")
 
 def properties(model: Odometry) -> list[Property]:
     """Containment with one faulty unit: of the reported interval, or, without `single_fault_safe`, of a wider one."""
-    if model.own.faulty is None:
+    if model.own.ghosts.faulty is None:
         name, src = model.machine.name, model.machine.src
         raise PropertyError(f"{src}: {name} has no ghost of a faulty unit; make its parts with with_fault=True.")
     if model.own.config.single_fault_safe:
@@ -26,7 +26,7 @@ def properties(model: Odometry) -> list[Property]:
     return [
         always(
             "containment within what a fault can hide",
-            _contained(model, model.own.unseen),
+            _contained(model, model.own.ghosts.unseen),
             statement="with one faulty unit, the reported interval, widened on both sides by twice the greater law of the "
             "device's two units over the cycles since the reference in which both measured (and the difference of "
             "their one-off constants), holds the true position of end A",
@@ -50,8 +50,12 @@ def containment(model: Odometry) -> Property:
 def _contained(model: Odometry, more: tuple[Num, ...]) -> Bool:
     """Whichever device gives the position, the reported interval and `more` of it on both sides hold the truth."""
     machine = model.machine
-    position, over, under = (exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "over", "under"))
+    position, above, below = (
+        exact_to(machine.output(f"{name}_mm"), NM) for name in ("position", "margin_above", "margin_below")
+    )
     return all_of(
-        machine.mode.eq(mode).implies(between(position - under - wider, model.own.truth, position + over + wider))
+        machine.mode.eq(mode).implies(
+            between(position - below - wider, model.own.ghosts.truth, position + above + wider)
+        )
         for mode, wider in zip(machine.modes[2:], more, strict=True)
     )

@@ -24,8 +24,8 @@ def properties(whole: Comparison) -> list[Property]:
     """Valid wherever the other is, and with a margin that is not greater."""
     both, alone = whole.both.machine, whole.alone.machine
     valid, valid_alone = whole.of_both.bool(both.flag("valid")), whole.of_alone.bool(alone.flag("valid"))
-    margin = whole.of_both.num(maximum(both.output("over_mm"), both.output("under_mm")))
-    margin_alone = whole.of_alone.num(maximum(alone.output("over_mm"), alone.output("under_mm")))
+    margin = whole.of_both.num(maximum(both.output("margin_above_mm"), both.output("margin_below_mm")))
+    margin_alone = whole.of_alone.num(maximum(alone.output("margin_above_mm"), alone.output("margin_below_mm")))
     exact, exact_alone = whole.of_both.num(whole.both.lead.margin), whole.of_alone.num(whole.alone.lead.margin)
     return [
         always(

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import all_of, any_of, before, between, exact_to, was
+from safeloc.language.expr import Bool, all_of, any_of, before, between, exact_to, ite, minimum, was
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM, UM
 from safeloc.models.verification import Verification
 from safeloc.models.verification import variables as v
-from safeloc.properties.in_step import in_step
+from safeloc.models.verification.variables import Parts
+from safeloc.properties.no_interval import no_interval
+from safeloc.properties.verification.abilities import properties as ability_properties
 from safeloc.properties.verification.mismatch import properties as mismatch_properties
 
 LAW = "what the fibre tells of a train is true of that train within its bounds; a located interval holds the front"
@@ -30,7 +32,8 @@ def properties(model: Verification) -> list[Property]:
         *_inputs(model),
         *_entry(model),
         *mismatch_properties(model),
-        *_course(model),
+        *ability_properties(model),
+        *_handed_over(model),
         *_reached(model),
     ]
 
@@ -38,7 +41,8 @@ def properties(model: Verification) -> list[Property]:
 def _truth(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     trusted = machine.flag("trusted")
-    low, high = own.front - own.front_under, own.front + own.front_over
+    position = machine.output("position_mm")
+    low, high = position - machine.output("margin_below_mm"), position + machine.output("margin_above_mm")
     tolerance = own.config.length_tolerance_mm * 2_000
     yield always(
         "containment",
@@ -47,17 +51,17 @@ def _truth(model: Verification) -> Iterator[Property]:
         requirements=CLAIM,
         assumption=LAW,
     )
-    now = machine.fired("verified", "reference accepted and verified")
+    now = trusted & machine.output("verified_cycles_ago").eq(0)
     yield always(
         "verified count is the train's",
-        (now & own.by_count).implies(own.axles.eq(own.kept_count)),
+        (now & machine.flag("verified_count")).implies(own.axles.eq(own.kept_count)),
         statement="in a cycle verified by count, the train followed has as many axles as the counter counted: identity",
         requirements=(*CLAIM, "FVA-D1"),
         assumption=LAW,
     )
     yield always(
         "verified length is the train's",
-        (now & own.by_length).implies(
+        (now & machine.flag("verified_length")).implies(
             between(exact_to(own.kept_low, UM) - tolerance, own.length, exact_to(own.kept_high, UM) + tolerance)
         ),
         statement="in a cycle verified by length, the train's length agrees with the counter's within both tolerances",
@@ -76,7 +80,7 @@ def _truth(model: Verification) -> Iterator[Property]:
 
 
 def _latch(model: Verification) -> Iterator[Property]:
-    machine, own, judged = model.machine, model.own, model.judged
+    machine, own = model.machine, model.own
     none, withheld, trusted_mode, untrusted = machine.modes
     mode, trusted = machine.mode, machine.flag("trusted")
     was_untrusted = before(mode).eq(untrusted)
@@ -89,18 +93,18 @@ def _latch(model: Verification) -> Iterator[Property]:
     )
     yield always(
         "trust begins with a verification",
-        (trusted & before(mode).ne(trusted_mode)).implies(
-            own.age.eq(0) & own.associated & (own.seen_count.present | own.seen_length.present)
-        ),
+        (trusted & before(mode).ne(trusted_mode)).implies(own.age.eq(0) & _verified_now(own)),
         statement="a position is trusted again only in a cycle in which count or length was determined and matched",
         requirements=CLAIM,
         unconditional=True,
     )
+    follows = before(mode).one_of(withheld, trusted_mode) & mode.one_of(withheld, trusted_mode)
+    older = ite(own.due, own.age.high, minimum(before(own.age) + 1, own.age.high))
     yield always(
-        "mismatch withholds in the same cycle",
-        (in_step(machine, judged.mismatch) & ~own.leaves).implies(mode.eq(untrusted)),
-        statement="whatever does not match, the train is untrusted in the same cycle",
-        requirements=(*CLAIM, *COURSE),
+        "the age of a verification is counted",
+        follows.implies(own.age.eq(ite(_verified_now(own), 0, older))),
+        statement="a verification is as old as the cycles since the last one in which count or length was determined and matched",
+        requirements=(*CLAIM, *STAY),
         unconditional=True,
     )
     yield always(
@@ -119,10 +123,9 @@ def _latch(model: Verification) -> Iterator[Property]:
         requirements=COURSE,
         unconditional=True,
     )
-    nothing = all_of(machine.output(f"{name}_mm").eq(0) for name in ("position", "over", "under"))
     yield always(
         "withheld is nothing",
-        (~trusted).implies(nothing & ~machine.flag("handover_trusted")),
+        (~trusted).implies(no_interval(machine) & ~machine.flag("handover_trusted")),
         statement="a position that is not trusted is not given out, and not handed over as trusted",
         requirements=CLAIM,
         unconditional=True,
@@ -172,11 +175,13 @@ def _inputs(model: Verification) -> Iterator[Property]:
         requirements=CONTROL,
         unconditional=True,
     )
-    differs = own.control_count.present & own.control_count.value.ne(own.kept_count)
+    came, new_control = own.control_count.present | own.control_length.present, own.by_control & ~was(own.by_control)
+    agrees = own.control_count.present.implies(own.control_count.value.eq(own.kept_count))
+    believed = machine.mode.one_of(*machine.modes[1:3])
     yield always(
-        "control data do not repair",
-        differs.implies(~trusted),
-        statement="train control data that contradict the reference withhold; they never replace it",
+        "train control is listed where it agreed",
+        new_control.implies(agrees & came) & (believed & came).implies(own.by_control),
+        statement="train control data are listed as verified from the first cycle on in which they came and agreed",
         requirements=CONTROL,
         unconditional=True,
     )
@@ -238,40 +243,33 @@ def _entry(model: Verification) -> Iterator[Property]:
     )
 
 
-def _course(model: Verification) -> Iterator[Property]:
+def _verified_now(own: Parts) -> Bool:
+    """Count or length was determined of the train's own pattern, and is the record's."""
+    tolerance, length = own.config.length_tolerance_mm, own.seen_length
+    count = own.seen_count.present & own.seen_count.value.eq(own.kept_count)
+    near = (length.value + tolerance >= own.kept_low) & (length.value - tolerance <= own.kept_high)
+    return own.associated & (count | (length.present & near))
+
+
+def _handed_over(model: Verification) -> Iterator[Property]:
+    """What the neighbour is given."""
     machine, own = model.machine, model.own
-    trusted, config = machine.flag("trusted"), own.config
-    length = own.seen_length.value - before(own.last_length)
-    changed = own.associated & own.seen_length.present & was(own.length_known)
+    length = machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm")
+    said = (
+        machine.output("handover_axles").eq(own.kept_count) & length[0].eq(own.kept_low) & length[1].eq(own.kept_high)
+    )
     yield always(
-        "a length that changes withholds",
-        (changed & ~between(-config.length_change_mm, length, config.length_change_mm)).implies(
-            ~trusted | ~was(own.length_known) | machine.fired("train has left")
-        ),
-        statement="a length that differs from the one before withholds in the same cycle",
-        requirements=COURSE,
+        "the record is handed over",
+        machine.flag("handover_trusted").implies(machine.flag("trusted") & said),
+        statement="what is handed over as trusted is the stored record, while the train is trusted",
+        requirements=("FVA-D1", *STAY),
         unconditional=True,
     )
-    ability = max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // v.MS_PER_S
-    slack = 2 * config.speed_tolerance_mm_s + ability + 1
-    change = own.seen_speed.value - before(own.last_speed)
-    compared = own.associated & own.seen_speed.present & was(own.speed_known) & before(own.slower).eq(0)
     yield always(
-        "a speed that no train changes withholds",
-        (compared & before(own.faster).eq(0) & ~between(-slack, change, slack)).implies(~trusted),
-        statement="between two cycles the speed changes by no more than traction, brakes and both tolerances allow",
-        requirements=COURSE,
-        unconditional=True,
-    )
-    step = config.max_speed_mm_s * config.period_ms // v.MS_PER_S + 1 + config.jump_mm
-    run = own.place.value - before(own.last_place)
-    above, below = before(own.front_over) + own.place_under, before(own.front_under) + own.place_over
-    placed = own.associated & own.located & own.place.present & was(own.place_known) & before(own.reach).eq(0)
-    yield always(
-        "a jump withholds",
-        (placed & ~between(-(below + step), run, above + step)).implies(~trusted),
-        statement="between two cycles the front comes no farther than the highest speed and both intervals allow",
-        requirements=COURSE,
+        "listed with the emitter",
+        machine.flag("verified_by_emitter").implies(machine.flag("trusted") & own.chain_tested),
+        statement="the chain is listed as tested only in a cycle in which it is",
+        requirements=EMITTER,
         unconditional=True,
     )
 

@@ -1,106 +1,223 @@
-"""What must withhold a fibre position, parameter by parameter, in figures of its own (FVA-2 to FVA-7)."""
+"""What must withhold a fibre position, parameter by parameter, and what alone may (FVA-1 to FVA-8).
+
+Every mismatch is written from the inputs of the cycle and from what is stored, in figures of its own. Rounding makes two
+figures of a jump: from one millimetre beyond the reach on it must withhold, and within the reach it must not.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 
-from safeloc.language.expr import Bool, Num, any_of, before, between, with_unit
+from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, before, was, with_unit
 from safeloc.language.spec import Property, always
-from safeloc.language.units import MM, MM_S
+from safeloc.language.units import MM, MM_S, NM
 from safeloc.models.verification import Verification
 from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
+from safeloc.properties.verification.abilities import Abilities
 
 CLAIM = ("FVA-1", "FVA-10")
 STAY = ("FVA-2", "FVA-11")
 ENTRY = ("FVA-3", "FVA-12")
 SAFE = ("FVA-4", "FVA-13", "FVA-5", "FVA-14")
+COURSE = ("FVA-6", "FVA-15")
 CONTROL = ("FVA-7", "FVA-16")
+NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
+    "another count is withheld": (
+        v.COUNT_DIFFERS,
+        "a count that differs from the counter's withholds in the same cycle",
+        (*CLAIM, *STAY),
+    ),
+    "another length is withheld": (
+        v.LENGTH_DIFFERS,
+        "a length that differs from the counter's beyond both tolerances withholds in the same cycle",
+        (*CLAIM, *STAY),
+    ),
+    "another length by train control is withheld": (
+        v.CONTROL_LENGTH,
+        "a length by train control that contradicts the reference withholds; it never replaces it",
+        CONTROL,
+    ),
+    "control data do not repair": (
+        v.CONTROL_COUNT,
+        "train control data that contradict the reference withhold; they never replace it",
+        CONTROL,
+    ),
+    "ends too far apart are withheld": (
+        v.ENDS_APART,
+        "both ends located where no length of the reference lies between them withhold in the same cycle",
+        (*CLAIM, *STAY),
+    ),
+    "another speed at the counter is withheld": (
+        v.SPEED_AT_ENTRY,
+        "at the counter the fibre's speed is the counter's, within tolerance and what the train can have changed since",
+        ENTRY,
+    ),
+    "another place at the counter is withheld": (
+        v.PLACE_AT_ENTRY,
+        "at the counter the fibre's interval meets the counter's, within tolerance and the farthest run since",
+        ENTRY,
+    ),
+    "another record of the same stay is withheld": (
+        v.REFERENCE_CONTRADICTS,
+        "a record that contradicts the stored one withholds in the same cycle, also where the fibre agrees with it",
+        (*SAFE, *STAY),
+    ),
+    "a length that changes withholds": (
+        v.LENGTH_CHANGED,
+        "a length that differs from the one before withholds in the same cycle",
+        COURSE,
+    ),
+    "a speed that no train changes withholds": (
+        v.SPEED_CHANGED,
+        "the speed changes by no more than traction, brakes and both tolerances allow; the brakes are those that train "
+        "control tells, where it does",
+        (*COURSE, *CONTROL),
+    ),
+    "a jump withholds": (
+        v.JUMP,
+        "the front comes no farther than its speed and both intervals allow since its last place",
+        COURSE,
+    ),
+}
 
 
 def properties(model: Verification) -> Iterator[Property]:
-    """Each comparison of claim 1 to 5 and 7, written from the inputs and not with the machine's own guards."""
-    own = model.own
-    trusted = model.machine.flag("trusted")
-    for name, (differs, statement, trace) in (_parameters(own) | _entry(own) | _record(model)).items():
-        yield always(name, differs.implies(~trusted), statement=statement, requirements=trace, unconditional=True)
+    """Each mismatch withholds; all of them are latched as untrusted; nothing else is."""
+    machine, own = model.machine, model.own
+    _, withheld, trusted, untrusted = machine.modes
+    mode, was_known = machine.mode, before(machine.mode).one_of(withheld, trusted)
+    must, may = mismatches(own, was_known, 1), mismatches(own, was_known, 0)
+    for name, (reason, statement, trace) in NAMED.items():
+        withholds = must[reason].implies(~machine.flag("trusted"))
+        yield always(name, withholds, statement=statement, requirements=trace, unconditional=True)
+    compared = (own.due | was_known) & ~own.leaves
+    yield always(
+        "mismatch withholds in the same cycle",
+        (compared & any_of(must.values())).implies(mode.eq(untrusted)),
+        statement="whatever does not match, the train is untrusted in the same cycle",
+        requirements=(*CLAIM, *COURSE),
+        unconditional=True,
+    )
+    newly = before(mode).ne(untrusted) & mode.eq(untrusted)
+    yield always(
+        "untrusted is for the reason told",
+        newly.implies(compared & any_of(own.reason.eq(reason) & one for reason, one in may.items())),
+        statement="a train becomes untrusted only by a mismatch of that cycle, and the reason names it",
+        requirements=COURSE,
+        unconditional=True,
+    )
 
 
-Clause = tuple[Bool, str, tuple[str, ...]]
-
-
-def _parameters(own: Parts) -> dict[str, Clause]:
-    """Parameters that do not change, and the distance of both ends."""
-    seen = own.associated & own.seen_length.present
-    control = own.control_length.present & _other_length(own, own.control_length.value)
+def mismatches(own: Parts, was_known: Bool, least_mm: int) -> dict[Lit, Bool]:
+    """Every mismatch by its reason; a jump from so far beyond the reach on."""
     return {
-        "another length is withheld": (
-            seen & _other_length(own, own.seen_length.value),
-            "a length that differs from the counter's beyond both tolerances withholds in the same cycle",
-            (*CLAIM, *STAY),
-        ),
-        "another length by train control is withheld": (
-            control,
-            "a length by train control that contradicts the reference withholds; it never replaces it",
-            CONTROL,
-        ),
-        "ends too far apart are withheld": (
-            any_of(_ends_apart(own)),
-            "both ends located where no length of the reference lies between them withhold in the same cycle",
-            (*CLAIM, *STAY),
-        ),
+        **_of_record(own, was_known),
+        **_of_parameters(own),
+        **_at_counter(own),
+        **_of_course(own, least_mm),
+        v.FIBRE_ERROR: own.fibre_error,
+        **({v.CHAIN_FAILED: own.chain_failed} if own.config.needs_emitter else {}),
     }
 
 
-def _other_length(own: Parts, length: Num) -> Bool:
-    tolerance = own.config.length_tolerance_mm
-    return (length < own.kept_low - tolerance) | (length > own.kept_high + tolerance)
+# ------------------------------------------------------------------ the record
 
 
-def _ends_apart(own: Parts) -> Iterator[Bool]:
+def _of_record(own: Parts, was_known: Bool) -> dict[Lit, Bool]:
+    """A record that did not come, is no good, or says another thing than the stored one."""
+    config, came = own.config, own.due & own.source.one_of(v.AXLE_COUNTER, v.NEIGHBOUR)
+    old = own.record_age > config.reference_age_limit_cycles
+    crossed = own.record_high < own.record_low
+    other = [
+        own.record_count.ne(before(own.kept_count)),
+        before(own.kept_low) > own.record_high,
+        before(own.kept_high) < own.record_low,
+    ]
+    return {
+        v.REFERENCE_LOST: own.due & own.source.eq(v.NOBODY),
+        v.REFERENCE_REFUSED: came & any_of([~own.sound, old, own.record_count.eq(0), crossed]),
+        v.REFERENCE_CONTRADICTS: was_known & any_of(came & one for one in other),
+    }
+
+
+def _against(own: Parts, differs: Callable[[Num, Num, Num], Bool]) -> Bool:
+    """What differs from the record that is due, or else from the stored one."""
+    told = differs(own.record_count, own.record_low, own.record_high)
+    kept = differs(before(own.kept_count), before(own.kept_low), before(own.kept_high))
+    return (own.due & told) | (~own.due & kept)
+
+
+# ------------------------------------------------------------------ what does not change during a stay
+
+
+def _of_parameters(own: Parts) -> dict[Lit, Bool]:
+    """Count, length, the distance of both ends; the same by train control."""
     near, far, tolerance = own.ends_low, own.ends_high, own.config.length_tolerance_mm
-    yield near.present & far.present & (near.value > far.value)
-    yield near.present & (near.value > own.kept_high + tolerance)
-    yield far.present & (far.value < own.kept_low - tolerance)
+
+    def length(said: Num) -> Bool:
+        return _against(own, lambda _, low, high: (said + tolerance < low) | (said - tolerance > high))
+
+    def count(said: Num) -> Bool:
+        return _against(own, lambda count, _low, _high: said.ne(count))
+
+    apart = _against(
+        own,
+        lambda _, low, high: (
+            (near.present & (near.value - tolerance > high)) | (far.present & (far.value + tolerance < low))
+        ),
+    )
+    return {
+        v.COUNT_DIFFERS: own.associated & own.seen_count.present & count(own.seen_count.value),
+        v.LENGTH_DIFFERS: own.associated & own.seen_length.present & length(own.seen_length.value),
+        v.ENDS_APART: apart | (near.present & far.present & (far.value < near.value)),
+        v.CONTROL_COUNT: own.control_count.present & count(own.control_count.value),
+        v.CONTROL_LENGTH: own.control_length.present & length(own.control_length.value),
+    }
 
 
-def _entry(own: Parts) -> dict[str, Clause]:
-    """What is compared at the counter, when the record comes."""
+# ------------------------------------------------------------------ at the counter
+
+
+def _at_counter(own: Parts) -> dict[Lit, Bool]:
+    """Speed and place in the cycle of the record."""
     config = own.config
-    at_counter = own.due & own.source.eq(v.AXLE_COUNTER) & own.associated
-    most = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // v.MS_PER_S)
+    here = own.associated & own.due & own.source.eq(v.AXLE_COUNTER)
+    most = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // 1_000)
+    run = -(-config.max_speed_mm_s * config.period_ms // 1_000)
     change = with_unit(own.record_age * most, MM_S) + config.speed_tolerance_mm_s
-    run = with_unit(own.record_age * -(-config.max_speed_mm_s * config.period_ms // v.MS_PER_S), MM)
-    slack, speed, place = run + config.place_tolerance_mm, own.seen_speed.value, own.place.value
-    low, high = own.record_place_low - slack, own.record_place_high + slack
-    away = (place + own.place_over < low) | (place - own.place_under > high)
+    slack = with_unit(own.record_age * run, MM) + config.place_tolerance_mm
+    speed, place = own.seen_speed, own.place
+    off = (own.record_speed_low - speed.value > change) | (speed.value - own.record_speed_high > change)
+    beyond = place.value - own.record_place_high > slack + own.place_below
+    short = own.record_place_low - place.value > slack + own.place_above
     return {
-        "another speed at the counter is withheld": (
-            at_counter
-            & own.seen_speed.present
-            & ~between(own.record_speed_low - change, speed, own.record_speed_high + change),
-            "at the counter the fibre's speed is the counter's, within tolerance and what the train can have changed since",
-            ENTRY,
-        ),
-        "another place at the counter is withheld": (
-            at_counter & own.place.present & away,
-            "at the counter the fibre's interval meets the counter's, within tolerance and the farthest run since",
-            ENTRY,
-        ),
+        v.SPEED_AT_ENTRY: here & speed.present & off,
+        v.PLACE_AT_ENTRY: here & own.located & place.present & (beyond | short),
     }
 
 
-def _record(model: Verification) -> dict[str, Clause]:
-    """A record against the one that is stored."""
-    own, machine = model.own, model.machine
-    _, withheld, trusted, _ = machine.modes
-    apart = (own.record_high < before(own.kept_low)) | (own.record_low > before(own.kept_high))
-    other = own.record_count.ne(before(own.kept_count)) | apart
-    known = before(machine.mode).one_of(withheld, trusted)
+# ------------------------------------------------------------------ the course over time
+
+
+def _of_course(own: Parts, least_mm: int) -> dict[Lit, Bool]:
+    """Length, speed and place against the last ones."""
+    length, speed, able = own.seen_length, own.seen_speed, Abilities(own)
+    change = abs_(before(own.last_length) - length.value)
+    run, place = own.place.value - before(own.last_place), own.place
+    reach = able.run_nm + Lit((own.config.jump_mm + least_mm) * 1_000_000, NM)
+    above = _nm(run - before(own.reach) - before(own.front_above) - own.place_below)
+    below = _nm(-run - before(own.reach) - before(own.front_below) - own.place_above)
+    jump = (above >= reach) | (below >= reach) if least_mm else (above > reach) | (below > reach)
     return {
-        "another record of the same stay is withheld": (
-            known & own.due & other,
-            "a record that contradicts the stored one withholds in the same cycle, also where the fibre agrees with it",
-            (*SAFE, *STAY),
-        ),
+        v.LENGTH_CHANGED: own.associated
+        & length.present
+        & was(own.length_known)
+        & (change > own.config.length_change_mm),
+        v.SPEED_CHANGED: own.associated & speed.present & was(own.speed_known) & able.exceeded_by(speed.value),
+        v.JUMP: own.associated & own.located & place.present & was(own.place_known) & jump,
     }
+
+
+def _nm(mm: Num) -> Num:
+    return with_unit(mm * 1_000_000, NM)

@@ -1,1 +1,1 @@
-"""What an assessor asks for beside the proofs: the requirements, traced both ways."""
+"""Documents for an assessor besides the proofs, such as requirements traced in both directions."""

@@ -36,7 +36,7 @@ class Requirement:
 
 @cache
 def requirements() -> tuple[Requirement, ...]:
-    """All requirements in order; ModelError where the file is wrong."""
+    """Return all requirements in order; ModelError where the file is wrong."""
     content = tomllib.loads(FILE.read_text(encoding="utf-8"))
     sources = {key: value["publication"] for key, value in content["sources"].items()}
     found = []
@@ -52,7 +52,7 @@ def requirements() -> tuple[Requirement, ...]:
 
 
 def requirement(name: str) -> Requirement:
-    """One requirement by id; KeyError for an unknown one."""
+    """Return one requirement by id; KeyError for an unknown one."""
     for one in requirements():
         if one.id == name:
             return one
@@ -60,21 +60,21 @@ def requirement(name: str) -> Requirement:
 
 
 class Traced(Protocol):
-    """What is traced: a target of the catalogue, or anything with a name, machines and properties."""
+    """A traced item: a target of the catalogue, or anything with a name, machines and properties."""
 
     @property
     def name(self) -> str:
-        """The name its properties stand under."""
+        """The name under which its properties are listed."""
         ...
 
     @property
     def machines(self) -> Sequence[Machine]:
-        """Whose transitions carry requirements."""
+        """Machines whose transitions implement requirements."""
         ...
 
     @property
     def properties(self) -> Sequence[Property]:
-        """What shows them."""
+        """Properties that verify requirements."""
         ...
 
 
@@ -103,7 +103,7 @@ class Link:
 
     @property
     def gaps(self) -> tuple[str, ...]:
-        """What is missing of a requirement that is called done; a named test stands for both."""
+        """The missing links of a requirement with status done; a named test replaces transitions and properties."""
         if self.requirement.status != "done" or self.requirement.carried_by:
             return ()
         wanted = {"no transition carries it": self.transitions, "no property shows it": self.properties}
@@ -134,7 +134,7 @@ class Traceability:
 
 
 def traceability(traced: Iterable[Traced]) -> Traceability:
-    """Requirements and these machines and properties, linked; a machine that stands in two targets counts once."""
+    """Link requirements with these machines and properties; a machine that stands in two targets counts once."""
     targets = list(traced)
     items = dict.fromkeys(
         [

@@ -28,7 +28,7 @@ def audit_line(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only: a list of safeloc-audit/1")] = False,
 ) -> None:
-    """Check that the layout of a line meets what the proofs assume. Exit code 1 where a rule is violated."""
+    """Check that the layout of a line satisfies the assumptions of the proofs. Exit code 1 where a rule is violated."""
     checked = find_line(line)
     reports = [audit(checked, find_layout(name), name) for name in vehicles] if vehicles else [audit(checked)]
     if as_json:
@@ -41,7 +41,7 @@ def audit_line(
 
 def _lines(report: AuditReport) -> list[str]:
     elements = ", ".join(f"{kind.replace('_', ' ')} {count}" for kind, count in report.elements.items())
-    routes = "too many routes to compare one by one" if report.routes is None else f"{report.routes} routes"
+    routes = "too many routes to compare each pair" if report.routes is None else f"{report.routes} routes"
     advice = len(report.findings) - len(report.violated)
     return [
         f"{report.line} version {report.version} for {report.vehicle}, {report.checksum}",

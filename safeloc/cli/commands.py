@@ -1,4 +1,4 @@
-"""The commands by name: what each is for, in a line, and where it stands. Its module is loaded only when it is called."""
+"""The commands by name, each with its summary and module. A command's module is loaded only when it is called."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from typer.main import get_command
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a command before its module is loaded.
+    """The description of a command, available before its module is loaded.
 
-    module, function  where it stands
+    module, function  the place of its code
     summary           the first paragraph of its own help (a test compares them)
     """
 
@@ -28,43 +28,50 @@ COMMANDS: Mapping[str, Known] = {
     "list": Known(
         "listing",
         "list_",
-        "List machines, properties, requirements with the transitions and properties that answer for them, or lines.",
+        "List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.",
     ),
     "import": Known(
-        "line_import", "import_line", "Import a map; what was not understood, not carried over or assumed is told."
+        "line_import",
+        "import_line",
+        "Import a map; report everything that was not understood, was dropped or was assumed.",
     ),
     "audit": Known(
         "audit",
         "audit_line",
-        "Check that the layout of a line meets what the proofs assume. Exit code 1 where a rule is violated.",
+        "Check that the layout of a line satisfies the assumptions of the proofs. Exit code 1 where a rule is violated.",
     ),
     "drive": Known(
         "line_drive",
         "drive",
-        "Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the trusted truth.",
+        "Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth.",
     ),
     "guard": Known(
         "guard",
         "guard",
-        "Guard a receiver: each position with its interval along the track, or the reason why it is withheld.",
+        "Filter a receiver's positions: pass on each with its interval along the track, or with the reason why it is withheld.",
     ),
-    "export": Known("export", "export", "Write a machine in another form."),
+    "export": Known("export", "export", "Export a machine as code, diagram, table or solver text."),
     "simulate": Known(
         "simulate",
         "simulate",
-        "Write simulated sensors, with the truth beside them: of a machine by itself, or of vehicles on a line.",
+        "Write simulated sensor data with the true position: for one machine, or for vehicles on a line.",
     ),
     "run": Known(
         "run",
         "run",
-        "Run a machine as a process of its own: lines in, one report a cycle out, until SIGTERM or the end of the lines.",
+        "Run a machine as a separate process: read lines, write one report per cycle, until SIGTERM or the end of the input.",
     ),
     "recheck": Known(
         "recheck",
         "recheck",
         "Check every proof of a report again, from its files and the declaration alone.",
     ),
-    "cache": Known("keeping", "cache", "Say how much earlier runs left behind, and take it away."),
+    "migrate": Known(
+        "migrate",
+        "migrate",
+        "Convert files of version 0.1.0 to the names of 0.2.0; nothing is written where one of them is refused.",
+    ),
+    "cache": Known("keeping", "cache", "Show the size of the cache of earlier results, or clear it."),
     "prove": Known(
         "verify",
         "prove",
@@ -72,13 +79,22 @@ COMMANDS: Mapping[str, Known] = {
     ),
     "test": Known("verify", "test", "Run property tests along plausible and faulty streams."),
     "replay": Known("verify", "replay", "Run a recorded stream through a machine and check every property on it."),
-    "report": Known("verify", "report", "Render the page of a report folder again, or write out what is packed in it."),
-    "verify": Known("verify", "verify", "Prove, test, replay the shipped streams, and write the report: the main job."),
+    "report": Known(
+        "verify", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
+    ),
+    "mutate": Known(
+        "mutate",
+        "mutate",
+        "Make a machine wrong on purpose, term by term, and say which proof notices, and which wrong machines nothing notices.",
+    ),
+    "verify": Known(
+        "verify", "verify", "Prove, test, replay the shipped recordings, and write the report: the main command."
+    ),
 }
 
 
 def loaded(name: str) -> Any:
-    """The command itself, as Typer makes it of its function."""
+    """Return the command itself, as Typer makes it of its function."""
     known = COMMANDS[name]
     alone = typer.Typer(add_completion=False)
     alone.command(name)(getattr(import_module(f"safeloc.cli.{known.module}"), known.function))

@@ -1,4 +1,4 @@
-"""Where the command line writes: standard output and standard error, and JSON on demand."""
+"""The outputs of the command line: standard output and standard error, and JSON on demand."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""How a command begins and ends: found by its name, and with a verdict's exit code or one that no verdict has.
+"""Start and end of a command: find it by name, and turn its result or failure into an exit code.
 
 0    all holds
 1    something is violated
 2    no result: wrong usage or input, or safeloc itself failed
 3    undecided within the limits
 130  interrupted (Ctrl-C)
-141  whoever read the output went away (closed pipe)
+141  the reader of the output closed the pipe
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Commands(TyperGroup):
         self.commands = {name: TyperCommand(name, help=known.summary) for name, known in COMMANDS.items()}
 
     def resolve_command(self, ctx: Any, args: Any) -> Any:
-        """The command that is called, loaded from its module."""
+        """Return the command that is called, loaded from its module."""
         name, known, rest = super().resolve_command(ctx, args)
         return name, known if name is None else loaded(name), rest
 

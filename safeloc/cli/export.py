@@ -52,7 +52,7 @@ def export(
         Path | None, typer.Option("--out", help="file to write, standard output without it; a folder for c")
     ] = None,
 ) -> None:
-    """Write a machine in another form."""
+    """Export a machine as code, diagram, table or solver text."""
     if to not in FORMS:
         raise typer.BadParameter(f"--to {to!r}: choose one of {', '.join(FORMS)}.")
     if to not in TEXTS and where is None:
@@ -86,7 +86,7 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
 
 
 def _unit(target: Target) -> bytes:
-    """A co-simulation unit; its period is the one its configuration says, or those of its machines."""
+    """Make a co-simulation unit; its period comes from the configuration, or from its machines."""
     on_board = without_ghosts(target.system)
     period_ms = configured_period_ms(target.name, target.config)
     first = first_state(on_board, random.Random(0))
@@ -94,13 +94,11 @@ def _unit(target: Target) -> bytes:
 
 
 def _lasting(target: Target) -> Mapping[str, Bool] | None:
-    """What a state that is put back has to keep; told where it is not known, for the code is another one then."""
-    err.print(f"{target.name}: proving what every state keeps", markup=False)
+    """Return the invariants that a restored state must satisfy; warn if not all are proved, since that changes the code."""
+    err.print(f"{target.name}: proving the invariants for check_state", markup=False)
     found = lasting(target.system)
     if found is None:
-        err.print(
-            "not proved of every range: check_state looks at ranges only, and a step may leave them", markup=False
-        )
+        err.print("not every range is proved: check_state checks ranges only, and a step may leave them", markup=False)
     return found
 
 

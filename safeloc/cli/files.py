@@ -1,4 +1,4 @@
-"""Which files of a command are one: what is read must not be written over."""
+"""Detect when two file names of a command mean the same file: an input must not be overwritten."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from safeloc.errors import InputError
 
 
 def same_file(one: Path, other: Path) -> bool:
-    """Whether both names lead to one file, also where it is not there yet."""
+    """Return whether both names mean the same file, also if it does not exist yet."""
     try:
         return one.samefile(other)
     except OSError:
@@ -18,4 +18,4 @@ def same_file(one: Path, other: Path) -> bool:
 def require_not_read(out: Path, *read: str | Path | None) -> None:
     """InputError where the file to be written is one of those that are read."""
     if any(same_file(out, Path(one)) for one in read if one is not None):
-        raise InputError(f"{out}: it is read, and writing would lose it; give --out another file.")
+        raise InputError(f"{out}: this file is the input, and would be overwritten; give --out another file.")

@@ -33,17 +33,19 @@ def guard(
     vehicle: Annotated[
         str | None, typer.Option("--vehicle", help="vehicle file, or a shipped one: metro, desiro-br642, freight-v90")
     ] = None,
-    config: Annotated[Path | None, typer.Option("--config", help="TOML or JSON with figures of the guard")] = None,
-    path: Annotated[Path | None, typer.Option("--path", help="GeoJSON with the edges that are run over")] = None,
-    edges: Annotated[str | None, typer.Option("--edges", help="the edges run over, with commas between them")] = None,
-    first: Annotated[str | None, typer.Option("--first", help="increasing or decreasing, along the first edge")] = None,
+    config: Annotated[Path | None, typer.Option("--config", help="TOML or JSON with parameters of the guard")] = None,
+    path: Annotated[Path | None, typer.Option("--path", help="GeoJSON with the edges of the route")] = None,
+    edges: Annotated[str | None, typer.Option("--edges", help="the edges of the route, separated by commas")] = None,
+    first: Annotated[
+        str | None, typer.Option("--first", help="direction along the first edge: increasing or decreasing")
+    ] = None,
     form: Annotated[str | None, typer.Option("--format", help="csv, jsonl or nmea; by default from the suffix")] = None,
     column: Annotated[
         list[str] | None,
         typer.Option("--column", help="WHAT=NAME (repeatable); WHAT: time, x, y, speed, flag, received"),
     ] = None,
-    time_unit: Annotated[str, typer.Option(help="of times that are numbers: ms or s")] = "ms",
-    speed_unit: Annotated[str, typer.Option(help="of speeds: m/s, km/h, mm/s or knots")] = "m/s",
+    time_unit: Annotated[str, typer.Option(help="unit of numeric times: ms or s")] = "ms",
+    speed_unit: Annotated[str, typer.Option(help="unit of speeds: m/s, km/h, mm/s or knots")] = "m/s",
     no_fix: Annotated[list[str] | None, typer.Option("--no-fix", help="flag that means no position")] = None,
     crs: Annotated[str, typer.Option(help="coordinate system of the positions")] = WGS84,
     sentence: Annotated[str, typer.Option(help="NMEA sentence to take: RMC, GGA, GNS or GLL")] = "RMC",
@@ -51,7 +53,7 @@ def guard(
     report: Annotated[Path | None, typer.Option("--report", help="folder for a page with map and intervals")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print counts as JSON only; needs --out")] = False,
 ) -> None:
-    """Guard a receiver: each position with its interval along the track, or the reason why it is withheld.
+    """Filter a receiver's positions: pass on each with its interval along the track, or with the reason why it is withheld.
 
     Exit code 0: positions were passed on; 3: not one was; 2: wrong input.
     """
@@ -80,7 +82,7 @@ def guard(
 
 
 def _written(judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None) -> Counter[str]:
-    """Write each as soon as it is there, and count the reasons; `kept` takes them all."""
+    """Write each report at once, and count the reasons; `kept` collects all reports."""
     counts: Counter[str] = Counter()
     for judgement in judgements:
         target.write(json.dumps(as_data(judgement)) + "\n")

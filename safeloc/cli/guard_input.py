@@ -1,4 +1,4 @@
-"""What `safeloc guard` is given: the line and the way on it, the figures, and the stream of positions."""
+"""The inputs of `safeloc guard`: the line with the vehicle's route, the parameters, and the stream of positions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Direction = Literal["increasing", "decreasing"]
 
 @dataclass(frozen=True)
 class Way:
-    """Which way the vehicle takes, if that is known: a file with the edges run over, or the edges themselves."""
+    """The vehicle's route, if known: a file with its edges, or the edges themselves."""
 
     path: Path | None = None
     edges: str | None = None
@@ -39,15 +39,15 @@ class Way:
 
 
 def line_of(name: str) -> Line:
-    """A line from TOML, JSON, GeoJSON or railML, by its suffix, or a shipped one by its name."""
+    """Load a line from TOML, JSON, GeoJSON or railML, by its suffix, or a shipped one by its name."""
     path = Path(name)
     return importer(path)(path).line if path.suffix.lower() in SUFFIXES else find_line(name)
 
 
 def route_of(line: Line, way: Way) -> Route | None:
-    """The way on the line; None where nothing is told of it."""
+    """Return the route on the line; None if none is given."""
     if way.path is not None and way.edges is not None:
-        raise InputError("the way is told twice; give either --path or --edges.")
+        raise InputError("the route is given twice; give either --path or --edges.")
     topology = Topology(line)
     if way.path is not None:
         return read_path(way.path, topology, first=way.first).route
@@ -66,23 +66,23 @@ def direction(told: str | None) -> Direction | None:
 
 
 def config_of(vehicle: str | None, file: Path | None) -> GuardConfig:
-    """The figures: those of the configuration file before those of the vehicle."""
+    """Return the figures: those of the configuration file before those of the vehicle."""
     chosen = {} if file is None else read_config(GuardConfig, file).model_dump(exclude_unset=True)
     return guard_config(None if vehicle is None else find_vehicle(vehicle), chosen)
 
 
 def form_of(stream: str, form: str | None) -> str:
-    """csv, jsonl or nmea: as told, or by the suffix. InputError where neither tells."""
+    """Return csv, jsonl or nmea, from the option or from the suffix. InputError if neither decides."""
     chosen = FORMATS.get(Path(stream).suffix.lower()) if form is None else form
     if chosen is None or chosen not in FORMATS.values():
         raise InputError(
-            f"{stream}: {'its suffix tells no format' if form is None else form!r}; name csv, jsonl or nmea."
+            f"{stream}: {'its suffix is no known format' if form is None else form!r}; name csv, jsonl or nmea."
         )
     return chosen
 
 
 def deliveries(lines: IO[str], form: str, columns: Columns, sentence: str, name: str) -> Iterator[Delivery]:
-    """The stream's deliveries, as they come."""
+    """Return the stream's deliveries, as they come."""
     match form:
         case "csv":
             return csv_deliveries(lines, columns, name)

@@ -1,4 +1,4 @@
-"""What earlier runs found and is kept: the options that say where, and `safeloc cache`."""
+"""The cache of earlier results: the options that choose its folder, and `safeloc cache`."""
 
 from __future__ import annotations
 
@@ -15,34 +15,38 @@ from safeloc.proof.results import Finding
 CacheOption = Annotated[
     Path | None,
     typer.Option(
-        "--cache", envvar="SAFELOC_CACHE", help="folder of what earlier runs found; the user's own without it"
+        "--cache",
+        envvar="SAFELOC_CACHE",
+        help="folder of the cache of earlier results; by default in the user's cache folder",
     ),
 ]
-FreshOption = Annotated[bool, typer.Option("--fresh", help="ignore what earlier runs found")]
+FreshOption = Annotated[bool, typer.Option("--fresh", help="ignore cached results of earlier runs")]
 
 
 def store_in(folder: Path | None) -> Store:
-    """The store in this folder, or in the user's own."""
+    """Return the store in this folder, or in the user's own."""
     return Store(usual_folder() if folder is None else folder)
 
 
 def told(findings: Sequence[Finding]) -> str:
-    """How many of the findings an earlier run made, and since when they are kept; "" where all were made now."""
+    """Return in words how many findings come from the cache, and their oldest date; "" if all were computed now."""
     since = [finding.kept_since for finding in findings if finding.kept_since]
     if not since:
         return ""
-    return f"{len(findings) - len(since)} results computed now, {len(since)} kept, the oldest since {min(since)}"
+    return f"{len(findings) - len(since)} results computed now, {len(since)} from the cache, the oldest of {min(since)}"
 
 
 def cache(
     folder: CacheOption = None,
-    clean: Annotated[bool, typer.Option("--clean", help="take away all that is kept")] = False,
-    size: Annotated[bool, typer.Option("--size", help="say how much is kept (what it does without an option)")] = False,
+    clean: Annotated[bool, typer.Option("--clean", help="delete all cached results")] = False,
+    size: Annotated[
+        bool, typer.Option("--size", help="show the number and size of cached files (the default)")
+    ] = False,
 ) -> None:
-    """Say how much earlier runs left behind, and take it away."""
+    """Show the size of the cache of earlier results, or clear it."""
     store = store_in(folder)
     if size or not clean:
         out.print(f"{store.folder}: {len(list(store.entries()))} files, {store.bytes / 1e6:.1f} MB", markup=False)
     if clean:
         store.clean()
-        out.print(f"{store.folder}: nothing is kept any more", markup=False)
+        out.print(f"{store.folder}: the cache is empty now", markup=False)

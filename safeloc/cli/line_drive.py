@@ -41,9 +41,13 @@ def drive(
     line: Annotated[Path, typer.Argument(help="network with the course of its edges: line (TOML) or GeoJSON")],
     log: Annotated[Path, typer.Argument(help="CSV: timestamp, longitude, latitude, position_type")],
     where: Annotated[Path, typer.Option("--out", help="records to write: .jsonl, .jsonl.gz, .csv or .parquet")],
-    path: Annotated[Path | None, typer.Option("--path", help="GeoJSON with the elements run over, in order")] = None,
-    edges: Annotated[str | None, typer.Option("--edges", help="the edges run over, with commas between them")] = None,
-    first: Annotated[str | None, typer.Option("--first", help="increasing or decreasing, along the first edge")] = None,
+    path: Annotated[
+        Path | None, typer.Option("--path", help="GeoJSON with the elements of the route, in order")
+    ] = None,
+    edges: Annotated[str | None, typer.Option("--edges", help="the edges of the route, separated by commas")] = None,
+    first: Annotated[
+        str | None, typer.Option("--first", help="direction along the first edge: increasing or decreasing")
+    ] = None,
     spacing_mm: Annotated[
         int | None, typer.Option("--balise-spacing-mm", help="place groups this far apart", min=1)
     ] = None,
@@ -57,7 +61,7 @@ def drive(
     offset_limit_mm: Annotated[int, typer.Option(help="a fix farther off the track is not trusted", min=0)] = 15_000,
     max_speed_mm_s: Annotated[int, typer.Option(help="a fix that needs more is not trusted", min=1)] = 44_445,
 ) -> None:
-    """Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the trusted truth."""
+    """Drive a recorded train over a network: odometers, balise readers at both ends, satellites and the ground truth."""
     route = _equipped(_route(_line(line), path, edges, first), spacing_mm, at_mm or [], accuracy_mm)
     fixes = on_route(read_fixes(log), route)
     trusted = trusted_times(fixes, Trust(offset_limit_mm, max_speed_mm_s))
@@ -84,7 +88,7 @@ def _route(line: Line, path: Path | None, edges: str | None, first: str | None) 
             raise InputError(f"--first {first!r}: choose increasing or decreasing.")
         way = "increasing" if first == "increasing" else "decreasing"
     if (path is None) == (edges is None):
-        raise InputError("say which way the train took: either --path or --edges.")
+        raise InputError("give the train's route: either --path or --edges.")
     topology = Topology(line)
     if path is not None:
         return read_path(path, topology, first=way).route

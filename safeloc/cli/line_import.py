@@ -1,4 +1,4 @@
-"""`safeloc import`: a map in another format becomes a line of our own, and the notes say what did not come along."""
+"""`safeloc import`: converts a map in another format to our line format, with notes on everything that was lost."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def import_line(
     name: Annotated[str | None, typer.Option("--name", help="name of the line; by default from the file")] = None,
     version: Annotated[str | None, typer.Option("--version", help='version of the map; by default "1"')] = None,
     every_note: Annotated[
-        bool, typer.Option("--all-notes", help="every note by itself, not like ones together")
+        bool, typer.Option("--all-notes", help="print every note separately instead of grouped")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="print the notes as JSON only")] = False,
 ) -> None:
-    """Import a map; what was not understood, not carried over or assumed is told."""
+    """Import a map; report everything that was not understood, was dropped or was assumed."""
     imported = importer(file, form)(file, name=name, version=version)
     _write(where, to_toml(sealed(imported.line)))
     if as_json:

@@ -1,13 +1,15 @@
-"""`safeloc list`: machines, properties, shipped lines, and requirements with what carries and shows them, both ways."""
+"""`safeloc list`: machines, properties, what these share with their machines, lines, and requirements, traced both ways."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 import typer
 
+from safeloc.assurance.independence import follows_machine, shared_terms
+from safeloc.assurance.register import Assumption, register, to_confirm
 from safeloc.assurance.requirements import Item, Link, traceability
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import out, print_json
@@ -20,17 +22,22 @@ Listed = tuple[Any, Sequence[str]]
 
 @dataclass(frozen=True)
 class _Chosen:
-    """Which properties are listed: of these machines (all without any), with this requirement and this text, if told."""
+    """The filter for properties: by machine (all if none is named), by requirement and by text."""
 
     machines: Sequence[str]
     requirement: str | None
     text: str | None
 
     def __bool__(self) -> bool:
-        return bool(self.machines) or self.requirement is not None or self.text is not None
+        return bool(self.machines) or self.by_text
+
+    @property
+    def by_text(self) -> bool:
+        """True if properties are chosen by requirement or text."""
+        return self.requirement is not None or self.text is not None
 
     def lists(self, prop: Property) -> bool:
-        """Whether a property is one of them; capital letters are like small ones."""
+        """Return whether the filter accepts a property; upper and lower case are equal."""
         answers = {one.casefold() for one in prop.requirements}
         said = f"{prop.name}\n{prop.statement}".casefold()
         return (self.requirement is None or self.requirement.casefold() in answers) and (
@@ -38,39 +45,50 @@ class _Chosen:
         ).casefold() in said
 
     def told(self) -> str:
-        """What was asked for, for a message."""
+        """Return the filter in words, for a message."""
         machines = f" of {', '.join(self.machines)}" if self.machines else ""
-        requirement = f" answers for requirement {self.requirement!r}" if self.requirement is not None else ""
-        text = f" says {self.text!r} in its name or statement" if self.text is not None else ""
+        requirement = f" verifies requirement {self.requirement!r}" if self.requirement is not None else ""
+        text = f" has {self.text!r} in its name or statement" if self.text is not None else ""
         return f"{machines}{' and'.join(part for part in (requirement, text) if part) or ' is declared'}"
 
 
 def list_(
-    what: Annotated[str, typer.Argument(help="machines, properties, requirements or lines")] = "machines",
+    what: Annotated[
+        str, typer.Argument(help="machines, properties, assumptions, shared, requirements or lines")
+    ] = "machines",
     machines: Annotated[
         list[str] | None,
-        typer.Option("--machine", help="properties of this machine only, also one of your own (repeatable)"),
+        typer.Option("--machine", help="only of this machine, also of your own (repeatable)"),
     ] = None,
     requirement: Annotated[
-        str | None, typer.Option("--id", help="properties only that answer for this requirement, such as MRK-D1")
+        str | None, typer.Option("--id", help="only properties that verify this requirement, such as MRK-D1")
     ] = None,
     text: Annotated[
-        str | None, typer.Option("--text", help="properties only with this text in name or statement")
+        str | None, typer.Option("--text", help="only properties with this text in name or statement")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only")] = False,
 ) -> None:
-    """List machines, properties, requirements with the transitions and properties that answer for them, or lines."""
+    """List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.
+
+    `assumptions` is the register of all assumptions of the proofs. `shared` lists the sub-terms that claims and clauses
+    have in common with what their machine computes: a wrong edit of
+    such a term moves both.
+    """
     chosen = _Chosen(machines or (), requirement, text)
     kinds: Mapping[str, Callable[[], Listed]] = {
         "machines": _machines,
         "properties": lambda: _properties(chosen),
+        "assumptions": lambda: _assumptions(chosen),
+        "shared": lambda: _shared(chosen),
         "requirements": _requirements,
         "lines": _shipped_lines,
     }
     if what not in kinds:
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
-    if chosen and what != "properties":
-        raise typer.BadParameter(f"--machine, --id and --text choose among properties, and {what} are asked for.")
+    if chosen.by_text and what != "properties":
+        raise typer.BadParameter(f"--id and --text filter properties, not {what}.")
+    if chosen and what not in ("properties", "assumptions", "shared"):
+        raise typer.BadParameter(f"--machine filters properties, assumptions or shared terms, not {what}.")
     data, lines = kinds[what]()
     if as_json:
         print_json(data)
@@ -102,6 +120,44 @@ def _properties(chosen: _Chosen) -> Listed:
     return rows, _lines(rows)
 
 
+def _assumptions(chosen: _Chosen) -> Listed:
+    """Return the register: every law with its figures, its owner and its missing fields."""
+    targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
+    found = [(target.name, one) for target in targets for one in register(target)]
+    figures = to_confirm(targets)
+    lines = [line for target, one in found for line in _assumption_lines(target, one)]
+    lines += [f"{len(found)} assumptions; {len(figures)} figures are from memory, for the operator to confirm."]
+    data = {
+        "assumptions": [{"target": target, **asdict(one), "lacks": list(one.lacks)} for target, one in found],
+        "to_confirm": {name: asdict(one) for name, one in figures.items()},
+    }
+    return data, lines
+
+
+def _assumption_lines(target: str, one: Assumption) -> Iterator[str]:
+    yield f"{target}  {one.id}  {one.name}{'  (guaranteed by another machine)' if one.guaranteed else ''}"
+    for figure in one.figures:
+        yield f"    {figure.name} = {figure.value} {figure.unit}  {figure.source}"
+    said = {"statement": one.statement, "source": one.source, "owner": one.owner, "check": one.check}
+    yield from (f"    {what}: {words}" for what, words in said.items() if words)
+    if one.lacks:
+        yield f"    missing: {', '.join(one.lacks)}"
+
+
+def _shared(chosen: _Chosen) -> Listed:
+    """Sub-terms that claims and clauses share with rows, and clauses that read what their machine computes."""
+    targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
+    shared = [{"machine": target.name, **asdict(one)} for target in targets for one in shared_terms(target)]
+    follows = [
+        {"machine": target.name, "of": what, "reads": read}
+        for target in targets
+        for what, read in follows_machine(target).items()
+    ]
+    lines = [f"{one['machine']}  {one['of']}  {one['nodes']} nodes  {', '.join(one['used'])}" for one in shared]
+    lines += [f"{one['machine']}  {one['of']}  reads {', '.join(one['reads'])}" for one in follows]
+    return {"shared": shared, "reads_machine": follows}, lines or ["nothing is shared."]
+
+
 def _shipped_lines() -> Listed:
     from safeloc.railway.map.toml_files import load_line, shipped_lines  # maps are read only where they are listed
 
@@ -126,7 +182,11 @@ def _requirements() -> Listed:
         "gaps": traced.gaps,
     }
     lines = [line for link in traced.links for line in _link_lines(link)]
-    lines += ["", "Back from transitions and properties:", *map(_item_line, traced.items)]
+    lines += [
+        "",
+        "Reverse traceability, from transitions and properties to requirements:",
+        *map(_item_line, traced.items),
+    ]
     lines += ["", *(f"gap: {gap}" for gap in traced.gaps or ("none",))]
     return data, lines
 

@@ -9,12 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
+from safeloc.checker.answer import CONFIRMED, NO_PROOF
+from safeloc.checker.folder import Checking, check_folder
+from safeloc.checker.solve import NEEDED, SOLVERS
+from safeloc.checker.unsat import Survey, survey
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.show import Progressing
-from safeloc.proof.checker.answer import CONFIRMED, NO_PROOF
-from safeloc.proof.checker.folder import Checking, check_folder
-from safeloc.proof.checker.solve import NEEDED, SOLVERS
-from safeloc.proof.checker.unsat import Survey, survey
 
 SCHEMA = "safeloc-recheck/1"
 EVERY = 100  # certificates to a line of progress in a pipe
@@ -26,7 +26,9 @@ def recheck(
     seconds: Annotated[float, typer.Option(help="time limit of a solver for each goal", min=0.1)] = 60.0,
     proofs: Annotated[
         bool,
-        typer.Option("--proofs", help="also make and check cvc5's proof of every goal, step by step (8 times longer)"),
+        typer.Option(
+            "--proofs", help="also produce and check cvc5's proof of every goal, step by step (8 times slower)"
+        ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
 ) -> None:
@@ -52,7 +54,7 @@ def _tell(done: int, total: int, *, quiet: bool) -> None:
 
 
 def _lines(found: Checking) -> list[str]:
-    """What is not confirmed with its reason, then the counts."""
+    """Return a line for each unconfirmed result with its reason, then the counts."""
     told = [f"{row.answer:17} {row.id}: {row.why}" for row in found.rows if row.answer not in (CONFIRMED, NO_PROOF)]
     told += [f"{'wrong':17} {name}: {why}" for name, why in sorted(found.wrong.items())]
     told += [f"{'undecided':17} {name}: {why}" for name, why in sorted(found.undecided.items())]
@@ -65,7 +67,7 @@ def _lines(found: Checking) -> list[str]:
 
 
 def _solvers(found: Checking) -> list[str]:
-    """How many goals each solver confirms."""
+    """Return a line for each solver with the number of goals that it confirms."""
     said = {name: [one for each in found.opinions.values() for one in each.answers.get(name, ())] for name in SOLVERS}
     return [
         f"{name}: {answers.count('unsat')} of {len(answers)} goals of {len(found.opinions)} certificates"
@@ -80,7 +82,10 @@ def _step_lines(found: Survey) -> list[str]:
     every = len(found.sure) + len(found.trusted) + len(found.unproved)
     lines = [f"no proof          {name}: {where}" for name, where in sorted(found.unproved.items())]
     lines += [f"{rule}: {count} steps not checked" for rule, count in found.rules.most_common()]
-    return [*lines, f"nothing of a solver is left to trust for {len(found.sure)} of {every} certificates"]
+    return [
+        *lines,
+        f"{len(found.sure)} of {every} certificates need no trust in a solver: every step of their proofs was checked",
+    ]
 
 
 def _step_data(found: Survey) -> dict[str, Any]:

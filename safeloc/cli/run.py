@@ -48,37 +48,55 @@ def run(
     sink: Annotated[
         str | None, typer.Option("--to", help="stdout, file:PATH, or back (over the socket; the default there)")
     ] = None,
-    inputs: Annotated[bool, typer.Option("--inputs", help="lines are the inputs of steps, not records")] = False,
+    inputs: Annotated[
+        bool, typer.Option("--inputs", help="each line holds the inputs of one step instead of a record")
+    ] = False,
     period_ms: Annotated[
-        int | None, typer.Option("--period-ms", help="cycle, of a machine whose configuration has none", min=1)
+        int | None, typer.Option("--period-ms", help="length of a cycle, if the configuration has none", min=1)
     ] = None,
     expect: Annotated[
-        list[str] | None, typer.Option("--expect", help="CHANNEL=N: records it makes in every cycle (repeatable)")
+        list[str] | None, typer.Option("--expect", help="CHANNEL=N: the channel sends N records per cycle (repeatable)")
     ] = None,
     first: Annotated[
         list[str] | None, typer.Option("--first", help="NAME=VALUE: first value of an open variable (repeatable)")
     ] = None,
-    snapshot: Annotated[Path | None, typer.Option("--snapshot", help="keep snapshots here, and go on from it")] = None,
-    every_ms: Annotated[int, typer.Option("--snapshot-every-ms", help="how often, at most", min=10)] = 1_000,
-    fresh: Annotated[bool, typer.Option("--fresh", help="begin anew, whatever the snapshot says")] = False,
+    snapshot: Annotated[
+        Path | None, typer.Option("--snapshot", help="file to save snapshots in, and to resume from")
+    ] = None,
+    every_ms: Annotated[int, typer.Option("--snapshot-every-ms", help="least time between snapshots", min=10)] = 1_000,
+    fresh: Annotated[bool, typer.Option("--fresh", help="start from the initial state; ignore the snapshot")] = False,
     watchdog_ms: Annotated[
-        int | None, typer.Option("--watchdog-ms", help="end a cycle that is so much overdue by the wall clock", min=1)
+        int | None,
+        typer.Option("--watchdog-ms", help="end a cycle that is overdue by this much wall-clock time", min=1),
     ] = None,
     vehicles: Annotated[
         list[str] | None, typer.Option("--vehicle", help="ID=FILE: this vehicle's own configuration (repeatable)")
     ] = None,
     gap_ms: Annotated[
-        int, typer.Option("--longest-gap-ms", help="silence that is charged; after a longer one: anew", min=1)
+        int,
+        typer.Option(
+            "--longest-gap-ms",
+            help="longest gap bridged by widening the interval; after a longer one the vehicle starts again",
+            min=1,
+        ),
     ] = LONGEST_GAP_MS,
     of_a_peer: Annotated[
-        int, typer.Option("--vehicles-per-peer", help="that one peer may speak for, over tcp and udp", min=1)
+        int,
+        typer.Option(
+            "--vehicles-per-peer",
+            help="largest number of vehicles for which one peer may send, over tcp and udp",
+            min=1,
+        ),
     ] = VEHICLES_PER_PEER,
     alive: Annotated[
-        Path | None, typer.Option("--alive", help="a file that is touched every second while the process is well")
+        Path | None, typer.Option("--alive", help="file to touch every second while the process is healthy")
     ] = None,
-    to_its_end: Annotated[bool, typer.Option("--until-end", help="of a file: do not wait for more")] = False,
+    to_its_end: Annotated[
+        bool, typer.Option("--until-end", help="stop at the end of the file; do not wait for more lines")
+    ] = False,
 ) -> None:
-    """Run a machine as a process of its own: lines in, one report a cycle out, until SIGTERM or the end of the lines."""
+    """Run a machine as a separate process: read lines, write one report per cycle, until SIGTERM or the end of the
+    input."""
     _require_apart(source, sink, snapshot, alive)
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
@@ -104,7 +122,7 @@ def run(
 
 
 def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: Path | None) -> None:
-    """InputError where one file is to be two of what is read, what is told, what is remembered and the sign of life."""
+    """Raise InputError if one file has two roles among input, output, snapshot and sign of life."""
     kinds = {"--from": source, "--to": sink or ""}
     kinds |= {name: f"file:{path}" for name, path in (("--snapshot", snapshot), ("--alive", alive)) if path is not None}
     files = {option: Path(told[5:]) for option, told in kinds.items() if told.startswith("file:") and told[5:]}
@@ -120,7 +138,7 @@ def _go_on(parts: Parts, snapshot: Path, *, fresh: bool) -> None:
         try:
             loop.restore(saved)
         except SnapshotError as error:
-            raise SnapshotError(f"{snapshot}: {error} To begin anew: --fresh.") from error
+            raise SnapshotError(f"{snapshot}: {error} To start from the initial state: --fresh.") from error
     loop.run()
 
 
@@ -144,10 +162,10 @@ def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
 
 
 def _plain(path: Path) -> Path:
-    """The path, unless it is of a packed stream: such a file does not grow, and has no lines to go on behind."""
+    """Return the path; InputError for a compressed stream, which cannot grow and has no lines to follow."""
     if is_packed(path):
         raise InputError(
-            f"{path}: packed, so lines cannot be followed in it; unpack it: gzip -dc {path} | safeloc run ..."
+            f"{path}: a compressed file cannot be followed line by line; unpack it: gzip -dc {path} | safeloc run ..."
         )
     return path
 

@@ -1,4 +1,4 @@
-"""What the command line prints: progress on a terminal, plain lines in a pipe, JSON on demand."""
+"""Output of the command line: progress on a terminal, plain lines in a pipe, JSON on demand."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ COLOURS: Mapping[str, str] = {
 
 
 class Progressing:
-    """What is going on: a bar with a time estimate on a terminal, one line a finding in a pipe, nothing with --json.
+    """Progress: a bar with a time estimate on a terminal, one line per finding in a pipe, nothing with --json.
 
-    `planned` is the number of findings expected of all phases together; each phase says how many of them are its own,
-    so that a phase with more or fewer does not move the end.
+    `planned` is the expected number of findings of all phases; each phase has a share of it, so that a phase with more or
+    fewer findings does not move the end of the bar.
     """
 
     def __init__(self, planned: int, *, quiet: bool) -> None:
@@ -63,7 +63,7 @@ class Progressing:
         return int(self._bar.tasks[0].completed), int(self._bar.tasks[0].total or 0)
 
     def say(self, text: str, planned: int) -> None:
-        """A new phase; whatever was planned for the last one is over."""
+        """Begin a new phase; the one before is over."""
         self._done, self._end = self._end, self._end + planned
         self._bar.update(self._task, description=text, completed=self._done, refresh=True)
         if self._plain:
@@ -71,14 +71,18 @@ class Progressing:
 
     def add(self, finding: Finding) -> None:
         """One more finding."""
+        self.tick(f"{word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)")
+
+    def tick(self, line: str) -> None:
+        """One more of what is counted; the line is for a pipe."""
         self._done = min(self._done + 1, self._end)
         self._bar.update(self._task, completed=self._done)
         if self._plain:
-            err.print(f"{word(finding.result):9} {finding.id}  ({finding.seconds:.1f} s)", markup=False)
+            err.print(line, markup=False)
 
 
 def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
-    """The verdict table (plain lines in a pipe), the evidence of everything that is not well, and the headline."""
+    """Print the verdict table (plain lines in a pipe), the evidence of every result that is not well, and the headline."""
     if not out.is_terminal:
         for finding in findings:
             out.print(f"{word(finding.result):9} {finding.id}  [{finding.method}]", markup=False)
@@ -93,13 +97,13 @@ def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
 
 
 def summed_up(findings: Sequence[Finding]) -> str:
-    """One line: what all findings together say, and how many there are of each verdict."""
+    """Return one line with the overall verdict and the number of findings of each verdict."""
     said = [Said(finding.kind, word(finding.result)) for finding in findings]
     return ": ".join(part for part in (headline(said), counted(said)) if part)
 
 
 def code(findings: Sequence[Finding]) -> int:
-    """The exit code of the worst finding; that of `not asked` where there is none."""
+    """Return the exit code of the worst finding; that of `not asked` where there is none."""
     return EXIT_CODES[worst(word(finding.result) for finding in findings)]
 
 
@@ -128,7 +132,9 @@ def _evidence(finding: Finding) -> None:
             if trace is not None:
                 out.print(trace.table(), markup=False)
         case Unknown(reason, depth):
-            out.print(f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} (clean up to step {depth})")
+            out.print(
+                f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} (no violation up to step {depth})"
+            )
         case Vacuous(reason, trace):
             out.print(f"\n[magenta]vacuous[/] {_escape(finding.id)}: {_escape(reason)}")
             if trace is not None:

@@ -35,21 +35,24 @@ def simulate(
         list[str] | None, typer.Option("--vehicle", help="of a line: file or shipped vehicle (repeatable)")
     ] = None,
     routes: Annotated[
-        list[str] | None, typer.Option("--route", help="of a line: edges run over, with commas (repeatable)")
+        list[str] | None, typer.Option("--route", help="of a line: edges of a route, separated by commas (repeatable)")
     ] = None,
-    start: Annotated[str | None, typer.Option("--from", help="of a line: EDGE@MM where all routes begin")] = None,
-    end: Annotated[str | None, typer.Option("--to", help="of a line: EDGE@MM where all routes end")] = None,
+    start: Annotated[str | None, typer.Option("--from", help="of a line: EDGE@MM, the start of all routes")] = None,
+    end: Annotated[str | None, typer.Option("--to", help="of a line: EDGE@MM, the end of all routes")] = None,
     faults: Annotated[
         list[str] | None, typer.Option("--faults", help="of a line: NAME or NAME:PLACE, with commas; `help` lists them")
     ] = None,
     trust_first: Annotated[
-        bool, typer.Option("--trust-first", help="of a line: the first balise group of a run is vouched for")
+        bool,
+        typer.Option(
+            "--trust-first", help="of a line: the first balise group of a run is trusted without a second one"
+        ),
     ] = False,
     unaudited: Annotated[
-        bool, typer.Option("--unaudited", help="drive the line although its audit finds rules violated")
+        bool, typer.Option("--unaudited", help="drive the line although its audit finds violated rules")
     ] = False,
 ) -> None:
-    """Write simulated sensors, with the truth beside them: of a machine by itself, or of vehicles on a line."""
+    """Write simulated sensor data with the true position: for one machine, or for vehicles on a line."""
     from safeloc.cli.simulate_line import LineOptions, simulate_line  # numpy is loaded only where it is needed
     from safeloc.models.line_runs.faults import told
 
@@ -60,27 +63,27 @@ def simulate(
     if "help" in options.faults:
         out.print(told(), markup=False)
     elif where is None:
-        raise typer.BadParameter("say where to write: --out FILE, or of a line --out FOLDER.")
+        raise typer.BadParameter("give an output: --out FILE for a machine, --out FOLDER for a line.")
     elif not is_line(target):
         _machine(target, where, config, options.named(), seed)
     elif config is not None:
-        raise typer.BadParameter("--config is of one machine; on a line the machines follow --vehicle.")
+        raise typer.BadParameter("--config applies to one machine; on a line, --vehicle configures the machines.")
     else:
         simulate_line(target, where, options)
 
 
 def is_line(target: str) -> bool:
-    """Whether a shipped line or a file of a line is meant."""
+    """Return whether the target is a shipped line or the file of a line."""
     return target in shipped_lines() or (target not in ENTRIES and Path(target).suffix in (".toml", ".json"))
 
 
 def _machine(target: str, where: Path, config: Path | None, of_lines: list[str], seed: int) -> None:
     if of_lines:
-        raise typer.BadParameter(f"{', '.join(of_lines)} is for lines, and {target!r} is none.")
+        raise typer.BadParameter(f"{', '.join(of_lines)} is for lines, and {target!r} is no line.")
     loaded = load_target(target, config)
     if loaded.simulate is None:
         able = [name for name in ENTRIES if load_target(name).simulate is not None]
-        raise InputError(f"{loaded.name} has no simulation; there is one of {', '.join(able)}.")
+        raise InputError(f"{loaded.name} has no simulation; these machines have one: {', '.join(able)}.")
     steps = loaded.simulate(seed)
     try:
         write_steps(where, steps, machine=loaded.name)

@@ -33,7 +33,7 @@ BY_GROUPS = ("odometry", "balise")
 
 @dataclass(frozen=True)
 class LineOptions:
-    """What was asked for on the command line."""
+    """The options of the command line."""
 
     machines: tuple[str, ...] = ()
     vehicles: tuple[str, ...] = ()
@@ -46,7 +46,7 @@ class LineOptions:
     seed: int = 0
 
     def named(self) -> list[str]:
-        """The options of a line that were given."""
+        """Return the options of a line that were given."""
         given = {
             "--machine": self.machines,
             "--vehicle": self.vehicles,
@@ -78,7 +78,7 @@ class Folder:
     configs: dict[str, str] = field(default_factory=dict)
 
     def write(self, run: Run) -> dict[str, Any]:
-        """Write one stream; what runs.json says of it."""
+        """Write one stream; return its entry in runs.json."""
         stream = run.stream
         stop = f"-{_slug(stream.stop)}" if stream.stop else ""
         file = f"{stream.machine}-{run.label}{stop}.jsonl"
@@ -174,9 +174,9 @@ def _check_struck(asked: Sequence[Asked], runs: Sequence[Run], line: Line) -> No
     struck = [one for run in runs for one in run.stream.struck]
     idle = [one.told for one in asked if not any(one.is_at(found.name, found.at) for found in struck)]
     if idle:
-        raise InputError(f"fault {idle[0]} strikes nowhere on the routes driven of {line.name}; choose another place.")
+        raise InputError(f"fault {idle[0]} does not occur on the driven routes of {line.name}; choose another place.")
     if not runs:
-        raise InputError(f"nothing to drive: the machines asked for have nothing to do on these routes of {line.name}.")
+        raise InputError(f"nothing to drive: the chosen machines have no data source on these routes of {line.name}.")
 
 
 def _write(where: Path, line: Line, audited: bool, runs: Sequence[Run]) -> None:

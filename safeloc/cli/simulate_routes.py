@@ -1,4 +1,4 @@
-"""Which routes of a line are driven: those named, those between two places, or all from end to end."""
+"""Choice of the routes to drive on a line: the named ones, those between two places, or all from end to end."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Chosen:
 
 
 def chosen_routes(topology: Topology, routes: Sequence[str], start: str | None, end: str | None) -> list[Chosen]:
-    """The routes asked for. InputError where there is none, or more than can be driven one by one."""
+    """Return the routes asked for. InputError where there is none, or more than can be driven one by one."""
     if (start is None) != (end is None):
         raise InputError("--from and --to belong together: EDGE@MM each.")
     if start is not None and end is not None:
         if routes:
-            raise InputError("a route is told by --route, or by --from and --to, not by both.")
+            raise InputError("give routes by --route, or by --from and --to, not by both.")
         found = routes_between(topology, _place(start, "--from"), _place(end, "--to"), MOST_ROUTES)
         every = found
     else:
@@ -40,7 +40,7 @@ def chosen_routes(topology: Topology, routes: Sequence[str], start: str | None, 
 
 
 def _over(topology: Topology, told: str) -> Route:
-    """A route by its edges; which way it begins may be said before them: `increasing: E1, E2`."""
+    """Return the route over these edges; its first direction may stand before them: `increasing: E1, E2`."""
     way, colon, edges = told.partition(":")
     first = way.strip()
     if not colon or first not in ("increasing", "decreasing"):

@@ -1,4 +1,4 @@
-"""How long a run of several targets will still take: by what each took before, or by what others take for a finding."""
+"""Estimate of the time left for several targets, from their earlier times or from the time per finding of others."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class TimeLeft:
         self._begun: dict[str, float] = {}
 
     def began(self, target: str) -> None:
-        """A target's turn has come."""
+        """Record the start of a target."""
         self._begun[target] = self._clock()
 
     def over(self, target: str, seconds: float) -> None:
-        """A target is done; 0 seconds where it was kept, of which nothing is learned."""
+        """Record that a target is done; 0 seconds if it came from the cache, which does not change the estimate."""
         self._left.discard(target)
         if seconds:
             self._known[target] = seconds

@@ -1,4 +1,4 @@
-"""The commands that judge machines: `safeloc prove`, `test`, `replay`, `verify`, and `report`, which shows again what was judged."""
+"""The verification commands `safeloc prove`, `test`, `replay` and `verify`, and `report`, which shows results again."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
 ]
 ConfigOption = Annotated[Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")]
-JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/3)")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print JSON only (schema safeloc-report/4)")]
 DepthOption = Annotated[int, typer.Option(help="steps of bounded search", min=1)]
 
 
@@ -58,11 +58,9 @@ SecondsOption = Annotated[
     ),
 ]
 JobsOption = Annotated[int, typer.Option(help="processes", min=1)]
-SeedOption = Annotated[int, typer.Option(help="seed of solvers and random runs")]
+SeedOption = Annotated[int, typer.Option(help="seed of the solvers and of random runs")]
 ExamplesOption = Annotated[int, typer.Option(help="property-test runs", min=1)]
-SingleOption = Annotated[
-    bool, typer.Option("--single-file", help="one page that holds everything it shows, and loads nothing")
-]
+SingleOption = Annotated[bool, typer.Option("--single-file", help="write one self-contained page")]
 StepsOption = Annotated[int, typer.Option(help="steps of each property-test run", min=1)]
 
 
@@ -139,20 +137,20 @@ def replay(
     config: ConfigOption = None,
     period: Annotated[
         int | None,
-        typer.Option("--period-ms", help="the stream holds single records; make steps of this period", min=1),
+        typer.Option("--period-ms", help="the file holds single records; group them into steps of this period", min=1),
     ] = None,
     run: Annotated[
-        str | None, typer.Option("--run", help="the file is one of a report's traces; replay the run of this result")
+        str | None, typer.Option("--run", help="the file holds a report's traces; replay the run of this result")
     ] = None,
     form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
-    folder: Annotated[Path | None, typer.Option("--out", help="folder for a report of it, with its pictures")] = None,
+    folder: Annotated[Path | None, typer.Option("--out", help="folder for a report with pictures")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run a recorded stream through a machine and check every property on it."""
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
     if run is not None and period is not None:
-        raise typer.BadParameter("--period-ms is for single records; what --run names has steps already.")
+        raise typer.BadParameter("--period-ms is for single records; the run of --run has steps already.")
     loaded = load_target(target, config)
     if folder is not None:
         usable(folder)
@@ -177,22 +175,22 @@ def report(
     to: Annotated[
         Path | None,
         typer.Option(
-            "--extract", help="instead of the page: certificates as .smt2 and runs as .jsonl, below this folder"
+            "--extract", help="instead of the page, write certificates as .smt2 and runs as .jsonl into this folder"
         ),
     ] = None,
 ) -> None:
-    """Render the page of a report folder again, or write out what is packed in it."""
+    """Render the page of a report folder again, or unpack the report's certificates and traces."""
     if to is None:
         err.print(f"report: {render_folder(folder, single=single)}", markup=False)
     elif single:
-        raise typer.BadParameter("--single-file is of the page, and --extract writes none.")
+        raise typer.BadParameter("--single-file is an option of the page, and --extract writes no page.")
     else:
         texts, runs = extract(folder, to)
         err.print(f"{to}: {texts} certificates, {runs} traces", markup=False)
 
 
 def verify(
-    targets: Annotated[list[str] | None, typer.Argument(help="machines; all shipped ones without any")] = None,
+    targets: Annotated[list[str] | None, typer.Argument(help="machines; by default all shipped ones")] = None,
     config: ConfigOption = None,
     folder: Annotated[Path, typer.Option("--out", help="folder of the report")] = Path("safeloc-report"),
     depth: DepthOption = 25,
@@ -210,12 +208,12 @@ def verify(
     again: WatchOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Prove, test, replay the shipped streams, and write the report: the main job."""
+    """Prove, test, replay the shipped recordings, and write the report: the main command."""
     names = targets or list(ENTRIES)
     if again:
         raise typer.Exit(watch(sys.argv[1:], beside(names, config)))
     if config is not None and len(names) > 1:
-        raise typer.BadParameter(f"--config is of one machine, and here are {len(names)}: {', '.join(names)}.")
+        raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
     store = store_in(cache)
     key = None if as_json else report_key(names, config, plan, single)
@@ -242,27 +240,29 @@ def verify(
 
 
 def _put_back(report: KeptReport | None, folder: Path) -> bool:
-    """Whether the report of an earlier run, in which nothing was different, stands in the folder now."""
+    """Restore the report of an identical earlier run into the folder; return whether there was one."""
     if report is None:
         return False
     with cleared(folder):
         report.put_back(folder)
     out.print(report.said, markup=False)
-    err.print(f"nothing has changed since {report.since}; report of then: {folder / PAGE}", markup=False)
+    err.print(f"nothing has changed since {report.since}; the report of that run: {folder / PAGE}", markup=False)
     return True
 
 
 def _verified(
     targets: Sequence[Target], plan: Plan, jobs: int, store: Store, *, fresh: bool, quiet: bool
 ) -> list[Finding]:
-    """All findings; what is learned on the way is kept, also by a run that is interrupted."""
+    """Return all findings; completed results enter the cache, also if the run is interrupted."""
     took = seconds_before(store, [one.name for one in targets], plan)
     look_in = None if fresh else store
     try:
         with Memory() as memory, Verifying(targets, quiet=quiet, seconds=took, jobs=jobs) as events:
             found = verify_targets(targets, plan, jobs=jobs, on_event=events, look_in=look_in, keep_in=store)
     except KeyboardInterrupt:
-        err.print("interrupted: machines that are done are kept, and the next run goes on from there", markup=False)
+        err.print(
+            "interrupted: completed machines are in the cache, and the next run continues from there", markup=False
+        )
         raise
     for name, seconds in events.taken.items():
         keep_seconds(store, name, plan, seconds)
@@ -285,11 +285,11 @@ def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:
 
 
 def _distinct(targets: list[Target]) -> list[Target]:
-    """A report tells machines apart by name."""
+    """Refuse two machines of one name: a report identifies machines by name."""
     names = [target.name for target in targets]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise InputError(f"two machines are called {twice[0]!r}; give each machine of a report its own name.")
+        raise InputError(f"two machines have the name {twice[0]!r}; give each machine of a report its own name.")
     return targets
 
 

@@ -1,4 +1,4 @@
-"""What is told while several targets are verified: one line a target on a terminal, plain lines in a pipe."""
+"""Progress while several targets are verified: one line per target on a terminal, plain lines in a pipe."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Verifying:
                 self._bars.advance(self._all, self._expected[target])
                 self._time_left.over(target, 0.0)
                 if not self._quiet:
-                    err.print(f"{target}: unchanged, {findings} results kept since {since}", markup=False)
+                    err.print(f"{target}: unchanged, {findings} results from the cache of {since}", markup=False)
             case Over(target, seconds):
                 self._over(target, seconds)
 

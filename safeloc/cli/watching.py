@@ -1,6 +1,6 @@
-"""`--watch`: whenever a file is saved, the command is run again, and what changed is shown first.
+"""`--watch`: runs the command again whenever a file is saved, and shows changed verdicts first.
 
-Each run is a process of its own, which loads what was saved; what the edit is not about is kept from the run before
+Each run is a new process, which loads the saved files; results that the edit does not affect come from the cache
 (safeloc.proof.cache).
 """
 
@@ -32,7 +32,7 @@ Seen = Mapping[Path, tuple[int, int]]
 
 @dataclass(frozen=True)
 class Row:
-    """A result of a run: what was found, how long it took, and what the run before had found ("" if it had no such result)."""
+    """A result of a run: its verdict, its time, and the verdict of the run before ("" if there was none)."""
 
     id: str
     verdict: str
@@ -47,7 +47,8 @@ class Row:
 
 
 def rows(data: Mapping[str, Any], before: Mapping[str, str]) -> list[Row]:
-    """The results of a run that are worth a line: what was decided now, the worst first, and what changed before the rest."""
+    """Return the results of a run that are worth a line: what was decided now, the worst first, and what changed before the
+    rest."""
     now = [row for row in data["results"] if row["machine"] not in data["kept"]]
     made = [Row(row["id"], row["verdict"], row["seconds"], before.get(row["id"], "")) for row in now]
     return sorted(made, key=lambda row: (WORST_FIRST.index(row.verdict), row.before == row.verdict, -row.seconds))
@@ -56,7 +57,7 @@ def rows(data: Mapping[str, Any], before: Mapping[str, str]) -> list[Row]:
 def watch(arguments: Sequence[str], beside: Sequence[Path]) -> int:
     """Run `safeloc ARGUMENTS` now and after every change, until Ctrl-C; return the exit code of the last run.
 
-    beside  files that are looked at besides the package: a user's own, and a configuration
+    beside   files to watch besides the package: a user's own, and a configuration
     """
     command = [sys.executable, "-m", "safeloc", *(one for one in arguments if one != "--watch"), "--json"]
     afresh = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}  # Python takes a file of equal size and second for the same
@@ -75,7 +76,7 @@ def watch(arguments: Sequence[str], beside: Sequence[Path]) -> int:
 
 
 def _told(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds: float) -> dict[str, str]:
-    """Shows a run; the verdicts of all its results. A run without a result says why, and the last verdicts stay."""
+    """Show a run; return the verdicts of all its results. A failed run shows its reason and keeps the last verdicts."""
     try:
         data = json.loads(ran.stdout)
     except ValueError:
@@ -88,12 +89,12 @@ def _told(ran: subprocess.CompletedProcess[str], before: dict[str, str], seconds
     for name in sorted(gone):
         out.print(f"{'gone':9} {'':8}  was {before[name]:8} {name}", markup=False)
     kept = len(data["results"]) - len(made)
-    out.print(f"{data['verdict']}: {len(made)} results decided in {seconds:.1f} s, {kept} kept", markup=False)
+    out.print(f"{data['verdict']}: {len(made)} results decided in {seconds:.1f} s, {kept} from the cache", markup=False)
     return {row["id"]: row["verdict"] for row in data["results"]}
 
 
 def beside(machines: Sequence[str], config: Path | None) -> list[Path]:
-    """What is looked at besides the package: the Python files beside a user's own, and a configuration."""
+    """List the files to watch besides the package: the Python files next to a user's own, and a configuration."""
     own = [name.rpartition(":")[0] for name in machines if ":" in name]
     folders = dict.fromkeys(Path(name).parent if name.endswith(".py") else Path.cwd() for name in own)
     return [path for folder in folders for path in folder.glob("*.py")] + ([] if config is None else [config])
@@ -116,7 +117,7 @@ def changes(places: Sequence[Path]) -> Iterator[None]:
 
 
 def looked_at(places: Sequence[Path]) -> Seen:
-    """The files in these places, each with the time of its last change and its size."""
+    """Return the files in these places, each with the time of its last change and its size."""
     found: dict[Path, tuple[int, int]] = {}
     for path in (path for place in places for path in _files(place)):
         try:

@@ -18,6 +18,7 @@ from safeloc.errors import InputError
 from safeloc.language.expr import Expr, Num
 from safeloc.language.nodes import Value
 from safeloc.language.ranges import beyond_int64
+from safeloc.language.renamed import renamed
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Substitution
 
@@ -28,7 +29,7 @@ BLOCK_RUNS = (
 
 @dataclass(frozen=True)
 class BatchTrace:
-    """What a batch run kept: arrays [step, run] by name, and the last state of every run by name ([run])."""
+    """The result of a batch run: arrays [step, run] by name, and the last state of every run by name ([run])."""
 
     kept: Mapping[str, Array]
     last: Mapping[str, Array]
@@ -44,7 +45,7 @@ class Batch:
     step: Function
 
     def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
-        """The last states of all runs; `kept` is filled."""
+        """Return the last states of all runs; `kept` is filled."""
         runs = len(state[0])
         for begin in range(0, runs, block_runs):
             _run_block(self.step, columns, state, kept, slice(begin, min(begin + block_runs, runs)))
@@ -56,7 +57,7 @@ class Prepared(Protocol):
 
     @property
     def system(self) -> TransitionSystem:
-        """What runs."""
+        """The system that runs."""
         ...
 
     @property
@@ -65,7 +66,7 @@ class Prepared(Protocol):
         ...
 
     def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
-        """The last states of all runs; `kept` is filled."""
+        """Return the last states of all runs; `kept` is filled."""
         ...
 
 
@@ -131,7 +132,7 @@ def _dtype_of(system: TransitionSystem, name: str) -> type[np.generic]:
 
 
 def keepable(system: TransitionSystem, name: str) -> Expr:
-    """What a name to be kept means, over state before and inputs; InputError for a name that means nothing."""
+    """Return the term for a name to record, over state before and inputs; InputError for an unknown name."""
     for var in system.state:
         if var.name == name:
             return system.next[var]
@@ -141,7 +142,7 @@ def keepable(system: TransitionSystem, name: str) -> Expr:
     if name in system.outputs:
         return _after(system, system.outputs[name])
     known = list(dict.fromkeys([var.name for var in (*system.state, *system.fired)] + list(system.outputs)))
-    raise InputError(f"{system.name}: cannot keep {name!r}; it has {known}.")
+    raise InputError(f"{system.name}: cannot keep {name!r}; it has {known}{renamed([name], known)}.")
 
 
 def _after(system: TransitionSystem, term: Expr) -> Expr:
@@ -149,7 +150,7 @@ def _after(system: TransitionSystem, term: Expr) -> Expr:
 
 
 def to_numpy(system: TransitionSystem, keep: Sequence[str] = ()) -> str:
-    """The source of `step(state, inputs)` -> (state after, kept values)."""
+    """Return the source of `step(state, inputs)` -> (state after, kept values)."""
     kept = [keepable(system, name) for name in keep]
     moved = [system.next[var] for var in system.state]
     return to_function("step", {"state": system.state, "inputs": system.inputs}, [moved, kept])

@@ -1,8 +1,8 @@
-"""What a batch run admits: the rules of the interpreter, for whole arrays. Nothing is clipped, cast or filled in."""
+"""Validation of the inputs of a batch run: the interpreter's rules for arrays. No value is clipped, cast or filled in."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -12,11 +12,12 @@ from safeloc.language.expr import BoolVar, Lit, NumVar, Optional, Var
 from safeloc.language.interpret import start
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import renamed
 from safeloc.language.system import TransitionSystem, canonical
 
 
 def admitted_inputs(system: TransitionSystem, inputs: Mapping[str, Array]) -> tuple[list[Array], int, int]:
-    """Arrays [step, run] in the order of the system's inputs, the number of steps and the number of runs.
+    """Return arrays [step, run] in the order of the system's inputs, the number of steps and the number of runs.
 
     Raises InputError, naming array, step and run, for a wrong type, shape, name, missing array or value out of range.
     """
@@ -29,11 +30,15 @@ def admitted_inputs(system: TransitionSystem, inputs: Mapping[str, Array]) -> tu
     for var in system.inputs:
         if var not in columns:
             if var.name not in left:
-                raise InputError(f"{system.name}: input {var.name!r} is missing.")
+                raise InputError(f"{system.name}: input {var.name!r} is missing{_renamed(left, system.inputs)}.")
             columns[var] = _admitted(system, var, left.pop(var.name))
     if left:
-        raise InputError(f"{system.name}: unknown inputs {sorted(left)}.")
+        raise InputError(f"{system.name}: unknown inputs {sorted(left)}{_renamed(left, system.inputs)}.")
     return [columns[var] for var in system.inputs], steps, runs
+
+
+def _renamed(given: Iterable[str], known: Iterable[Var]) -> str:
+    return renamed(given, [var.name for var in known])
 
 
 def _shape(system: TransitionSystem, inputs: Mapping[str, Array]) -> tuple[int, int]:
@@ -93,7 +98,7 @@ def _check_type(what: str, var: Var, array: Array) -> None:
 
 
 def first_states(system: TransitionSystem, chosen: Mapping[str, Array | Value], runs: int) -> list[Array]:
-    """The first state of every run: arrays [run] in the order of the system's state.
+    """Return the first state of every run: arrays [run] in the order of the system's state.
 
     Raises InputError for what `interpret.start` refuses, in any run.
     """
@@ -103,7 +108,7 @@ def first_states(system: TransitionSystem, chosen: Mapping[str, Array | Value], 
         return [_filled(var, values[var], runs) for var in system.state]
     unknown = sorted(set(chosen) - {var.name for var in system.state})
     if unknown:
-        raise InputError(f"{system.name}: unknown state variables {unknown}.")
+        raise InputError(f"{system.name}: unknown state variables {unknown}{_renamed(unknown, system.state)}.")
     state = [_first(system, var, chosen, runs) for var in system.state]
     _check_initially(system, state)
     return state

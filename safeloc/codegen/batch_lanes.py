@@ -44,11 +44,11 @@ class LanesBatch:
 
     @property
     def lanes(self) -> int:
-        """How many runs a register holds on this processor."""
+        """The number of runs per register on this processor."""
         return ctypes.c_size_t.in_dll(self.library, "lanes_count").value
 
     def moved(self, columns: list[Array], state: list[Array], kept: list[Array], block_runs: int) -> list[Array]:
-        """The last states of all runs; `kept` is filled."""
+        """Return the last states of all runs; `kept` is filled."""
         runs, lanes = len(state[0]), self.lanes
         if 0 < runs < lanes:
             return self._widened(columns, state, kept, lanes)

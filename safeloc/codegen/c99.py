@@ -28,7 +28,7 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 def to_c(
     system: TransitionSystem, runs: Sequence[Run], *, doc: str = "", kept: Mapping[str, Bool] | None = None
 ) -> dict[str, str]:
-    """The files of the folder. `system` is what runs on board: without ghosts.
+    """Write the files of the folder. `system` is the on-board system, without ghosts.
 
     runs   what the self-check replays, at least one step in all
     doc    one paragraph for the header and README
@@ -47,7 +47,7 @@ def to_c(
 
 
 def library_texts(layout: Layout, doc: str = "") -> dict[str, str]:
-    """Header and source alone."""
+    """Return the header and source alone."""
     prefix = layout.names.prefix
     return {f"{prefix}.h": header(layout, doc), f"{prefix}.c": source(layout)}
 
@@ -92,7 +92,7 @@ clean:
 
 
 def readme(layout: Layout, doc: str, chosen: Mapping[str, Value]) -> str:
-    """What is in the folder, how to call it, and what it rests on."""
+    """Write the README of the exported folder: its files, its use, and its assumptions."""
     p, upper = layout.names.prefix, layout.names.upper
     values = ", ".join(f".{field.name} = {constant(int(chosen.get(field.source, 0)))}" for field in layout.first)
     first = f", &({p}_first){{{values}}}" if layout.first else ""

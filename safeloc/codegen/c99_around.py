@@ -1,6 +1,6 @@
-"""What stands around the step in generated C: the checked step, the loop, snapshots, and what a status says.
+"""Generated C code around the step: the checked step, the loop, snapshots, and texts of statuses.
 
-These texts are the same for every machine but for its name, its fields and its statuses.
+These texts are the same for every machine except for its name, fields and statuses.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from safeloc.codegen.c99_terms import constant
 
 
 def stepping(layout: Layout) -> str:
-    """One checked step, and the outputs of a state."""
+    """Write one checked step, and the outputs of a state."""
     p, upper = layout.names.prefix, layout.names.upper
     idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
     return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
@@ -68,7 +68,7 @@ static void scatter(const {p}_outputs *outputs, const {p}_output_columns *told, 
 
 @dataclass(frozen=True)
 class _Source:
-    """Where a loop takes its inputs from and leaves its outputs."""
+    """The source of a loop's inputs and the destination of its outputs."""
 
     missing: str
     begin: str
@@ -181,7 +181,7 @@ int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
 
 
 def status_texts(layout: Layout) -> str:
-    """What every status says."""
+    """Write the function that returns the text of a status."""
     p = layout.names.prefix
     cases = "".join(f"    case {name}:\n        return {literal(text)};\n" for name, _, text in statuses(layout))
     return (

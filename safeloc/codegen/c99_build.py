@@ -18,7 +18,7 @@ SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
 
 
 def compiler(name: str | None = None) -> str:
-    """Path of the C compiler: `name`, else $CC, else cc, gcc or clang. EngineError where there is none."""
+    """Return the path of the C compiler: `name`, else $CC, else cc, gcc or clang. EngineError where there is none."""
     wanted = [name] if name else [*filter(None, [os.environ.get("CC")]), "cc", "gcc", "clang"]
     for one in wanted:
         found = shutil.which(one)
@@ -32,7 +32,7 @@ def compiler(name: str | None = None) -> str:
 def build(
     texts: Mapping[str, str], folder: Path, name: str, *, cc: str | None = None, flags: Sequence[str] = ()
 ) -> Path:
-    """The shared library of these sources, `folder/NAME-DIGEST.so`; compiled only where it is not there yet.
+    """Compile the shared library of these sources, `folder/NAME-DIGEST.so`, unless it exists already.
 
     The digest is of texts, compiler and flags, so a folder may be kept and shared. EngineError with the compiler's own
     words where it refuses.

@@ -79,13 +79,13 @@ _MAIN = """int main(int count, char **arguments)
 
 
 def check_program(layout: Layout) -> str:
-    """The text of check.c: exit code 0 where all steps agree, 1 at the first difference, 2 where it cannot check."""
+    """Return the text of check.c: exit code 0 where all steps agree, 1 at the first difference, 2 where it cannot check."""
     before, after = (text.replace("PREFIX", layout.names.prefix) for text in (_READING, _MAIN))
     return before + _checking(layout) + after
 
 
 def _checking(layout: Layout) -> str:
-    """How a run begins, and one step with everything that it returns, tells and leaves behind."""
+    """Write the check program's start of a run, and one step that prints status, outputs and state."""
     p, upper = layout.names.prefix, layout.names.upper
     begun = "state, &first" if layout.first else "state"
     first = f"    {p}_first first;\n{_read(layout.first, 'first')}" if layout.first else ""

@@ -14,7 +14,7 @@ FIRST_INPUT_STATUS = 16
 
 
 def header(layout: Layout, doc: str) -> str:
-    """The text of the header; `doc` is told at its top."""
+    """Return the text of the header; `doc` is told at its top."""
     upper = layout.names.upper
     parts = [
         _top(layout, doc),
@@ -23,6 +23,7 @@ def header(layout: Layout, doc: str) -> str:
         f"/* The first 64 bits of the declaration's digest. */\n#define {upper}_DECLARATION {declaration(layout)}\n",
         *(_enumeration(layout, unit) for unit in layout.names.titles),
         _statuses(layout),
+        *_stand_ins(layout),
         *_structures(layout),
         functions(layout),
         "#ifdef __cplusplus\n}\n#endif\n\n#endif\n",
@@ -31,12 +32,12 @@ def header(layout: Layout, doc: str) -> str:
 
 
 def declaration(layout: Layout) -> str:
-    """The first 64 bits of the digest as a constant."""
+    """Return the first 64 bits of the digest as a constant."""
     return f"UINT64_C(0x{layout.digest[:16]})"
 
 
 def comment(paragraphs: Iterable[str], width: int = 110) -> str:
-    """A block comment."""
+    """Return a block comment."""
     lines = [line for text in paragraphs for line in (textwrap.wrap(remark(text), width) or [""])]
     return "/* " + "\n".join(f" * {line}".rstrip() for line in lines)[3:] + "\n */\n"
 
@@ -51,7 +52,7 @@ def _top(layout: Layout, doc: str) -> str:
             "",
             f"Declaration: SHA-256 {layout.digest}.",
             "",
-            "Numbers are int64_t in the unit told, members of enumerations int32_t, truth values uint8_t (0 or 1). No "
+            "Numbers are int64_t in the stated unit, members of enumerations int32_t, truth values uint8_t (0 or 1). No "
             "term leaves 64 bits while inputs and state keep their ranges. Nothing is allocated, nothing recurs, and "
             "there are no global variables: each state is its caller's.",
         ]
@@ -81,7 +82,7 @@ def _row_remark(row: Transition | None, label: str) -> str:
 
 
 def statuses(layout: Layout) -> list[tuple[str, int, str]]:
-    """Every status: constant, number, what it says."""
+    """Return every status: constant, number, what it says."""
     upper = layout.names.upper
     fixed = [
         (f"{upper}_OK", "done"),
@@ -101,7 +102,7 @@ def statuses(layout: Layout) -> list[tuple[str, int, str]]:
 
 
 def input_status(layout: Layout, field: Field) -> str:
-    """The status that refuses this input."""
+    """Return the status that refuses this input."""
     return f"{layout.names.upper}_REFUSED_{field.name.upper()}"
 
 
@@ -116,15 +117,29 @@ def _allowed(layout: Layout, field: Field) -> str:
 
 def _statuses(layout: Layout) -> str:
     lines = [f"    {name} = {number}, /* {remark(text)} */" for name, number, text in statuses(layout)]
-    return "/* What the functions return. */\nenum {\n" + "\n".join(lines) + "\n};\n"
+    return "/* Return values of the functions. */\nenum {\n" + "\n".join(lines) + "\n};\n"
+
+
+def _stand_ins(layout: Layout) -> Iterator[str]:
+    absent = [field for field in layout.outputs if field.stand_in is not None]
+    if absent:
+        lines = [f"#define {stand_in_name(layout, field)} INT64_C({field.stand_in})" for field in absent]
+        yield "/* What stands in for an output while it is absent. No value that is there comes near it. */\n" + (
+            "\n".join(lines) + "\n"
+        )
+
+
+def stand_in_name(layout: Layout, field: Field) -> str:
+    """The constant that stands in for this output while it is absent."""
+    return f"{layout.names.upper}_ABSENT_{field.name.upper()}"
 
 
 def _structures(layout: Layout) -> Iterator[str]:
     prefix = layout.names.prefix
     yield _structure(layout, f"{prefix}_state", "The state. Only the functions below write it.", layout.state)
-    yield _structure(layout, f"{prefix}_inputs", "What one step reads.", layout.inputs)
+    yield _structure(layout, f"{prefix}_inputs", "The inputs of one step.", layout.inputs)
     yield _structure(
-        layout, f"{prefix}_outputs", "What one step tells: outputs, and which transition fired.", layout.told
+        layout, f"{prefix}_outputs", "The results of one step: outputs, and the transition that fired.", layout.told
     )
     if layout.first:
         yield _structure(layout, f"{prefix}_first", "First values that the declaration leaves open.", layout.first)
@@ -157,6 +172,7 @@ def _told(layout: Layout, field: Field) -> str:
         said = f"{layout.names.titles[unit]}, {field.low} .. {field.high}"
     else:
         said = f"{field.unit or 'number'}, {field.low} .. {field.high}"
+    said += "" if field.stand_in is None else f", or {stand_in_name(layout, field)}"
     name = "" if field.source == field.name else f"; {field.source}"
     return f"{said}{f'; read only where {field.present} is 1' if field.present else ''}{name}"
 
@@ -172,7 +188,7 @@ def _of_check_state(layout: Layout) -> str:
 
 
 def functions(layout: Layout) -> str:
-    """Declarations of the functions, each with what it does."""
+    """Write declarations of the functions, each with a description."""
     p, upper = layout.names.prefix, layout.names.upper
     first = f", const {p}_first *first" if layout.first else ""
     return f"""/* The first state. */
@@ -217,5 +233,5 @@ const char *{p}_status_text(int32_t status);
 
 
 def requirement_ids(system: TransitionSystem) -> list[str]:
-    """Every requirement that a transition carries."""
+    """Return every requirement that a transition carries."""
     return sorted({one for machine in system.machines for row in machine.transitions for one in row.requirements})

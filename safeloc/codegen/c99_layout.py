@@ -12,6 +12,7 @@ from typing import Literal
 from safeloc.codegen.c99_names import Names, names_of
 from safeloc.codegen.simplify_under_facts import Known
 from safeloc.errors import InputError
+from safeloc.language.absence import stand_in_of, while_there
 from safeloc.language.digest import declaration_digest
 from safeloc.language.expr import Bool, Expr, Num, NumVar, Var
 from safeloc.language.machine import Any_
@@ -30,6 +31,7 @@ class Field:
 
     source   what the declaration calls it
     present  of an optional input, the field that tells whether it is there; `absent` is what then stands for it
+    stand_in of an output that may be absent, the number that stands in for it; `low` to `high` is where it is there
     """
 
     name: str
@@ -40,6 +42,7 @@ class Field:
     unit: str
     present: str = ""
     absent: int = 0
+    stand_in: int | None = None
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Layout:
 
 
 def layout_of(system: TransitionSystem, kept: Mapping[str, Bool] | None = None) -> Layout:
-    """The structures of a system without ghosts. InputError where C cannot run it soundly: past operators, 64 bits.
+    """Return the structures of a system without ghosts. InputError where C cannot run it soundly: past operators, 64 bits.
 
     kept   as `safeloc.proof.provers.lasting` proves it
     """
@@ -110,8 +113,8 @@ class _Fields:
 
     def term(self, name: str, source: str, term: Expr) -> Field:
         if isinstance(term, Num):
-            low, high = self.bounds[term]
-            return Field(name, source, _kind(term), low, high, unit_text(term))
+            low, high = self.bounds[while_there(term)]
+            return Field(name, source, _kind(term), low, high, unit_text(term), stand_in=stand_in_of(term))
         return Field(name, source, "uint8_t", 0, 1, "")
 
 
@@ -120,12 +123,12 @@ def _kind(term: Num) -> CType:
 
 
 def unit_text(term: Num) -> str:
-    """The unit as it is shown: nothing for an enumeration or a bare number."""
+    """Return the unit as it is shown: nothing for an enumeration or a bare number."""
     return "" if isinstance(term.unit, Enumeration) or term.unit.name == "1" else term.unit.name
 
 
 def unit_of(layout: Layout, field: Field) -> Enumeration | None:
-    """The enumeration whose members a field holds."""
+    """Return the enumeration whose members a field holds."""
     system = layout.system
     known: dict[str, Expr] = {var.name: var for var in (*system.state, *system.inputs, *system.fired)}
     term = system.outputs.get(field.source) if field in layout.outputs else known[field.source]
@@ -133,13 +136,13 @@ def unit_of(layout: Layout, field: Field) -> Enumeration | None:
 
 
 def literal(text: str) -> str:
-    """A C string of the text, in plain letters whatever it holds."""
+    """Return a C string of the text, in plain letters whatever it holds."""
     letters = [chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}" for byte in text.encode()]
     return '"' + "".join(letters) + '"'
 
 
 def remark(text: str) -> str:
-    """The text as part of a C comment, which it must neither end nor begin."""
+    """Return the text as part of a C comment, which it must neither end nor begin."""
     for wrong, right in (("*/", "* /"), ("/*", "/ *"), ("??", "? ?"), ("\n", " ")):
         text = text.replace(wrong, right)
     return text

@@ -46,7 +46,7 @@ class Names:
 
 
 def names_of(system: TransitionSystem) -> Names:
-    """Identifiers that are no words of C, of its fixed-width types or of the generated text."""
+    """Return identifiers that are no words of C, of its fixed-width types or of the generated text."""
     prefix = identifier(system.name)
     titles = _titles(system)
     constants = set[str]()
@@ -62,13 +62,13 @@ def names_of(system: TransitionSystem) -> Names:
 
 
 def identifier(name: str) -> str:
-    """The letters, digits and underscores of a name, not beginning with a digit."""
+    """Return the letters, digits and underscores of a name, not beginning with a digit."""
     plain = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "unnamed"
     return f"n{plain}" if plain[0].isdigit() else plain
 
 
 def distinct(plain: str, taken: set[str]) -> str:
-    """The name, with a number where it is taken or means something else in C; it is taken from then on."""
+    """Return the name, with a number where it is taken or means something else in C; it is taken from then on."""
     name, number = plain, 1
     while name in taken or name in RESERVED or TYPES.fullmatch(name):
         number += 1
@@ -78,7 +78,7 @@ def distinct(plain: str, taken: set[str]) -> str:
 
 
 def _titles(system: TransitionSystem) -> dict[Enumeration, str]:
-    """What every enumeration is called; modes and fired transitions of several machines by their machine as well."""
+    """Return the C name of every enumeration; in a composition, modes and fired transitions have their machine's prefix."""
     known: dict[Enumeration, str] = {}
     for machine in system.machines:
         owner = f"{identifier(machine.name)}_" if len(system.machines) > 1 else ""

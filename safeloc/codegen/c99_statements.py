@@ -6,34 +6,63 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import assert_never
 
+from safeloc.codegen.naming_terms import Text
 from safeloc.codegen.nested_statements import Bind, Block, Choice, End, Test
 
 WIDTH = 118
-Leaf = Callable[[Sequence[str]], Iterable[str]]
+Leaf = Callable[[Sequence[Text]], Iterable[Text]]
 """The statements at the end of a branch, from the targets' values."""
 
 
 def statements(block: Block, leaf: Leaf, depth: int = 1, declared: frozenset[str] = frozenset()) -> str:
-    """The statements as text; `declared` names have their declaration already."""
+    """Return the statements as text; `declared` names have their declaration already."""
     text = ""
     for statement in block:
         match statement:
             case Bind(name, value, is_truth):
                 kind = "" if name in declared else f"const {_kind(is_truth)} "
-                text += line(f"{kind}{name} = {value};", depth)
+                text += line(f"{kind}{name} = {value.code};", depth)
             case Test(test, inner):
-                text += line(f"if ({test}) {{", depth) + statements(inner, leaf, depth + 1, declared) + line("}", depth)
+                text += (
+                    line(f"if ({test.code}) {{", depth)
+                    + statements(inner, leaf, depth + 1, declared)
+                    + line("}", depth)
+                )
             case Choice():
                 text += _choice(statement, leaf, depth, declared)
             case End(values):
-                text += "".join(line(one, depth) for one in leaf(values))
+                text += "".join(line(one.code, depth) for one in leaf(values))
             case _:
                 assert_never(statement)
     return text
 
 
+def used(block: Block, leaf: Leaf) -> frozenset[str]:
+    """The names that the statements read or call."""
+    return frozenset(name for text in _texts(block, leaf) for name in text.uses)
+
+
+def _texts(block: Block, leaf: Leaf) -> Iterator[Text]:
+    for statement in block:
+        match statement:
+            case Bind(_, value, _):
+                yield value
+            case Test(test, inner):
+                yield test
+                yield from _texts(inner, leaf)
+            case Choice(branches, otherwise):
+                for test, inner in branches:
+                    yield test
+                    yield from _texts(inner, leaf)
+                yield from _texts(otherwise, leaf)
+            case End(values):
+                yield from leaf(values)
+            case _:
+                assert_never(statement)
+
+
 def line(text: str, depth: int) -> str:
-    """One statement, indented; a long one goes on in lines that are indented further."""
+    """Return one statement, indented; a long one goes on in lines that are indented further."""
     indent = "    " * depth
     return (
         textwrap.fill(
@@ -53,19 +82,19 @@ def _choice(choice: Choice, leaf: Leaf, depth: int, declared: frozenset[str]) ->
     inside = declared | kept.keys()
     text = "".join(line(f"{_kind(is_truth)} {name};", depth) for name, is_truth in kept.items())
     for number, (test, inner) in enumerate(choice.branches):
-        text += line(f"{'} else if' if number else 'if'} ({test}) {{", depth)
+        text += line(f"{'} else if' if number else 'if'} ({test.code}) {{", depth)
         text += statements(inner, leaf, depth + 1, inside)
     return text + line("} else {", depth) + statements(choice.otherwise, leaf, depth + 1, inside) + line("}", depth)
 
 
 def given(choice: Choice) -> dict[str, bool]:
-    """The names that get a value whichever branch is taken, and whether it is a truth value."""
+    """Return the names that get a value whichever branch is taken, and whether it is a truth value."""
     branches = [_given_by(block) for block in (*(block for _, block in choice.branches), choice.otherwise)]
     return {name: kind for name, kind in branches[0].items() if all(name in other for other in branches)}
 
 
 def given_names(block: Block) -> Iterator[str]:
-    """Every name that gets a value in the block, in whatever branch."""
+    """Return every name that gets a value in the block, in whatever branch."""
     for statement in block:
         match statement:
             case Bind(name, _, _):

@@ -58,7 +58,7 @@ static inline int64_t ceil_div(int64_t left, int64_t divisor)
 
 
 def constant(value: int, *, wide: bool = False) -> str:
-    """A whole number; with `wide`, as one of 64 bits whatever stands beside it."""
+    """Return a whole number; with `wide`, as one of 64 bits whatever stands beside it."""
     if value == INT64_MIN:
         return "INT64_MIN"
     return f"INT64_C({value})" if wide or abs(value) > INT32_MAX else str(value)
@@ -71,14 +71,14 @@ class CTerms(Writing):
         super().__init__(names)
         self._members = members
 
-    def text(self, term: Expr) -> str:
+    def code(self, term: Expr) -> str:
         """The term as an expression that may stand alone, as a value or as a test."""
         return self._written(term)[0]
 
     def _written(self, term: Expr) -> tuple[str, int]:
         """The term's text, and how firmly it holds together."""
         if term in self.named:
-            return self.named[term], ATOM
+            return self.used(self.named[term]), ATOM
         assert isinstance(term, Node)
         match term:
             case Lit(value, unit):
@@ -123,7 +123,7 @@ class CTerms(Writing):
             case Add(a, b):
                 return f"{self._part(a, SUM)} + {self._part(b, PRODUCT)}", SUM
             case Sub(Lit(0, _), FloorDiv(Sub(Lit(0, _), a) as inner, k, _) as down) if not self._known(inner, down):
-                return f"ceil_div({self.text(a)}, {constant(k)})", ATOM
+                return f"{self.used('ceil_div')}({self.code(a)}, {constant(k)})", ATOM
             case Sub(Lit(0, _), b):
                 return f"-{self._part(b, ATOM)}", UNARY
             case Sub(a, b):
@@ -131,7 +131,7 @@ class CTerms(Writing):
             case Mul(a, b):
                 return f"{self._part(a, PRODUCT)} * {self._part(b, UNARY)}", PRODUCT
             case FloorDiv(a, divisor, _):
-                return f"floor_div({self.text(a)}, {constant(divisor)})", ATOM
+                return f"{self.used('floor_div')}({self.code(a)}, {constant(divisor)})", ATOM
             case _:
                 assert_never(term)
 

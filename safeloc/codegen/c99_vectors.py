@@ -31,7 +31,7 @@ class Run:
 
 
 def vectors(layout: Layout, runs: Sequence[Run]) -> str:
-    """The text of the vector file. InputError where a run cannot be taken, or where there is no step in any."""
+    """Return the text of the vector file. InputError where a run cannot be taken, or where there is no step in any."""
     if not any(run.steps for run in runs):
         raise InputError(f"{layout.system.name}: no steps to check by; give at least one run with a step.")
     lines = [f"# {layout.system.name}: runs as the reference interpreter takes them; written by safeloc."]
@@ -74,7 +74,7 @@ class Refused:
 
 
 def spoilt(layout: Layout, inputs: Sequence[int], turn: int) -> Refused | None:
-    """The inputs with one of them just out of its range, another one in every turn; None if none can be."""
+    """Return the inputs with one of them just out of its range, another one in every turn; None if none can be."""
     able = [place for place, field in enumerate(layout.inputs) if _beyond(field)]
     if not able:
         return None

@@ -35,7 +35,7 @@ def load_c(
     first: Mapping[str, Value] | None = None,
     kept: Mapping[str, Bool] | None = None,
 ) -> CMachine:
-    """The system, without ghosts, as compiled C in its first state.
+    """Load the system, without ghosts, as compiled C in its first state.
 
     folder  where libraries are kept and found again; a temporary one without
     cc      the C compiler; else $CC, cc, gcc or clang
@@ -85,7 +85,7 @@ class CMachine:
         self._call("init", *given)
 
     def step(self, record: Mapping[str, object]) -> dict[str, Value]:
-        """One step from inputs by name; its outputs. InputError as in `interpret.read_inputs`, and nothing moves."""
+        """Run one step from inputs by name; return its outputs. InputError as in `interpret.read_inputs`, and nothing moves."""
         _fill(self._inputs, self.layout.inputs, self._ordered(record))
         self._call("step", *map(ctypes.byref, (self._state, self._inputs, self._outputs)))
         return self._named(self._outputs)
@@ -112,24 +112,25 @@ class CMachine:
         self._state = wanted
 
     def rows(self, records: Sequence[Mapping[str, object]]) -> ctypes.Array[Any]:
-        """Inputs of many steps as C holds them; InputError as for `step`."""
+        """Return inputs of many steps as C holds them; InputError as for `step`."""
         rows: ctypes.Array[Any] = (type(self._inputs) * len(records))()
         for row, record in zip(rows, records, strict=True):
             _fill(row, self.layout.inputs, self._ordered(record))
         return rows
 
     def run(self, rows: ctypes.Array[Any]) -> None:
-        """All steps in one call, outputs left aside. InputError, with the row, where C refuses inputs."""
+        """Run all steps in one call, without outputs. InputError, with the row, where C refuses inputs."""
         self._ran("run", rows, None, len(rows))
 
     def history(self, rows: ctypes.Array[Any]) -> list[dict[str, Value]]:
-        """The outputs of every step, taken in one call; InputError as for `run`."""
+        """Return the outputs of every step, taken in one call; InputError as for `run`."""
         told = (type(self._outputs) * len(rows))()
         self._ran("run", rows, told, len(rows))
         return [self._named(row) for row in told]
 
     def columns(self, arrays: Sequence[ctypes.Array[Any]]) -> Columns:
-        """Arrays of equal length, one for each field of `layout.inputs`, of its kind; ranges are judged in `run_columns`."""
+        """Return arrays of equal length, one for each field of `layout.inputs`, of its kind; ranges are judged in
+        `run_columns`."""
         lengths = {len(array) for array in arrays}
         kinds = [array._type_ for array in arrays]
         if kinds != [_CTYPES[field.kind] for field in self.layout.inputs] or len(lengths) > 1:
@@ -138,17 +139,17 @@ class CMachine:
         return Columns(max(lengths, default=0), tuple(arrays), _filled(self._input_columns, arrays))
 
     def run_columns(self, columns: Columns) -> None:
-        """The same as `run` over columns: faster where a machine has few inputs."""
+        """Run the same steps as `run`, from columns: faster where a machine has few inputs."""
         self._ran("run_columns", ctypes.byref(columns.pointers), None, columns.count)
 
     def save(self) -> bytes:
-        """A snapshot of the state, with the declaration's digest and a checksum."""
+        """Return a snapshot of the state, with the declaration's digest and a checksum."""
         snapshot = self._snapshot()
         self._call("save", ctypes.byref(self._state), ctypes.byref(snapshot))
         return bytes(snapshot)
 
     def restore(self, saved: bytes) -> None:
-        """The state of a snapshot; InputError for one that is damaged or of another declaration, and nothing changes."""
+        """Restore the state of a snapshot; InputError, and no change, if it is damaged or of another declaration."""
         snapshot = self._snapshot()
         if len(saved) != ctypes.sizeof(snapshot):
             raise InputError(f"{self.system.name}: a snapshot has {ctypes.sizeof(snapshot)} bytes, this {len(saved)}.")

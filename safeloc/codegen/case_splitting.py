@@ -1,12 +1,11 @@
-"""Which cases a machine's moves are written out for apart, so that each computes only what it needs.
+"""Choice of the cases for which a machine's moves are written separately, so that each computes only what it needs.
 
 Three kinds of case are tried, and kept where they pay:
 
-    a quiet step    none of the optional inputs is there that make much of the work, and every verdict is the one
-                    that is left where no fault applies: the usual step of a machine that measures often, mostly
-                    well, and gets messages seldom
-    a mode          what only the other modes' rows need is left out
-    a condition     that costs little: what only one side of it needs is computed only there
+    a quiet step    all costly optional inputs are absent and no fault condition holds: the usual step of a machine with
+    frequent, mostly good measurements and rare messages
+    a mode          terms that only the rows of other modes need are left out
+    a condition     a cheap condition: terms that only one side needs are computed only there
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ MOST_LOOKED_AT = 4_000  # nodes, while a condition is chosen
 
 @dataclass(frozen=True)
 class _Case:
-    """What is left of the targets where something is known, and how much work that is."""
+    """The targets, simplified under known facts, and the work to compute them."""
 
     targets: Targets
     work: int
@@ -65,7 +64,7 @@ class _Case:
 
     @cached_property
     def _known(self) -> Known:
-        """What the terms are now, for finding out what is left of them."""
+        """The current terms, as the start of further simplification."""
         known = Known({})
         for _, term in self.targets:
             known(term)
@@ -82,7 +81,7 @@ class _Case:
 
 @dataclass(frozen=True)
 class _Decided:
-    """What is left of a case where a condition holds, where it fails, and what testing it first saves."""
+    """A case split by a condition: the targets where it holds, where it fails, and the saved work."""
 
     condition: Bool
     holds: _Case
@@ -92,7 +91,7 @@ class _Decided:
 
 @dataclass(frozen=True)
 class _Split:
-    """What is left of a case in some modes, each apart, and in all others; what that saves, all modes equally likely."""
+    """A case split by mode: some modes separately, all others together; the saved work, if all modes are equally likely."""
 
     mode: NumVar
     apart: Mapping[int, _Case]
@@ -106,7 +105,7 @@ class _Split:
 
 
 def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: int = LONGEST) -> Block:
-    """Statements that compute the targets: of the system's moves, all or those of one stage.
+    """Return statements that compute the targets: of the system's moves, all or those of one stage.
 
     longest  all cases together may have so many times the work written out
     """
@@ -129,7 +128,7 @@ def _modes(system: TransitionSystem, whole: _Case) -> list[NumVar]:
 
 
 def _quiet(system: TransitionSystem, whole: _Case) -> tuple[list[Bool], _Case]:
-    """What makes a step a busy one, and what is left to do where nothing does."""
+    """Return the conditions that make a step busy, and the case that remains if none of them holds."""
     events: list[Bool] = []
     quiet = whole
     heard = [*_records(system, whole), *_messages(system, whole)]
@@ -150,7 +149,7 @@ def _messages(system: TransitionSystem, whole: _Case) -> list[Bool]:
 
 
 def _records(system: TransitionSystem, whole: _Case) -> list[Bool]:
-    """Whether any field is there of a record of several, for the records that make much of the work."""
+    """List the conditions that a record of several fields is present, for the records that cause much of the work."""
     flags = {option.present for option in system.optionals}
     found = [node for node in whole.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
     worth = whole.work * (1 - WORTH)
@@ -267,7 +266,7 @@ def _split(mode: NumVar, whole: _Case, room: float) -> _Split:
 
 
 def _tests(mode: NumVar, whole: _Case) -> dict[Expr, int]:
-    """Where it is looked whether the machine is in a mode, and in which."""
+    """Return the terms that compare the mode, each with the number of the mode."""
     return {
         node: node.right.value
         for node in whole.nodes()
@@ -276,7 +275,7 @@ def _tests(mode: NumVar, whole: _Case) -> dict[Expr, int]:
 
 
 def _told(tests: Mapping[Expr, int], values: Sequence[int]) -> dict[Expr, Expr]:
-    """What is known of the tests where the mode is one of the values."""
+    """Return the known results of these comparisons if the mode is one of the values."""
     return {
         test: TRUE if [value] == list(values) else FALSE
         for test, value in tests.items()

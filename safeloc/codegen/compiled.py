@@ -43,20 +43,20 @@ class Compiled:
     outputs: Callable[[Row], Row]
 
     def first(self, chosen: Mapping[str, Value] | None = None) -> Row:
-        """The first state; InputError as in `interpret.start`."""
+        """Return the first state; InputError as in `interpret.start`."""
         return tuple(start(self.system, chosen).values())
 
     def read(self, record: Mapping[str, object]) -> Row:
-        """One step's inputs by name, checked as the interpreter checks them."""
+        """Return one step's inputs by name, checked as the interpreter checks them."""
         values = read_inputs(self.system, record)
         return tuple(values[var] for var in self.system.inputs)
 
     def named_outputs(self, state: Row) -> dict[str, Value]:
-        """The outputs by name."""
+        """Return the outputs by name."""
         return dict(zip(self.output_names, self.outputs(state), strict=True))
 
     def fired(self, numbers: Sequence[int]) -> dict[str, str]:
-        """Names of the transitions that fired, by fired variable."""
+        """Return names of the transitions that fired, by fired variable."""
         return fired_names(dict(zip(self.system.fired, numbers, strict=True)))
 
 
@@ -80,7 +80,7 @@ def compile_system(system: TransitionSystem) -> Compiled:
 
 
 def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Row]:
-    """The terms as a function of a row of values of `reads`."""
+    """Return the terms as a function of a row of values of `reads`."""
     space: dict[str, Any] = {}
     exec(compile(terms_to_python(reads, terms), "<safeloc terms>", "exec"), space)
     function: Callable[[Sequence[Value]], Row] = space["terms"]

@@ -27,7 +27,7 @@ class Row:
 
 
 def to_table(machine: Machine) -> list[Row]:
-    """The transition table in order of priority. Guards and updates are shortened, never left out."""
+    """Return the transition table in order of priority. Guards and updates are shortened, never left out."""
     rows, share = [], Sharing()
     names = {share(term): name for name, term in machine.definitions.items()}
     for t in machine.transitions:
@@ -63,7 +63,7 @@ def edges(machine: Machine) -> dict[tuple[str, str], list[str]]:
 
 
 def to_mermaid(machine: Machine) -> str:
-    """A Mermaid state diagram."""
+    """Return a Mermaid state diagram."""
     lines = ["stateDiagram-v2", f"    [*] --> {_word(machine.modes[0].label)}"]
     for mode in machine.modes:
         lines.append(f'    state "{_mermaid(mode.label)}" as {_word(mode.label)}')
@@ -82,7 +82,7 @@ def _mermaid(text: str) -> str:
 
 
 def to_dot(machine: Machine) -> str:
-    """A Graphviz digraph."""
+    """Return a Graphviz digraph."""
     lines = [
         f"digraph {_dot(machine.name)} {{",
         '  rankdir=LR; node [shape=box, style="rounded"]; start [shape=point];',
@@ -119,7 +119,7 @@ class _Place:
 
 
 def to_svg(machine: Machine) -> str:
-    """A self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
+    """Draw a self-contained SVG: modes in a column, transitions as arcs beside it, numbered as in the table."""
     number = {t.name: index for index, t in enumerate(machine.transitions, 1)}
     labels = [mode.label for mode in machine.modes]
     between = {pair: [number[n] for n in names] for pair, names in edges(machine).items()}

@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from safeloc.codegen.c99_layout import Layout
+from safeloc.codegen.c99_layout import Field, Layout
 from safeloc.codegen.fmi3_variables import Variable
 from safeloc.language.units import Enumeration
 
 
 def token(layout: Layout) -> str:
-    """What a unit and its description know each other by: it follows from the declaration."""
+    """Return the token that links a unit and its description, computed from the declaration."""
     return f"{{{uuid.UUID(hex=layout.digest[:32])}}}"
 
 
 def description(layout: Layout, variables: Sequence[Variable], period_ms: int | None, doc: str) -> str:
-    """The text of modelDescription.xml."""
+    """Return the text of modelDescription.xml."""
     root = Element(
         "fmiModelDescription",
         fmiVersion="3.0",
@@ -47,7 +47,7 @@ def description(layout: Layout, variables: Sequence[Variable], period_ms: int | 
 
 
 def build_description(layout: Layout, sources: Sequence[str]) -> str:
-    """The text of buildDescription.xml: how to compile the sources for another platform."""
+    """Return the text of buildDescription.xml: how to compile the sources for another platform."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=layout.names.prefix)
     files = SubElement(configuration, "SourceFileSet", language="C99")
@@ -79,7 +79,7 @@ def _types(parent: Element, layout: Layout, variables: Sequence[Variable]) -> No
 
 
 def enumeration_type(layout: Layout, enumeration: Enumeration) -> str:
-    """The name of an enumeration's type; a unit may have the same name."""
+    """Return the name of an enumeration's type; a unit may have the same name."""
     return f"enumeration {layout.names.titles[enumeration]}"
 
 
@@ -111,10 +111,16 @@ def _attributes(layout: Layout, variable: Variable) -> dict[str, str]:
     elif field.unit:
         told["declaredType"] = field.unit
     if not variable.is_truth:
-        told |= {"min": str(field.low), "max": str(field.high)}
+        told |= _bounds(field)
     if variable.start is not None:
         told["start"] = str(bool(variable.start)).lower() if variable.is_truth else str(variable.start)
     return told
+
+
+def _bounds(field: Field) -> dict[str, str]:
+    """Of all values that are told, also of the one that stands in for an absent output."""
+    stand_in = field.low if field.stand_in is None else field.stand_in
+    return {"min": str(min(field.low, stand_in)), "max": str(max(field.high, stand_in))}
 
 
 def _structure(parent: Element, variables: Sequence[Variable]) -> None:

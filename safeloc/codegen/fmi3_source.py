@@ -11,7 +11,7 @@ from safeloc.codegen.fmi3_variables import Variable
 
 
 def unit_source(layout: Layout, variables: Sequence[Variable], period_ms: int | None) -> str:
-    """The text of the wrapper."""
+    """Return the text of the wrapper."""
     p = layout.names.prefix
     return "\n".join(
         [

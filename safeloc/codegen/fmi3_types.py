@@ -103,7 +103,7 @@ _OTHER_KINDS = [
 
 
 def not_here() -> str:
-    """Functions for what the unit has not: other kinds of variables, of interfaces, derivatives, clocks."""
+    """Write functions for the features that the unit lacks: other kinds of variables, interfaces, derivatives, clocks."""
     refusing = [_refusing("fmi3Status", one, "refused(instance)") for one in _NOT_HERE]
     return "\n".join([*refusing, *(_refusing("fmi3Instance", one, "NULL") for one in _OTHER_KINDS)])
 

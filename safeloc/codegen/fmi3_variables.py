@@ -40,12 +40,13 @@ class Variable:
         """Unit, and when it counts."""
         told = [f"in {self.field.unit}"] if self.field.unit else []
         told += [f"read only where {self.field.source}.present is true"] if self.field.present else []
+        told += [] if self.field.stand_in is None else [f"{self.field.stand_in} while it is absent"]
         told += ["state after the last step"] if self.causality == "local" else []
         return "; ".join(told)
 
 
 def variables_of(layout: Layout, first: Mapping[str, Value]) -> tuple[Variable, ...]:
-    """Inputs, outputs, open first values as parameters, and the state as locals. `first` is where parameters start."""
+    """Return inputs, outputs, open first values as parameters, and the state as locals. `first` is where parameters start."""
     made = [
         Variable(number, name, causality, field, unit_of(layout, field), start)
         for number, (name, causality, field, start) in enumerate(_listed(layout, first), 1)

@@ -35,7 +35,7 @@ def to_fmu(
     kept: Mapping[str, Bool] | None = None,
     cc: str | None = None,
 ) -> bytes:
-    """The unit as the bytes of its .fmu file. `system` is what runs on board: without ghosts.
+    """Pack the unit as the bytes of its .fmu file. `system` is the on-board system, without ghosts.
 
     period_ms  cycle of the machine: communication steps of another length are refused; None: one step is one cycle,
                however long

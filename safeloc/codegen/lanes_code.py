@@ -121,7 +121,7 @@ static inline lanes floor_div(lanes value, int64_t divisor)
 
 
 def to_lanes(system: TransitionSystem, keep: Sequence[str]) -> str:
-    """The source of `run_lanes`, which steps the runs from `begin` on and before `end`, at least `lanes_count` of them.
+    """Return the source of `run_lanes`, which steps the runs from `begin` on and before `end`, at least `lanes_count` of them.
 
     keep  state variables, fired variables and outputs to be told of every step
     States are columns [run], inputs and what is kept are columns [step, run]; numbers int64_t, truth values uint8_t.
@@ -146,28 +146,26 @@ def _stage(system: TransitionSystem, name: str, stage: Stage, told: Sequence[Num
     }
     targets |= {f"fired[{number}]": stage.fired[var] for number, var in enumerate(told) if var in stage.fired}
     places = _places(system, stage)
-    whole = _moving(name, places, targets, Known({}))
     messages = _messages(system, list(targets.values()))
     if not messages:
-        return whole
+        return _moving(name, places, targets, Known({}))
     calm = _moving(f"{name}_calm", places, targets, Known(dict.fromkeys(messages, FALSE)))
     words = " | ".join(f"word(inputs[{n}], place)" for n, var in enumerate(system.inputs) if var in messages)
     chosen = [f"if (({words}) == 0) {{", f"    {name}_calm(state, fired, inputs, place);", "    return;", "}"]
-    return f"{calm}\n{whole.replace(_first_lines(), _first_lines() + _indented(chosen, 1), 1)}"
+    return f"{calm}\n{_moving(name, places, targets, Known({}), chosen)}"
 
 
-def _moving(name: str, places: Mapping[Var, str], targets: Mapping[str, Expr], known: Known) -> str:
+def _moving(
+    name: str, places: Mapping[Var, str], targets: Mapping[str, Expr], known: Known, before: Sequence[str] = ()
+) -> str:
+    """A function that moves the targets; `before` are lines that may return early."""
     lines, values = _straight(places, [known(term) for term in targets.values()])
     left = [f"{target} = {value};" for target, value in zip(targets, values, strict=True)]
-    return f"{_HEAD.format(name)}\n{{\n{_first_lines()}{_indented([*lines, *left], 1)}}}\n"
-
-
-def _first_lines() -> str:
-    return _indented(_UNUSED, 1)
+    return f"{_HEAD.format(name)}\n{{\n{_indented([*_UNUSED, *before, *lines, *left], 1)}}}\n"
 
 
 def _places(system: TransitionSystem, stage: Stage) -> dict[Var, str]:
-    """Where a stage finds what it reads; values of earlier machines have been written by then."""
+    """Return the places of the variables that a stage reads; earlier machines have written their values by then."""
     of: dict[Var, str] = {var: f"state[{number}]" for number, var in enumerate(system.state)}
     inputs = {var: _get(var, f"inputs[{number}]", "place") for number, var in enumerate(system.inputs)}
     return of | inputs | {later: of[var] for later, var in stage.after.items()}
@@ -183,7 +181,7 @@ def _messages(system: TransitionSystem, terms: Sequence[Expr]) -> set[Var]:
 
 
 def _tell(system: TransitionSystem, keep: Sequence[str], told: Sequence[NumVar]) -> str:
-    """What is kept, over the state after the step."""
+    """Write the code that records values, over the state after the step."""
     places: dict[Var, str] = {var: f"state[{number}]" for number, var in enumerate(system.state)}
     places |= {var: f"fired[{number}]" for number, var in enumerate(told)}
     named: dict[str, Expr] = {**system.outputs, **{var.name: var for var in told}, **{v.name: v for v in system.state}}

@@ -48,7 +48,7 @@ def is_magnitude(term: Expr) -> bool:
 
 
 def operations(results: Sequence[Expr]) -> list[Node]:
-    """What straight-line code has to compute or write, parts before wholes; variables are there already."""
+    """List the terms that straight-line code must compute, operands first; variables need no computation."""
     wanted = set(results)
     order = in_order(results)
     for node in reversed(order):
@@ -58,12 +58,12 @@ def operations(results: Sequence[Expr]) -> list[Node]:
 
 
 def operands(node: Expr) -> tuple[Expr, ...]:
-    """The terms that the node's operation reads: of a magnitude, only what it is the magnitude of."""
+    """Return the terms that the node's operation reads: of a magnitude, only what it is the magnitude of."""
     return children(node)[:1] if is_magnitude(node) else children(node)
 
 
 def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
-    """The rows of a table, condition and value, and what holds where no condition does."""
+    """Return the rows of a table, condition and value, and what holds where no condition does."""
     rows: list[tuple[Bool, Expr]] = []
     while isinstance(term, (Choose, ChooseBool)):
         rows.append((term.condition, term.then))
@@ -72,7 +72,7 @@ def chain(term: Expr) -> tuple[list[tuple[Bool, Expr]], Expr]:
 
 
 def merged(terms: Sequence[Expr]) -> list[Expr]:
-    """Terms of equal value with few choices, and none of truth values; shared parts stay shared."""
+    """Return terms of equal value with few choices, and none of truth values; shared parts stay shared."""
     rows = _Rows()
     return _rewritten(_rewritten([rows.by_value(term) for term in terms], _merged), _logic)
 
@@ -112,7 +112,7 @@ class _Rows:
         return result
 
     def _row(self, earlier: Bool, condition: Bool) -> tuple[Bool, Bool]:
-        """Whether this row is the first whose condition holds; whether it or an earlier one holds."""
+        """Return two terms: this row is the first whose condition holds; this or an earlier row's condition holds."""
         key = id(earlier), id(condition)
         if key not in self._taken:
             self._taken[key] = all_of([~earlier, condition]), any_of([earlier, condition])
@@ -128,7 +128,7 @@ class _Places:
 
 
 def _parts(value: Expr) -> list[tuple[Bool, Expr]]:
-    """What a row says: one value, or a value under a condition of its own and else a constant, such as 0."""
+    """Split the value of a row: one value, or a value under a condition and otherwise a constant, such as 0."""
     if isinstance(value, Choose) and isinstance(value.other, Lit):
         return [(value.condition, value.then), (~value.condition, value.other)]
     return [(TRUE, value)]

@@ -1,10 +1,11 @@
-"""What every generated text has in common: which terms have a name already, and which need one first."""
+"""Names of terms in generated code: terms that have a name, and terms that need one before they are used."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from safeloc.codegen.merge_choices import is_magnitude
 from safeloc.language.nodes import Expr, Lit, Max, Min, Truth, Var
@@ -13,26 +14,50 @@ from safeloc.language.terms import children
 LONGEST_INLINE = 12
 
 
+@dataclass(frozen=True)
+class Text:
+    """Code of the language that is generated, and the names that it reads or calls."""
+
+    code: str
+    uses: frozenset[str] = frozenset()
+
+    def within(self, before: str, after: str = "") -> Text:
+        """The text between others that read nothing."""
+        return Text(f"{before}{self.code}{after}", self.uses)
+
+
 class Writing(ABC):
     """Writes terms in one language; knows which ones have a name."""
 
     def __init__(self, names: Mapping[Var, str]) -> None:
         self.named: dict[Expr, str] = dict[Expr, str](names.items())
+        self._uses: set[str] = set()
+
+    def text(self, term: Expr) -> Text:
+        """The term as an expression that may stand alone, as a value or as a test."""
+        self._uses = set()
+        code = self.code(term)
+        return Text(code, frozenset(self._uses))
 
     @abstractmethod
-    def text(self, term: Expr) -> str:
-        """The term as an expression that may stand alone, as a value or as a test."""
+    def code(self, term: Expr) -> str:
+        """The term's code; it takes every name that it reads or calls from `used`."""
+
+    def used(self, name: str) -> str:
+        """The name, which the code being written reads or calls."""
+        self._uses.add(name)
+        return name
 
     def parts(self, node: Expr) -> tuple[Expr, ...]:
-        """What is written where the node is: of max(x, 0 - x) only x."""
+        """Return the operands as they are written for the node: for max(x, 0 - x) only x."""
         return (node.left,) if isinstance(node, Max) and is_magnitude(node) else children(node)
 
     def twice(self, node: Expr) -> tuple[Expr, ...]:
-        """Parts that the node's text holds twice; a language that can name them in passing has none."""
+        """Return parts that the node's text holds twice; a language that can name them in passing has none."""
         return self.parts(node) if isinstance(node, (Min, Max)) else ()
 
     def unnamed(self, roots: Iterable[Expr]) -> list[Expr]:
-        """Nodes below `roots` that are no constants and have no name yet, parts before wholes."""
+        """Return nodes below `roots` that are no constants and have no name yet, parts before wholes."""
         seen: set[int] = set()
         order: list[Expr] = []
         stack: list[tuple[Expr, bool]] = [(root, False) for root in roots]
@@ -47,7 +72,8 @@ class Writing(ABC):
         return order
 
     def awaited(self, term: Expr) -> list[Expr]:
-        """What must get a name before the term is written: what it uses twice, compares twice, or nests too deep."""
+        """List the sub-terms that need a name before the term is written: used twice, compared twice, or nested too
+        deep."""
         below = self.unnamed([term])
         uses = Counter(part for node in below for part in self.parts(node))
         twice = {node for node, count in uses.items() if count > 1}

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from safeloc.codegen.naming_terms import Writing
+from safeloc.codegen.naming_terms import Text, Writing
 from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.language.nodes import And, Bool, Choose, ChooseBool, Expr, Lit, Not, Or, Truth
 
@@ -25,7 +25,7 @@ class Bind:
     """A name for a value, which is a number or a truth value."""
 
     name: str
-    value: str
+    value: Text
     is_truth: bool
 
 
@@ -33,7 +33,7 @@ class Bind:
 class Test:
     """A branch to its end; what follows is for when the test fails."""
 
-    test: str
+    test: Text
     block: Block
 
 
@@ -41,7 +41,7 @@ class Test:
 class Choice:
     """The first branch whose test holds, else the last one; then goes on."""
 
-    branches: tuple[tuple[str, Block], ...]
+    branches: tuple[tuple[Text, Block], ...]
     otherwise: Block
 
 
@@ -49,7 +49,7 @@ class Choice:
 class End:
     """The branch is done: the targets' values."""
 
-    values: tuple[str, ...]
+    values: tuple[Text, ...]
 
 
 Statement = Bind | Test | Choice | End
@@ -72,12 +72,12 @@ class Blocks:
         self._count = 0
         self._known: dict[tuple[Expr, bool], Known] = {}
 
-    def text(self, term: Expr) -> str:
+    def text(self, term: Expr) -> Text:
         """The term as an expression."""
         return self._written.text(term)
 
     def ending(self, targets: Targets, depth: int = 0) -> Block:
-        """Statements that compute every target and end, in every branch, with their values."""
+        """Return statements that compute every target and end, in every branch, with their values."""
         outer, block = dict(self._written.named), list[Statement]()
         while (condition := self._begin(targets, block, depth)) is not None:
             then = self.ending(self._under(condition, targets, True), depth + 1)
@@ -88,7 +88,8 @@ class Blocks:
         return block
 
     def either(self, condition: Expr, holds: Callable[[], Block], fails: Callable[[], Block]) -> Block:
-        """What `holds` makes where the condition holds, else what `fails` makes; both end."""
+        """Write a branch: the block of `holds` if the condition holds, else that of `fails`; both blocks end the
+        function."""
         outer = dict(self._written.named)
         before, text = self._prepared(condition, 0), self.text(condition)
         inside = dict(self._written.named)
@@ -131,7 +132,7 @@ class Blocks:
 
     def _choice(self, condition: Expr, targets: Targets, depth: int) -> Block:
         """One ladder, as long as nothing has to be computed before the next rung."""
-        before, branches = self._prepared(condition, depth), list[tuple[str, Block]]()
+        before, branches = self._prepared(condition, depth), list[tuple[Text, Block]]()
         rung: Expr | None = condition
         while rung is not None:
             branches.append((self.text(rung), self._keeping(self._under(rung, targets, True), depth + 1)))
@@ -201,7 +202,7 @@ class Blocks:
         return [[group.condition], *branches]
 
     def _under(self, condition: Expr, targets: Targets, holds: bool) -> list[tuple[str, Expr]]:
-        """What is left of the targets where it is known whether the condition holds."""
+        """Simplify the targets for a known truth value of the condition."""
         left = _chosen(condition, targets, holds)
         if not any(node is condition for node in self._written.unnamed([term for _, term in left])):
             return left
@@ -233,10 +234,10 @@ class Blocks:
 
 
 def _lists_reasons(condition: Expr | None) -> bool:
-    """Whether most steps have none of what is tested, and the branch looks again which one it was.
+    """Return whether the condition lists many reasons: most steps have none of them, and the branch tests each again.
 
-    What the test and the branch both need is then computed again rather than named: the test looks at each reason only
-    as far as it takes.
+    Terms that both the test and the branch need are then computed again instead of named: the test stops at the first
+    reason that applies.
     """
     parts = condition.parts if isinstance(condition, And) else (condition,)
     return any(isinstance(part, Or) and len(part.parts) >= FEWEST_REASONS for part in parts)

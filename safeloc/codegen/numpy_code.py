@@ -34,7 +34,7 @@ Function = Callable[..., tuple[list[Array], ...]]
 
 
 def to_function(name: str, arguments: Mapping[str, Sequence[Var]], results: Sequence[Sequence[Expr]]) -> str:
-    """Source of a function over lists of arrays, one array a variable; it returns one list of arrays a result group.
+    """Return the source of a function over lists of arrays, one array a variable; it returns one list of arrays a result group.
 
     The first argument must have at least one variable: constant results take their length from its first array.
     """
@@ -54,7 +54,7 @@ def to_function(name: str, arguments: Mapping[str, Sequence[Var]], results: Sequ
 
 
 def load(source: str, name: str) -> Function:
-    """The function `name` that the source defines."""
+    """Return the function `name` that the source defines."""
     space: dict[str, Any] = {"np": np}
     exec(compile(source, f"<safeloc numpy {name}>", "exec"), space)  # our own text, made from checked terms
     function: Function = space[name]

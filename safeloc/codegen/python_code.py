@@ -17,7 +17,7 @@ from safeloc.language.terms import in_order
 
 
 def to_python(system: TransitionSystem) -> str:
-    """The source text: functions step, begin (with moving, which keeps the state), run, history and outputs."""
+    """Return the source text: functions step, begin (with moving, which keeps the state), run, history and outputs."""
     if any(isinstance(node, Past) for node in in_order(system.next.values())):
         raise InputError(f"{system.name}: past operators cannot run; observe the property first.")
     names = _names([*system.state, *system.inputs])
@@ -41,7 +41,7 @@ def to_python(system: TransitionSystem) -> str:
 
 
 def terms_to_python(reads: Sequence[Var], terms: Sequence[Expr]) -> str:
-    """The source text of a function of a row of values of `reads`; without cases, so quickly made."""
+    """Return the source text of a function of a row of values of `reads`; without cases, so quickly made."""
     return _told("terms", _names(reads), reads, terms)
 
 
@@ -102,15 +102,15 @@ def _lines(block: Block, leaf: Leaf, indent: str) -> str:
     for statement in block:
         match statement:
             case Bind(name, value, _):
-                text += f"{indent}{name} = {value}\n"
+                text += f"{indent}{name} = {value.code}\n"
             case Test(test, inner):
-                text += f"{indent}if {test}:\n{_lines(inner, leaf, indent + '    ')}"
+                text += f"{indent}if {test.code}:\n{_lines(inner, leaf, indent + '    ')}"
             case Choice(branches, otherwise):
                 for number, (test, inner) in enumerate(branches):
-                    text += f"{indent}{'elif' if number else 'if'} {test}:\n{_lines(inner, leaf, indent + '    ')}"
+                    text += f"{indent}{'elif' if number else 'if'} {test.code}:\n{_lines(inner, leaf, indent + '    ')}"
                 text += f"{indent}else:\n{_lines(otherwise, leaf, indent + '    ')}"
             case End(values):
-                text += "".join(f"{indent}{line}\n" for line in leaf(values))
+                text += "".join(f"{indent}{line}\n" for line in leaf([value.code for value in values]))
             case _:
                 assert_never(statement)
     return text

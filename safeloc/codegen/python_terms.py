@@ -42,10 +42,10 @@ class PythonTerms(Writing):
         super().__init__(names)
         self._passing = 0
 
-    def text(self, term: Expr) -> str:
+    def code(self, term: Expr) -> str:
         """The term as an expression that may stand alone, as a value or as a test."""
         if term in self.named:
-            return self.named[term]
+            return self.used(self.named[term])
         assert isinstance(term, Node)
         match term:
             case Lit(value, _):
@@ -99,12 +99,12 @@ class PythonTerms(Writing):
             return self._part(term), self._part(term)
         self._passing += 1
         name = f"p{self._passing}"
-        return name, f"({name} := {self.text(term)})"
+        return name, f"({name} := {self.code(term)})"
 
     def _part(self, term: Expr) -> str:
         """The term as part of an expression."""
         bare = term in self.named or isinstance(term, (Lit, Truth))
-        return self.text(term) if bare else f"({self.text(term)})"
+        return self.code(term) if bare else f"({self.code(term)})"
 
     def _sides(self, term: Compare) -> tuple[str, str, str]:
         """A comparison, the constant last."""

@@ -58,7 +58,7 @@ class Known:
         self._distances: dict[tuple[int, int], Expr] = {}
 
     def under(self, facts: Mapping[Expr, Expr]) -> Known:
-        """The same where more is known, for the terms that were asked of this one and that it left as they were.
+        """Return the same where more is known, for the terms that were asked of this one and that it left as they were.
 
         Only what is made of a fact is looked at again.
         """
@@ -151,7 +151,7 @@ class Known:
         return chosen
 
     def _distance(self, term: Expr) -> Expr:
-        """How far two terms are apart is the same from either side."""
+        """Normalize a distance |a - b| to one order of its two terms."""
         if not isinstance(term, Max) or not isinstance(term.left, Sub) or not is_magnitude(term):
             return term
         one, two = id(term.left.left), id(term.left.right)
@@ -175,7 +175,7 @@ class Known:
 
 
 def _shape(term: Expr) -> tuple[object, ...]:
-    """What tells two nodes apart, given that their parts are one node where equal."""
+    """Return the key of a node: two nodes with shared parts are equal if their keys are."""
     parts = children(term)
     if isinstance(term, Lit):
         return (Lit, term.value, term.unit if isinstance(term.unit, Enumeration) else None)  # a member keeps its label
@@ -222,7 +222,8 @@ def _arithmetic(node: Add | Sub | Mul | Min | Max, left: Expr, right: Expr) -> E
 
 
 def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
-    """What is known where the condition holds, or fails: of all parts of a conjunction, or of a disjunction, too."""
+    """Return the facts that follow if the condition holds, or fails: also for all parts of a conjunction, or
+    disjunction."""
     known: dict[Expr, Expr] = {condition: TRUE if holds else FALSE}
     if isinstance(condition, Not):
         known |= implied(condition.inner, not holds)
@@ -233,7 +234,7 @@ def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
 
 
 def work(terms: Sequence[Expr]) -> int:
-    """How much there is to compute: every operation once, and every condition once however much it chooses."""
+    """Count the work: every operation once, and every condition once, however many choices use it."""
     seen, conditions, operations = set[Expr](), set[Expr](), 0
     left = [*terms]
     while left:

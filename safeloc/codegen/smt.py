@@ -43,13 +43,16 @@ class Terms:
     def __call__(self, term: Expr) -> z3.ExprRef:
         """The z3 term; KeyError for a variable that was not given."""
         if term not in self._done:
-            for node in in_order([term]):
-                if node not in self._done:
-                    self._done[node] = _translate(node, self._done)
+            for node in in_order([term], self._done):
+                self._done[node] = _translate(node, self._done)
         return self._done[term]
 
+    def add(self, variables: Mapping[Var, z3.ExprRef]) -> None:
+        """More variables, with the z3 terms that they stand for."""
+        self._done.update({var: term for var, term in variables.items()})
+
     def bool(self, term: Bool) -> z3.BoolRef:
-        """The z3 term of a truth value."""
+        """Return the z3 term of a truth value."""
         result = self(term)
         assert isinstance(result, z3.BoolRef)
         return result
@@ -96,7 +99,7 @@ def _translate(node: Node, of: Mapping[Expr, Any]) -> Any:  # z3 builds terms by
 
 
 def constant(var: Var, suffix: str = "") -> z3.ExprRef:
-    """The z3 constant for a variable."""
+    """Return the z3 constant for a variable."""
     return z3.Int(var.name + suffix) if isinstance(var, NumVar) else z3.Bool(var.name + suffix)
 
 
@@ -110,26 +113,26 @@ class Unrolling:
         self._range = in_range(system.state)
 
     def at(self, term: Expr, step: int) -> z3.ExprRef:
-        """A term over state (and inputs of step `step` + 1) at this step."""
+        """Return a term over state (and inputs of step `step` + 1) at this step."""
         return self._terms(step)(term)
 
     def initially(self) -> z3.BoolRef:
-        """The first state is a first state."""
+        """Return the condition that the first state is admissible."""
         return self._terms(0).bool(all_of([self.system.init, self._range]))
 
     def in_range(self, step: int) -> z3.BoolRef:
-        """State variables are in their ranges."""
+        """Return the condition that state variables are in their ranges."""
         return self._terms(step).bool(self._range)
 
     def transition(self, step: int) -> z3.BoolRef:
-        """Inputs of the step are admissible, and the state at `step` + 1 follows."""
+        """Return the condition that inputs of the step are admissible, and the state at `step` + 1 follows."""
         now, after = self._terms(step), self._terms(step + 1)
         moves = [after(var) == now(term) for var, term in self.system.next.items()]
         step_: z3.BoolRef = z3.And(now.bool(self._environment), *moves)  # pyright: ignore[reportAssignmentType] # no Probe here
         return step_
 
     def values(self, model: z3.ModelRef, step: int, variables: Iterable[Var]) -> dict[str, Value]:
-        """What the model says of variables at a step."""
+        """Return the values of variables at a step in the model."""
         found: dict[str, Value] = {}
         for var in variables:
             value = model.eval(self.at(var, step), model_completion=True)

@@ -59,7 +59,7 @@ class Query(Generic[Key]):
 
 
 def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
-    """The query as text with one `check-sat` a goal; every answer is expected to be `unsat`.
+    """Return the query as text with one `check-sat` a goal; every answer is expected to be `unsat`.
 
     relies_on  files of the certificates whose results are hypotheses here
     """

@@ -38,7 +38,7 @@ class Stage:
 
 
 def stages(system: TransitionSystem) -> list[Stage]:
-    """The stages in the order of the step; together they move every state variable and tell every fired transition."""
+    """Return the stages in the order of the step; together they move every state variable and tell every fired transition."""
     found: list[Stage] = []
     earlier, cut = list[Var](), dict[Expr, Var]()
     after: dict[Var, Var] = {}
@@ -66,7 +66,7 @@ def stages(system: TransitionSystem) -> list[Stage]:
 
 
 def at_once(system: TransitionSystem) -> Stage:
-    """The whole as one stage."""
+    """Return the composition as one stage."""
     return Stage(system.name, system.next, system.fired, {}, {})
 
 
@@ -84,5 +84,5 @@ def _groups(system: TransitionSystem) -> list[tuple[str, list[Var], list[NumVar]
 
 
 def _is_cut(var: Var, moved: Expr) -> bool:
-    """Whether the term is this variable's alone: a constant or another variable is not."""
+    """Return whether the term belongs to this variable only: a constant or another variable does not."""
     return moved is var or (not isinstance(moved, Var) and bool(variables([moved])))

@@ -1,1 +1,1 @@
-"""What a declaration is and what it means: terms, machines, properties, the interpreter. Standard library only."""
+"""Declarations and their meaning: terms, machines, properties, the interpreter. Standard library only."""

@@ -1,16 +1,16 @@
-"""Of which cases a property requires something at all: the trigger of `within`, and what stands before `implies`.
+"""The antecedents of a property, its cases: the trigger of `within`, and the condition before `implies`.
 
-Where such a case never occurs the property says nothing, however well it is proved. `p.implies(q)` is `~p | q`, so of
-every disjunction the case is that its first part does not hold; of a plain `a | b` too, where b is never needed if a
-always holds. No condition is `a.iff(b)`, nor `x.one_of(...)`: both require something in every case.
+If such a case never occurs, the property is vacuously true. `p.implies(q)` is `~p | q`, so every disjunction has the
+case that its first part is false. That includes a plain `a | b`: b is never needed if a always holds. `a.iff(b)` and
+`x.one_of(...)` have no case, since they require something in every step.
 
-In a composition a wire may tell a constant. What that decides is no part of the property: `ite(p, a, b)` is `p | b` where a
-has become true, and speaks of `~p`; `p | a` is plainly p where a has become false, and has no case.
+In a composition a wire may carry a constant, which simplifies the property first: `ite(p, a, b)` becomes `p | b` where a is
+true, and its case is `~p`; `p | a` becomes p where a is false, and has no case.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from safeloc.language.composition import inherited_term
@@ -21,7 +21,7 @@ from safeloc.language.nodes import And, Compare, Not, Or
 from safeloc.language.render import infix
 from safeloc.language.spec import Goal, Property, always, observe, once, previous, reachable
 from safeloc.language.system import Part, TransitionSystem
-from safeloc.language.terms import Substitution, alike, variables
+from safeloc.language.terms import Substitution, alike, conjuncts, variables
 
 LONGEST = 110
 
@@ -41,21 +41,21 @@ class Antecedent:
 
 
 def antecedents(prop: Property) -> list[Bool]:
-    """The cases of a property, in order; none for `reachable`, and none for what is required in every step."""
+    """Return the cases of a property, in order; none for `reachable`, and none for what is required in every step."""
     if prop.kind == "within":
         return [prop.term]
     if prop.kind == "reachable":
         return []
-    return [~part.parts[0] for part in _conjuncts(settled(prop.term)) if isinstance(part, Or) and not _is_claim(part)]
+    return [~part.parts[0] for part in conjuncts(settled(prop.term)) if isinstance(part, Or) and not _is_claim(part)]
 
 
 def cases(prop: Property) -> list[Antecedent]:
-    """The same, with the property they are of."""
+    """Return the same, with the property they are of."""
     return [Antecedent(prop, term) for term in antecedents(prop)]
 
 
 def occurs(system: TransitionSystem, antecedent: Antecedent, name: str) -> Goal:
-    """The goal that the case occurs where the property looks at it, under what the property relies on.
+    """Return the goal that the case occurs where the property looks at it, under what the property relies on.
 
     A property that looks at steps does not see a case that only the first state is.
     """
@@ -66,12 +66,12 @@ def occurs(system: TransitionSystem, antecedent: Antecedent, name: str) -> Goal:
 
 
 def case_name(prop: Property, place: int) -> str:
-    """What the result about one case is called, the first one of the property being 1."""
+    """Return the name of the result about one case; the first case of a property is number 1."""
     return f"case {place} of {prop.name}"
 
 
 def occurs_alone(system: TransitionSystem, prop: Property, place: int) -> tuple[Part, Goal] | None:
-    """A machine of a composition, and the goal that a case of the whole, by place from 0, occurs in it by itself.
+    """Return a machine of a composition, and the goal that a case of the whole, by place from 0, occurs in it by itself.
 
     Under what the machine's own property relies on, where it is kept by one; else where the case speaks of one machine
     only. None where it is neither.
@@ -91,7 +91,7 @@ def _kept_case(system: TransitionSystem, prop: Property, place: int) -> tuple[Pa
 
 
 def _becomes(part: Part, mine: Antecedent, case: Antecedent) -> bool:
-    """Whether a case of a machine's own property is, in the terms of the whole, the very case of the inherited one."""
+    """Return whether a case of a machine's own property, as a term of the composition, is this inherited case."""
     return alike(settled(inherited_term(part.into, replace(mine.prop, term=mine.term))), case.term)
 
 
@@ -105,7 +105,7 @@ def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal
 
 
 def _over(part: Part, term: Bool) -> Bool | None:
-    """A term over the whole as one over a machine's own variables; None where it speaks of others, or of what is wired."""
+    """Rewrite a term of the composition over one machine's own variables; None if it reads others or wired inputs."""
     own = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
     back = {twin: var for var in own if isinstance(twin := part.into(var), Var)}
     replaced: dict[Var, Expr] = {}
@@ -118,13 +118,13 @@ def _over(part: Part, term: Bool) -> Bool | None:
 
 
 def of_states(system: TransitionSystem, prop: Property) -> bool:
-    """Whether a property is required of states, the first one too, and not of steps."""
+    """Return whether a property is required of every state, the first one included, instead of every step."""
     return prop.kind == "always" and not observe(system, prop).observers
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """Whether a case occurs, as a term over the state after each step; `moves` are the variables that this takes."""
+    """An observer: `term` is true after a step in which the case occurred; `moves` and `initial` are its variables."""
 
     term: Bool
     moves: Mapping[Var, Expr]
@@ -132,7 +132,7 @@ class Seen:
 
 
 def seen(system: TransitionSystem, antecedent: Antecedent, name: str) -> Seen:
-    """What tells after each step whether the case occurred in it; of a property of states, also of the first one."""
+    """Build the observer that shows after each step whether the case occurred."""
     if of_states(system, antecedent.prop):
         return Seen(antecedent.term, {}, {})
     # `previous` keeps what was so in the last step; what the goal adds to it, that it ever was so, is left out
@@ -150,18 +150,8 @@ def _comes(system: TransitionSystem, prop: Property, term: Bool, name: str) -> G
     )
 
 
-def _conjuncts(term: Bool) -> Iterator[Bool]:
-    stack = [term]
-    while stack:
-        part = stack.pop()
-        if isinstance(part, And):
-            stack.extend(reversed(part.parts))
-        else:
-            yield part
-
-
 def _is_claim(term: Or) -> bool:
-    """Whether a disjunction is `iff` or `one_of`."""
+    """Return whether a disjunction is an `iff` or a `one_of`."""
     return _is_iff(term) or _is_choice(term)
 
 

@@ -2,9 +2,9 @@
 
 A later machine sees what an earlier one computed in the same step, so a fault acts without delay.
 
-What a machine assumes of its environment is assumed of the whole, unless it is named in `discharge`: then the machines
-before it have to keep it, which is proved together with the lemmas (assume-guarantee, safeloc.proof.provers.inherited).
-A single clause of an assumption can be owed as well; the rest of it is then still assumed of the whole.
+The assumption of each machine is assumed by the composition too, unless the machine is named in `discharge`: then it is
+proved from the machines before it, together with the lemmas (assume-guarantee, safeloc.proof.provers.inherited). A single
+clause can be discharged as well; the other clauses of that machine are still assumed.
 """
 
 from __future__ import annotations
@@ -34,45 +34,47 @@ class Clause:
 
 @dataclass(frozen=True, eq=False)
 class Composition:
-    """The whole, and the way from a machine's own terms to terms over the whole."""
+    """The composed system, with the rewriting of each machine's terms into terms of the composition."""
 
     system: TransitionSystem
     parts: Mapping[Machine, Substitution]
     after: Mapping[Var, Expr]
 
     def of(self, machine: Machine) -> Substitution:
-        """Rewrites terms over one machine's variables into terms over the whole (properties, outputs, lemmas).
+        """Rewrite terms over one machine's variables into terms of the composition (properties, outputs, lemmas).
 
-        A wired input becomes what the wire tells: in a property, in the step that it looks at.
+        A wired input becomes the term on its wire, as of the step that the property looks at.
         """
         return self.parts[machine]
 
     def inherited(self, machine: Machine, prop: Property) -> Property:
-        """A property that a machine keeps in every step, as one of the whole; provers ask the machine by itself.
+        """Turn a property of one machine into one of the composition; provers prove it on the machine alone.
 
-        What the machine assumes is assumed of the whole as well, or owed by the machines before it. ModelError for a
-        property with a further assumption, or is not of kind `always`.
+        The machine's assumption is assumed by the composition too, or discharged by the machines before it. ModelError
+        for a property with a further assumption, or one that is not of kind `always`.
         """
         if prop.kind != "always" or prop.further_assumption is not TRUE:
-            raise ModelError(f"{machine.name}: {prop.name!r} is not plainly kept in every step; prove it of the whole.")
+            raise ModelError(
+                f"{machine.name}: {prop.name!r} is not an `always` without further assumption; prove it on the composition."
+            )
         term = inherited_term(self.of(machine), prop)
         return replace(prop, name=f"{machine.name}: {prop.name}", term=term, kept_by=(machine, prop))
 
 
 def inherited_term(into: Substitution, prop: Property) -> Bool:
-    """What a machine's own property says of the whole; `into` rewrites the machine's terms into the whole's."""
+    """Rewrite the term of a machine's property as a term of the composition, by the substitution `into`."""
     term = into.bool(prop.term)
     twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
     return Substitution(twins).bool(term)
 
 
 def lemma_name(machine: Machine, name: str) -> str:
-    """How a machine's lemma is called in a composition."""
+    """Return the name of a machine's lemma in a composition."""
     return f"{machine.name}: {name}"
 
 
 def contract_text(machine: str) -> str:
-    """How what a machine assumes of those before it is called in a composition."""
+    """Return the name of the lemma that a machine's discharged assumption becomes in a composition."""
     return f"what {machine} is owed is kept"
 
 
@@ -90,12 +92,12 @@ def compose(
     shared: Sequence[Var] = (),
     discharge: Sequence[Machine | Clause] = (),
 ) -> Composition:
-    """Several machines as one TransitionSystem.
+    """Combine several machines into one TransitionSystem.
 
     wires      an input variable of a later machine -> a term over the variables of EARLIER machines, whose state in it
                means the state after the step (so an output of theirs is written as `earlier.output("x")`)
-    shared     input or ghost variables that several machines declare as the very same object, kept once
-    discharge  machines whose assumption is not assumed of the whole: it is owed by the others, and proved; or a clause of it
+    shared     input or ghost variables that several machines declare as the same Python object; they appear once
+    discharge  machines whose assumption is proved from the machines before them instead of assumed; or one clause of it
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for whatever
     safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire that reads a
@@ -136,6 +138,7 @@ def compose(
             now,
             step.bool(_may_be_heard(system, wired)),
             step.bool(all_of([ghosts, owed])),
+            _guaranteed(machine, discharge),
         )
         rename[machine] = now
         merged = replace(
@@ -168,16 +171,23 @@ def _may_be_heard(system: TransitionSystem, wired: Mapping[Var, Expr]) -> Bool:
     return all_of([in_range([var for var in wired if var not in system.ghosts]), absent_is_canonical(optionals)])
 
 
+def _guaranteed(machine: Machine, discharge: Sequence[Machine | Clause]) -> tuple[str, ...]:
+    """The clauses of the machine that earlier machines guarantee, by name."""
+    if machine in discharge:
+        return tuple(machine.world.clauses)
+    return tuple(one.name for one in discharge if isinstance(one, Clause) and one.machine is machine)
+
+
 def _divided(machine: Machine, system: TransitionSystem, discharge: Sequence[Machine | Clause]) -> tuple[Bool, Bool]:
-    """What the machine assumes, divided into what is owed by the machines before it and what is assumed of the whole."""
+    """Divide the machine's assumption into the part that is discharged and the part that the composition assumes."""
     if machine in discharge:
         return system.assume, TRUE
     named = {one.name for one in discharge if isinstance(one, Clause) and one.machine is machine}
     if not named:
         return TRUE, system.assume
-    owed = [term for name, term in machine.clauses.items() if name in named]
-    kept = [term for name, term in machine.clauses.items() if name not in named]
-    return all_of(owed), all_of([machine.assumption, *kept])
+    owed = [term for name, term in machine.world.terms.items() if name in named]
+    kept = [term for name, term in machine.world.terms.items() if name not in named]
+    return all_of(owed), all_of(kept)
 
 
 def _start(value: Initial) -> Value | Any_:

@@ -19,7 +19,7 @@ from safeloc.language.units import Enumeration
 
 
 def declaration_digest(system: TransitionSystem) -> str:
-    """SHA-256, in hexadecimal, of variables, first values, moves and outputs; places in source files do not count."""
+    """Return the SHA-256, in hexadecimal, of variables, first values, moves and outputs; places in source files do not count."""
     total = hashlib.sha256()
     for line in _lines(system):
         total.update(line.encode("utf-8") + b"\n")
@@ -27,7 +27,7 @@ def declaration_digest(system: TransitionSystem) -> str:
 
 
 def full_digest(system: TransitionSystem) -> str:
-    """SHA-256, in hexadecimal, of all that verdicts depend on: the declaration, and what is assumed and relied on."""
+    """Return the SHA-256, in hexadecimal, of all that verdicts depend on: the declaration, and what is assumed and relied on."""
     total = hashlib.sha256()
     for line in _full_lines(system):
         total.update(line.encode("utf-8") + b"\n")
@@ -82,7 +82,7 @@ def _terms(roots: Iterable[Expr]) -> Iterator[str]:
 
 
 def _told(node: Expr) -> str:
-    """What tells a node from another one of its kind with the same parts."""
+    """Return the own data of a node: two nodes of one kind with equal parts and equal data are equal."""
     match node:
         case Lit(value, _) | Truth(value):
             return str(value)

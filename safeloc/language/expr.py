@@ -89,12 +89,12 @@ class Optional:
     present: BoolVar
 
     def value_or(self, default: Num | int) -> Num:
-        """The value, or `default` when absent."""
+        """Return the value, or `default` when absent."""
         return ite(self.present, self.value, default)
 
 
 def number(name: str, unit: Unit, low: int, high: int) -> NumVar:
-    """A whole-number variable in `unit` with inclusive range; ModelError if the range is empty or beyond int64."""
+    """Declare a whole-number variable in `unit` with inclusive range; ModelError if it is empty or beyond int64."""
     src = declared_at()
     if any(isinstance(bound, bool) or not isinstance(bound, int) for bound in (low, high)):
         raise ModelError(f"{src}: range of {name!r} is {low!r}..{high!r}; its bounds must be whole numbers.")
@@ -104,22 +104,22 @@ def number(name: str, unit: Unit, low: int, high: int) -> NumVar:
 
 
 def boolean(name: str) -> BoolVar:
-    """A truth-valued variable."""
+    """Declare a truth-valued variable."""
     return BoolVar(name, None, declared_at())
 
 
 def choice(name: str, enumeration: Enumeration) -> NumVar:
-    """A variable that holds a member of `enumeration`."""
+    """Declare a variable that holds a member of `enumeration`."""
     return NumVar(name, enumeration, 0, len(enumeration.members) - 1, None, declared_at())
 
 
 def optional(name: str, unit: Unit, low: int, high: int) -> Optional:
-    """A whole-number input that may be absent; presence is the variable `name.present`."""
+    """Declare a whole-number input that may be absent; its presence is the variable `name.present`."""
     return Optional(number(name, unit, low, high), BoolVar(f"{name}.present", None, declared_at()))
 
 
 def members(name: str, *labels: str) -> tuple[Lit, ...]:
-    """A new enumeration's members, in order, as constants; ModelError if two have one label."""
+    """Create a new enumeration; return its members, in order, as constants. ModelError if two have one label."""
     if len(set(labels)) != len(labels):
         raise ModelError(f"{declared_at()}: {name} has labels {list(labels)}; they must be distinct.")
     enumeration = Enumeration(name, labels)
@@ -127,7 +127,7 @@ def members(name: str, *labels: str) -> tuple[Lit, ...]:
 
 
 def enumeration(constants: tuple[Lit, ...]) -> Enumeration:
-    """The enumeration that constants made by `members` belong to."""
+    """Return the enumeration that constants made by `members` belong to."""
     unit = constants[0].unit
     if not isinstance(unit, Enumeration):
         raise UnitError(f"{declared_at()}: {constants[0].label} is a number, not a member of an enumeration.")
@@ -189,17 +189,17 @@ def _choose_bool(condition: Bool, then: Bool, other: Bool) -> Bool:
 
 
 def minimum(left: Num, right: Num | int) -> Num:
-    """The smaller one."""
+    """Return the smaller one."""
     return arith(Min, left, right, min)
 
 
 def maximum(left: Num, right: Num | int) -> Num:
-    """The greater one."""
+    """Return the greater one."""
     return arith(Max, left, right, max)
 
 
 def abs_(term: Num) -> Num:
-    """The magnitude."""
+    """Return the magnitude."""
     return maximum(term, -term)
 
 
@@ -225,19 +225,19 @@ def ceil_div(term: Num, divisor: int) -> Num:
 
 
 def floor_to(term: Num, unit: Unit) -> Num:
-    """The term in another unit of the same dimension, rounded down where it is coarser."""
+    """Return the term in another unit of the same dimension, rounded down where it is coarser."""
     factor = _factor(term, unit)
     return with_unit(floor_div(_times(term, factor.numerator), factor.denominator), unit)
 
 
 def ceil_to(term: Num, unit: Unit) -> Num:
-    """The term in another unit of the same dimension, rounded up where it is coarser."""
+    """Return the term in another unit of the same dimension, rounded up where it is coarser."""
     factor = _factor(term, unit)
     return with_unit(ceil_div(_times(term, factor.numerator), factor.denominator), unit)
 
 
 def exact_to(term: Num, unit: Unit) -> Num:
-    """The term in a finer unit of the same dimension; ModelError if that would need rounding."""
+    """Return the term in a finer unit of the same dimension; ModelError if that would need rounding."""
     factor = _factor(term, unit)
     if factor.denominator != 1:
         raise ModelError(f"{declared_at()}: {unit.name} is no whole part of {term.unit.name}; use floor_to or ceil_to.")
@@ -245,7 +245,7 @@ def exact_to(term: Num, unit: Unit) -> Num:
 
 
 def with_unit(term: Num, unit: Unit) -> Num:
-    """The same number under another unit: for the model's own conversions, where no scale table can know better."""
+    """Return the same number under another unit: for the model's own conversions, where no scale table can know better."""
     match term:
         case Lit(value, _):
             return Lit(value, unit)

@@ -23,7 +23,7 @@ class Folding:
         self._done: dict[Expr, Expr] = {var: value for var, value in known.items()}
 
     def __call__(self, term: Expr) -> Expr:
-        """What is left of the term."""
+        """Return the folded term."""
         for node in in_order([term], self._done):
             parts = tuple(self._done[child] for child in children(node))
             self._done[node] = _chosen(*parts) if isinstance(node, (Choose, ChooseBool)) else rebuilt(node, parts)
@@ -31,7 +31,7 @@ class Folding:
 
 
 def settled(term: Bool) -> Bool:
-    """Works out everything in the term that no variable decides, and keeps the rest as it is."""
+    """Evaluate the constant parts of the term, and leave the rest unchanged."""
     done: dict[Expr, Expr] = {}
     for node in in_order([term]):
         done[node] = _settled(node, tuple(done[child] for child in children(node)))

@@ -6,7 +6,7 @@ It reads only TransitionSystem and uses Python's unbounded integers; nothing is 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, assert_never
 
@@ -14,6 +14,7 @@ from safeloc.errors import InputError
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, NumVar, Var
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import (
+    TRUE,
     Add,
     And,
     Choose,
@@ -31,6 +32,7 @@ from safeloc.language.nodes import (
     Truth,
     Value,
 )
+from safeloc.language.renamed import renamed
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.terms import in_order
 from safeloc.language.trace import Step, Trace
@@ -40,7 +42,7 @@ Values = dict[Var, Value]
 
 
 def evaluate(terms: Iterable[Expr], values: Mapping[Var, Value]) -> list[Value]:
-    """The value of each term where variables have `values`; KeyError for a variable that has none."""
+    """Return the value of each term where variables have `values`; KeyError for a variable that has none."""
     return _program(tuple(terms))(values)
 
 
@@ -72,7 +74,7 @@ _OUTPUTS: weakref.WeakKeyDictionary[TransitionSystem, Program] = weakref.WeakKey
 
 
 def holds(term: Bool, values: Mapping[Var, Value]) -> bool:
-    """The truth value of one term."""
+    """Return the truth value of one term."""
     return bool(evaluate([term], values)[0])
 
 
@@ -83,7 +85,7 @@ def _program(terms: tuple[Expr, ...]) -> Program:
 
 
 def _move(node: Node, place: Mapping[Expr, int]) -> _Move:
-    """How the value of a node comes of the values before it: `of` holds these by place."""
+    """Make the function that computes a node's value from the values of its parts; `of` holds these by place."""
     match node:
         case NumVar() | BoolVar():
             return lambda _, values: values[node]
@@ -137,7 +139,7 @@ def _of_two(node: Add | Sub | Mul | Min | Max | Compare, i: int, j: int) -> _Mov
 
 
 def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -> Values:
-    """The first state. `chosen` gives values to variables declared ANY (their value nearest zero otherwise).
+    """Return the first state. `chosen` gives values to variables declared ANY (their value nearest zero otherwise).
 
     Raises InputError for an unknown name, a value out of range, or a state that `initially` excludes.
     """
@@ -155,14 +157,16 @@ def start(system: TransitionSystem, chosen: Mapping[str, Value] | None = None) -
                     f"{system.name}: {var.name} starts at {values[var]} by declaration; it cannot be chosen."
                 )
     if given:
-        raise InputError(f"{system.name}: unknown state variables {sorted(given)}.")
+        raise InputError(
+            f"{system.name}: unknown state variables {sorted(given)}{renamed(given, _names(system.state))}."
+        )
     if not holds(system.init, values):
         raise InputError(f"{system.name}: the chosen first state breaks `initially`; choose values that satisfy it.")
     return values
 
 
 def admitted(var: Var, value: object) -> Value:
-    """The value as this variable holds it (a label becomes its number); InputError if kind or range is wrong."""
+    """Return the value as this variable holds it (a label becomes its number); InputError if kind or range is wrong."""
     if isinstance(var, BoolVar):
         if not isinstance(value, bool):
             raise InputError(f"{var.name}: expected true or false, got {value!r}.")
@@ -177,7 +181,7 @@ def admitted(var: Var, value: object) -> Value:
 
 
 def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Values:
-    """One step's inputs by name. Optional ones may be left out (or None); all others must be there.
+    """Return one step's inputs by name. Optional ones may be left out (or None); all others must be there.
 
     Raises InputError for a missing or unknown name and for what `admitted` refuses.
     """
@@ -202,18 +206,23 @@ def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Value
         if var not in values:
             if var.name not in left:
                 raise InputError(
-                    f"{system.name}: input {var.name!r} is missing; the step needs {[v.name for v in system.inputs]}."
+                    f"{system.name}: input {var.name!r} is missing; the step needs {_names(system.inputs)}"
+                    f"{renamed(left, _names(system.inputs))}."
                 )
             values[var] = admitted(var, left.pop(var.name))
     if left:
-        raise InputError(f"{system.name}: unknown inputs {sorted(left)}.")
+        raise InputError(f"{system.name}: unknown inputs {sorted(left)}{renamed(left, _names(system.inputs))}.")
     return values
+
+
+def _names(of: Iterable[Var]) -> list[str]:
+    return [var.name for var in of]
 
 
 def step(
     system: TransitionSystem, state: Mapping[Var, Value], inputs: Mapping[Var, Value]
 ) -> tuple[Values, dict[NumVar, int]]:
-    """One step: the state after it and, per machine, the number of the transition that fired (0: none)."""
+    """Run one step: return the state after it and, per machine, the number of the transition that fired (0: none)."""
     known = {**state, **inputs}
     if system not in _STEPS:
         _STEPS[system] = Program([*system.next.values(), *system.fired.values()])
@@ -222,22 +231,37 @@ def step(
     return after, dict(zip(system.fired, map(int, moved[len(after) :]), strict=True))
 
 
+def taken(
+    system: TransitionSystem,
+    state: Values,
+    stream: Iterable[Mapping[str, object]],
+    *,
+    while_: Bool = TRUE,
+    hidden: Container[Var] = (),
+) -> Iterator[tuple[Step, Values]]:
+    """The steps of a run that goes on from a state, each with the state after it.
+
+    while_  over state before and inputs: the run ends before the first step that breaks it
+    hidden  state variables that the steps do not show
+    """
+    for record in stream:
+        inputs = read_inputs(system, record)
+        if while_ is not TRUE and not holds(while_, {**state, **inputs}):
+            return
+        state, fired = step(system, state, inputs)
+        yield Step(named(inputs), fired_names(fired), named(state, hidden), outputs(system, state)), state
+
+
 def run(
     system: TransitionSystem, stream: Iterable[Mapping[str, object]], *, first: Mapping[str, Value] | None = None
 ) -> Trace:
-    """A whole run, as a Trace. `stream` holds one mapping of inputs a step; `first` chooses ANY values."""
+    """Run all steps of `stream`, one mapping of inputs each, and return the Trace; `first` chooses ANY values."""
     state = start(system, first)
-    initial = _named(state)
-    steps: list[Step] = []
-    for record in stream:
-        inputs = read_inputs(system, record)
-        state, fired = step(system, state, inputs)
-        steps.append(Step(_named(inputs), fired_names(fired), _named(state), outputs(system, state)))
-    return Trace(system, initial, tuple(steps))
+    return Trace(system, named(state), tuple(one for one, _ in taken(system, state, stream)))
 
 
 def outputs(system: TransitionSystem, state: Mapping[Var, Value]) -> dict[str, Value]:
-    """The outputs in a state."""
+    """Return the outputs in a state."""
     if system not in _OUTPUTS:
         _OUTPUTS[system] = Program(system.outputs.values())
     return dict(zip(system.outputs, _OUTPUTS[system](state), strict=True))
@@ -252,5 +276,6 @@ def fired_names(fired: Mapping[NumVar, int]) -> dict[str, str]:
     return result
 
 
-def _named(values: Mapping[Var, Value]) -> dict[str, Value]:
-    return {var.name: value for var, value in values.items()}
+def named(values: Mapping[Var, Value], hidden: Container[Var] = ()) -> dict[str, Value]:
+    """The values by name, without those of hidden variables."""
+    return {var.name: value for var, value in values.items() if var not in hidden}

@@ -1,10 +1,10 @@
-"""A machine: modes, inputs, state, transitions and outputs, declared once and then frozen.
+"""A machine and its world: modes, inputs, state, transitions and outputs, and the physical environment.
 
 One step: read the inputs, take the first transition in declared order whose source is the current mode and whose
 guard holds, else stay. All updates read the values before the step. Outputs are terms over the state after it.
 
-`ghosts` are state variables of the environment (where the train really is): they move in every step, by
-`ghost_moves`, are read by no transition and no output, and exist for `assumption` and for properties.
+A `World` describes the environment. Its ghosts are variables that no device can read, such as the true position. They
+move in every step. No transition and no output reads them; only the world's clauses and properties do.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
 from safeloc.errors import ModelError, declared_at
-from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, all_of, members
+from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, NumVar, Optional, Var, members
 from safeloc.language.nodes import Value
-from safeloc.language.renamed import refuse_old_keywords
+from safeloc.language.renamed import hint, refuse_old_keywords
 from safeloc.language.units import Enumeration
+from safeloc.language.world import World
 
 
 class Any_:
@@ -41,7 +42,7 @@ class Transition:
     """One row of the transition table.
 
     Transitions of one `rank` must have disjoint guards (an obligation proves it); of two different ranks the lower
-    is tried first. `requirements` holds the ids of those it answers for.
+    is tried first. `requirements` holds the ids of the requirements that it implements.
     """
 
     name: str
@@ -59,9 +60,19 @@ class Transition:
         return (self.source,) if isinstance(self.source, Lit) else self.source
 
 
+IN_THE_WORLD: Final = {
+    "ghosts": "world=World(ghosts=...)",
+    "ghost_inputs": "world=World(choices=...)",
+    "ghost_moves": "world=World(moves=...)",
+    "assumption": "world=World(clauses={name: ...})",
+    "clauses": "world=World(clauses={name: ...})",
+}
+
+
+@refuse_old_keywords(ModelError, IN_THE_WORLD)
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A state machine with its environment. `check`ed when built; ModelError names what is wrong.
+    """A state machine, and the world around it. `check`ed when built; a ModelError lists all errors.
 
     name         used in catalogue, files and reports
     modes        members of one enumeration; the first one is the initial mode
@@ -69,16 +80,12 @@ class Machine:
     state        variable -> initial value (int, bool, member, or ANY in range)
     outputs      name -> term over state and mode, evaluated after the step
     transitions  the table, in order of priority
-    ghosts       ghost variable -> initial value
-    ghost_inputs free choices of the environment, read by ghost moves and the assumption only
-    ghost_moves  ghost variable -> its next value
-    assumption   what the environment keeps in each step (over state before, inputs, ghosts)
-    clauses      the same, by name: what a composition can have its earlier machines keep instead, one by one
-    initially    what holds of the initial values (over state and ghosts)
+    world        ghosts, and assumptions on the inputs; a machine without a world is proved for all inputs in range
+    initially    condition on the initial values (over state and ghosts)
     lemmas       facts over state and ghosts that help induction; proved themselves, never assumed
     definitions  names for terms that guards and updates are made of, for the reader of tables; no meaning of their own
     doc          one paragraph for the reader of the report
-    mode_variable  what `current_mode` made, where terms were built before the machine
+    mode_variable  the variable from `current_mode`, where terms were built before the machine
     """
 
     name: str
@@ -87,16 +94,12 @@ class Machine:
     state: Mapping[Var, Initial]
     outputs: Mapping[str, Expr]
     transitions: Sequence[Transition]
-    ghosts: Mapping[Var, Initial] = field(default_factory=dict)
-    ghost_inputs: Sequence[Var] = ()
-    ghost_moves: Mapping[Var, Expr] = field(default_factory=dict)
-    assumption: Bool = TRUE
+    world: World = field(default_factory=World)
     initially: Bool = TRUE
     lemmas: Mapping[str, Bool] = field(default_factory=dict)
     definitions: Mapping[str, Expr] = field(default_factory=dict)
     doc: str = ""
     mode_variable: NumVar | None = None
-    clauses: Mapping[str, Bool] = field(default_factory=dict)
     src: str = field(default_factory=declared_at)
     mode: NumVar = field(init=False)
     fired_name: NumVar = field(init=False)
@@ -116,11 +119,6 @@ class Machine:
         object.__setattr__(self, "fired_name", NumVar("fired", fired, 0, len(fired.members) - 1, None, self.src))
         check(self)
 
-    @property
-    def assumed(self) -> Bool:
-        """All that is assumed of the environment: the assumption, and every clause."""
-        return all_of([self.assumption, *self.clauses.values()])
-
     def fired(self, *names: str) -> Bool:
         """In a property: one of the named transitions fired in this step; KeyError for an unknown name."""
         table = self.fired_name.unit
@@ -137,18 +135,26 @@ class Machine:
         return self.fired_name.eq(Lit(0, self.fired_name.unit))
 
     def output(self, name: str) -> Num:
-        """A numeric output by name; TypeError if it is a truth value."""
-        term = self.outputs[name]
+        """Return a numeric output by name; KeyError if there is none, TypeError if it is a truth value."""
+        term = self._output(name)
         if not isinstance(term, Num):
             raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a truth value; use flag().")
         return term
 
     def flag(self, name: str) -> Bool:
-        """A truth-valued output by name; TypeError if it is a number."""
-        term = self.outputs[name]
+        """Return a truth-valued output by name; KeyError if there is none, TypeError if it is a number."""
+        term = self._output(name)
         if not isinstance(term, Bool):
             raise TypeError(f"{declared_at()}: output {name!r} of {self.name} is a number; use output().")
         return term
+
+    def _output(self, name: str) -> Expr:
+        if name not in self.outputs:
+            has = ", ".join(self.outputs) or "none"
+            raise KeyError(
+                f"{declared_at()}: {self.name} has no output {name!r}; it has {has}.{hint(name, self.outputs)}"
+            )
+        return self.outputs[name]
 
 
 Parts_ = TypeVar("Parts_", covariant=True)
@@ -163,12 +169,12 @@ class Model(Generic[Parts_]):
 
 
 def modes(*labels: str) -> tuple[Lit, ...]:
-    """The modes of a machine, as constants to write transitions with; the first one is the initial mode."""
+    """Create the modes of a machine, as constants to write transitions with; the first one is the initial mode."""
     return members("mode", *labels)
 
 
 def current_mode(modes_: Sequence[Lit]) -> NumVar:
-    """The mode variable of a machine yet to be built, for terms that depend on the mode."""
+    """Return the mode variable of a machine yet to be built, for terms that depend on the mode."""
     unit = modes_[0].unit
     return NumVar("mode", unit, 0, len(modes_) - 1, None, declared_at())
 

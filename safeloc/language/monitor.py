@@ -33,7 +33,7 @@ class _NoTruth:
 
 @dataclass(frozen=True)
 class Holds(_NoTruth):
-    """Kept so far (for `reachable`: reached)."""
+    """The property holds so far (for `reachable`: reached)."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Broken(_NoTruth):
 
 @dataclass(frozen=True)
 class Undecided(_NoTruth):
-    """Nothing can be said: the assumption was broken at this step, or what must be reached has not been."""
+    """No statement is possible: the assumption was broken at this step, or the state to reach was not reached."""
 
     at: int
     reason: str
@@ -55,7 +55,7 @@ Status: TypeAlias = Holds | Broken | Undecided
 
 
 class Monitor:
-    """Watches one property beside a run of its system. Once broken or undecided by a broken assumption, it stays so."""
+    """Checks one property while its system runs. A status Broken, or Undecided by a broken assumption, is final."""
 
     def __init__(self, goal: Goal, first: Mapping[str, Value] | None = None) -> None:
         self.goal, self._number = goal, 0
@@ -66,7 +66,7 @@ class Monitor:
         self._look()
 
     def step(self, inputs: Mapping[str, object]) -> Status:
-        """One step's inputs by name; InputError for what the interpreter refuses."""
+        """Check one step, given its inputs by name; InputError for inputs that the interpreter refuses."""
         self._number += 1
         values = {**self._state, **read_inputs(self.goal.system, inputs)}
         moves = self.goal.system.next
@@ -95,12 +95,12 @@ class Monitor:
 
 
 def check(trace: Trace, prop: Property) -> Held | Violated | Unknown:
-    """The property on a recorded trace; Unknown where the trace breaks the assumption first."""
+    """Check the property on a recorded trace; Unknown where the trace breaks the assumption first."""
     return check_all(trace, [prop])[0]
 
 
 def check_all(trace: Trace, properties: Sequence[Property]) -> list[Held | Violated | Unknown]:
-    """Every property on a recorded trace, in one pass over it. What held says which of its cases never happened."""
+    """Check every property on a recorded trace, in one pass. A verdict Held names the cases that never happened."""
     return Checks(trace.system, properties)(trace)
 
 
@@ -128,7 +128,7 @@ class Checks:
         self._judge = program([*(goal.good for goal in self._goals), *(one.term for one in told)])
 
     def __call__(self, trace: Trace) -> list[Held | Violated | Unknown]:
-        """One verdict a property. What held says which of its cases never happened."""
+        """Return one verdict per property. A verdict Held names the cases that never happened."""
         goals = self._goals
         first = start(self._watched, {var.name: trace.initial[var.name] for var in trace.system.state})
         state: dict[Var, Value] = {**first, **self._first}
@@ -152,7 +152,7 @@ class Checks:
 def _verdict(
     trace: Trace, goal: Goal, goods: Sequence[Value], broken_at: int, never: Sequence[str]
 ) -> Held | Violated | Unknown:
-    """`broken_at`: the first step that breaks what the property relies on; what comes later says nothing.
+    """`broken_at`: the first step that breaks the assumption of the property; later steps are not evidence.
 
     `never`: the cases that the property speaks of and that did not happen before that.
     """

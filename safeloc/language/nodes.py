@@ -21,7 +21,7 @@ INT64_MIN, INT64_MAX = -(2**63), 2**63 - 1
 
 
 class _Node:
-    """What both families refuse: being taken for a Python value."""
+    """Base of both families: refuses to be used as a Python value."""
 
     __slots__ = ()
 
@@ -113,7 +113,7 @@ class Num(_Node):
         return ~self.eq(other)
 
     def one_of(self, *others: Num | int) -> Bool:
-        """Whether this equals one of `others`."""
+        """Return the term that is true where this equals one of `others`."""
         return any_of(self.eq(other) for other in others)
 
 
@@ -148,7 +148,7 @@ class Bool(_Node):
         return ~self | other
 
     def iff(self, other: Bool | bool) -> Bool:
-        """Whether both have the same truth value."""
+        """Return the term that is true where both have the same truth value."""
         other = as_bool(other)
         return (self & other) | (~self & ~other)
 
@@ -319,7 +319,7 @@ TRUE, FALSE = Truth(True), Truth(False)
 
 
 def as_num(value: Num | int, unit: Unit | Enumeration) -> Num:
-    """A term as it is; a bare int becomes a constant in `unit`."""
+    """Return a term as it is; a bare int becomes a constant in `unit`."""
     if isinstance(value, Num):
         return value
     if isinstance(value, bool) or not isinstance(value, int):
@@ -332,7 +332,7 @@ def as_num(value: Num | int, unit: Unit | Enumeration) -> Num:
 
 
 def as_bool(value: Bool | bool) -> Bool:
-    """A term as it is; a bare bool becomes a constant."""
+    """Return a term as it is; a bare bool becomes a constant."""
     if isinstance(value, Bool):
         return value
     if not isinstance(value, bool):
@@ -359,7 +359,7 @@ def any_of(parts: Iterable[Bool | bool]) -> Bool:
 
 
 def product(left: Num, right: Num) -> Num:
-    """left * right, also of two variables: their ranges must keep it within 64 bits (an obligation proves it)."""
+    """Return left * right, also of two variables: their ranges must limit it to 64 bits (an obligation proves it)."""
     if isinstance(left.unit, Enumeration) or isinstance(right.unit, Enumeration):
         raise UnitError(f"{declared_at()}: arithmetic on an enumeration.")
     if isinstance(left, Lit) and isinstance(right, Lit):

@@ -17,7 +17,7 @@ Bounds = tuple[int, int]
 
 
 def bounds(terms: Iterable[Expr]) -> dict[Num, Bounds]:
-    """Inclusive bounds of every numeric term below `terms`, the terms themselves included."""
+    """Return inclusive bounds of every numeric term below `terms`, the terms themselves included."""
     found: dict[Num, Bounds] = {}
     for node in in_order(terms):
         if isinstance(node, NumNode):
@@ -26,7 +26,7 @@ def bounds(terms: Iterable[Expr]) -> dict[Num, Bounds]:
 
 
 def beyond_int64(terms: Iterable[Expr]) -> list[Num]:
-    """The terms whose bounds leave 64 bits: candidates for overflow, to be excluded in another way."""
+    """Return the terms whose bounds leave 64 bits: candidates for overflow, to be excluded in another way."""
     return [term for term, (low, high) in bounds(terms).items() if low < INT64_MIN or high > INT64_MAX]
 
 

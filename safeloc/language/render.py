@@ -29,7 +29,7 @@ DEEPEST = 7
 
 
 def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, *, deepest: int = DEEPEST) -> str:
-    """The term in infix notation; parts below `deepest` and what exceeds `most` characters become an ellipsis.
+    """Return the term in infix notation; parts below `deepest` and what exceeds `most` characters become an ellipsis.
 
     names: terms that are shown by a name of their own.
     """

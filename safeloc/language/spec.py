@@ -40,15 +40,15 @@ class Property:
 
     kind                always: `term` holds in every step; within: each `term` is followed by `response` in at most
                         `steps` further steps; reachable: some run comes to `term`
-    further_assumption  what holds in every step besides what the machine assumes, over state before, inputs and ghosts;
+    further_assumption  assumed in every step besides the machine's own assumption, over state before, inputs and ghosts;
                         reported with the verdict
     statement           the requirement in words
-    requirements        ids of the requirements that it shows
-    assumption          what the proof relies on, in words
+    requirements        ids of the requirements that it verifies
+    assumption          the assumption of the proof, in words
     helper              within: a lemma over state and the number of steps waited, proved together with the property
-    unconditional       required for ALL inputs in range, whether the environment keeps its assumption or not
-    kept_by             of a composition: the machine that has it by itself, and the property over that machine's own
-                        terms (Composition.inherited)
+    unconditional       required for ALL inputs in range, also where the environment breaks the assumption
+    kept_by             in a composition: the machine on which it is proved, and the property in that machine's terms
+                        (Composition.inherited)
     """
 
     name: str
@@ -70,7 +70,7 @@ class Property:
 
     @property
     def relies_on(self) -> str:
-        """What the verdict relies on, in words: the assumption and the property's further assumption."""
+        """Return in words the assumption of the verdict: the machine's, and the property's further one."""
         if self.further_assumption is TRUE:
             return NO_ASSUMPTION if self.unconditional else self.assumption
         further = f"further assumption in every step: {text(self.further_assumption)}"
@@ -183,20 +183,20 @@ def reachable(
 
 
 def earlier(term: Expr) -> Expr:
-    """A term over state variables as it was before the step (`before` and `was` for whole terms)."""
+    """Return the value that a term over state variables had before the step (`before` and `was` for whole terms)."""
     twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term])}
     return Substitution(twins)(term)
 
 
 def earlier_num(term: Num) -> Num:
-    """The same for a numeric term."""
+    """Return the same for a numeric term."""
     result = earlier(term)
     assert isinstance(result, Num)
     return result
 
 
 def earlier_bool(term: Bool) -> Bool:
-    """The same for a truth-valued term."""
+    """Return the same for a truth-valued term."""
     result = earlier(term)
     assert isinstance(result, Bool)
     return result
@@ -236,7 +236,7 @@ class Goal:
 
 
 def observe(system: TransitionSystem, prop: Property) -> Goal:
-    """The property as extra state on `system`. PropertyError if it reads what the system does not have."""
+    """Compile the property into extra state on `system`. PropertyError if it reads what the system does not have."""
     check_system(system)
     observer, waiting = _Observer(system, prop.name), waiting_for(prop)
     helper = prop.helper(waiting) if waiting is not None and prop.helper is not None else None
@@ -250,7 +250,7 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
 
 
 def waiting_for(prop: Property) -> NumVar | None:
-    """How many steps have passed since a trigger that is not answered yet; `steps` + 1 once it is too late."""
+    """Return the variable that counts steps since an unanswered trigger; it is `steps` + 1 once the answer is late."""
     if prop.kind != "within":
         return None
     return NumVar(f"observer.{prop.name}.0.waiting", COUNT, 0, prop.steps + 1, None, prop.src)
@@ -354,7 +354,7 @@ class Watch:
 
 
 def watch(system: TransitionSystem, goals: Sequence[Goal]) -> Watch:
-    """All goals on one system, whose assumption is left as it is. PropertyError if two of them share a name."""
+    """Combine all goals on one system, whose assumption stays unchanged. PropertyError if two of them share a name."""
     check_watching(goals)
     moves, initial, observers = dict(system.next), dict(system.initial), list[Var]()
     terms = [system.init]

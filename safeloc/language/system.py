@@ -30,25 +30,28 @@ from safeloc.language.expr import (
     ite,
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition
-from safeloc.language.nodes import And, ChooseBool
-from safeloc.language.terms import Sharing, Substitution, variables
+from safeloc.language.nodes import ChooseBool
+from safeloc.language.renamed import hint
+from safeloc.language.terms import Sharing, Substitution, conjuncts, variables
 from safeloc.language.units import Enumeration
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A machine of a composition: what is proved of it alone holds in the whole, wherever it hears what it may hear.
+    """One machine of a composition: facts proved of it alone carry over while its wired inputs stay in their ranges.
 
     alone  the machine by itself
-    into   rewrites terms over its state into terms over the whole's
-    heard  what comes through its wires is in range; over the whole's state before the step and inputs
-    owed   ranges of wired ghosts, and what it assumes, where the machines before it owe that
+    into   rewrites terms over its state into terms of the composition
+    heard  the condition that all wired inputs are in range, over the composition's state before the step and inputs
+    owed   the ranges of its wired ghosts, and the part of its assumption that the machines before it discharge
+    guaranteed  names of its world's clauses that the machines before it guarantee
     """
 
     alone: TransitionSystem
     into: Substitution
     heard: Bool
     owed: Bool
+    guaranteed: tuple[str, ...] = ()
 
     @property
     def machine(self) -> Machine:
@@ -57,28 +60,28 @@ class Part:
 
     @property
     def name(self) -> str:
-        """The machine's name; `alone` has the whole's in front, since what is proved of it holds for this configuration."""
+        """The machine's own name; `alone` has the composition's in front, since proofs hold for this configuration."""
         return self.machine.name
 
 
 @dataclass(frozen=True, eq=False)
 class TransitionSystem:
-    """State, inputs and how they move. Ranges of variables are implied; `assume` adds what the environment keeps.
+    """State, inputs and next values. Ranges of variables are implied; `assume` adds the assumption on the environment.
 
-    init      what holds of the first state (ranges apart)
+    init      the condition on the first state, without the ranges
     next      state variable -> term over state before and inputs
-    assume    over state before and inputs; TRUE for what runs on board
+    assume    term over state before and inputs; TRUE for an on-board system
     outputs   name -> term over state (after the step)
     fired     name variable of a machine -> term for the transition that fires (0: none)
     lemmas    name -> term over state, to be proved and then used
     ghosts    the variables of the environment, a subset of state and inputs
     initial   state variable -> its declared first value, ANY where open
     optionals the inputs that may be absent
-    machines  the machines it was made of
-    parts     of a composition: its machines, and on what terms they are part of it
+    machines  the machines from which it was made
+    parts     of a composition: one Part per machine
     whole     of a machine of a composition, by itself: the composition's name
     stages    of a composition: the state variables of each machine, in the order of the step; only back ends that write
-              the step machine by machine look at it, and whatever it says, they compute what `next` says
+              the step machine by machine read it, and they compute `next` whatever it contains
     """
 
     name: str
@@ -99,37 +102,38 @@ class TransitionSystem:
     whole: str = ""
 
     def variable(self, name: str) -> Var:
-        """A state or input variable by name; KeyError if there is none."""
+        """Return a state or input variable by name; KeyError if there is none."""
         for var in (*self.state, *self.inputs):
             if var.name == name:
                 return var
-        raise KeyError(f"{self.name} has no variable {name!r}; it has {[v.name for v in (*self.state, *self.inputs)]}.")
+        names = [var.name for var in (*self.state, *self.inputs)]
+        raise KeyError(f"{self.name} has no variable {name!r}; it has {names}.{hint(name, names)}")
 
 
 def lower(machine: Machine) -> TransitionSystem:
-    """One machine with its ghosts."""
-    state = (machine.mode, *machine.state, *machine.ghosts)
+    """Lower one machine with its ghosts."""
+    state = (machine.mode, *machine.state, *machine.world.ghosts)
     guards = _exclusive_guards(machine)
     moved: dict[Var, Expr] = {machine.mode: _chain(guards, {t: t.target for t in guards}, machine.mode)}
     for var in machine.state:
         moved[var] = _chain(guards, {t: t.set.get(var, var) for t in guards}, var)
-    moved |= machine.ghost_moves
+    moved |= machine.world.moves
     fired = machine.fired_name.unit
     index = {t: Lit(number, fired) for number, t in enumerate(machine.transitions, 1)}
-    initial = {machine.mode: machine.modes[0], **machine.state, **machine.ghosts}
+    initial = {machine.mode: machine.modes[0], **machine.state, **machine.world.ghosts}
     optionals = tuple(item for item in machine.inputs if isinstance(item, Optional))
     share = Sharing()
     return TransitionSystem(
         name=machine.name,
         state=state,
-        inputs=(*input_variables(machine), *machine.ghost_inputs),
+        inputs=(*input_variables(machine), *machine.world.choices),
         init=share.bool(all_of([*_initial_terms(initial), machine.initially])),
         next={var: share(term) for var, term in moved.items()},
-        assume=share.bool(machine.assumed),
+        assume=share.bool(machine.world.assumption),
         outputs={name: share(term) for name, term in machine.outputs.items()},
         fired={machine.fired_name: share.num(_as_num(_chain(guards, index, Lit(0, fired))))},
         lemmas={name: share.bool(term) for name, term in machine.lemmas.items()},
-        ghosts=frozenset((*machine.ghosts, *machine.ghost_inputs)),
+        ghosts=frozenset(machine.world.variables),
         initial=initial,
         optionals=optionals,
         machines=(machine,),
@@ -176,12 +180,12 @@ def _initial_terms(initial: Mapping[Var, Initial]) -> list[Bool]:
 
 
 def canonical(var: NumVar) -> int:
-    """The value that stands in an absent optional input: the one nearest zero."""
+    """Return the value that stands in an absent optional input: the one nearest zero."""
     return min(max(0, var.low), var.high)
 
 
 def in_range(variables: Sequence[Var]) -> Bool:
-    """Every numeric variable lies in its declared range."""
+    """Return the condition that every numeric variable lies in its declared range."""
     return all_of(_range_term(var) for var in variables if isinstance(var, NumVar))
 
 
@@ -192,25 +196,25 @@ def _range_term(var: NumVar) -> Bool:
 
 
 def environment(system: TransitionSystem, *, assume: bool = True) -> Bool:
-    """What every step's inputs satisfy: ranges, canonical absent values and, if asked for, the assumption."""
+    """Return the condition on the inputs of a step: ranges, canonical absent values and, by default, the assumption."""
     admissible = [in_range(system.inputs), absent_is_canonical(system.optionals)]
     return all_of([*admissible, system.assume if assume else TRUE])
 
 
 def absent_is_canonical(optionals: Sequence[Optional]) -> Bool:
-    """What is absent has the value that stands for absence."""
+    """Return the condition that every absent input has its canonical value."""
     return all_of(option.present | option.value.eq(canonical(option.value)) for option in optionals)
 
 
 def without_ghosts(system: TransitionSystem) -> TransitionSystem:
-    """The system as it runs on board; of `initially`, what reads no ghost."""
+    """Return the system as it runs on board; of `initially`, what reads no ghost."""
     kept = tuple(var for var in system.state if var not in system.ghosts)
     initial = {var: system.initial[var] for var in kept}
     return replace(
         system,
         state=kept,
         inputs=tuple(var for var in system.inputs if var not in system.ghosts),
-        init=all_of(part for part in _conjuncts(system.init) if system.ghosts.isdisjoint(variables([part]))),
+        init=all_of(part for part in conjuncts(system.init) if system.ghosts.isdisjoint(variables([part]))),
         next={var: system.next[var] for var in kept},
         assume=TRUE,
         lemmas={},
@@ -222,17 +226,13 @@ def without_ghosts(system: TransitionSystem) -> TransitionSystem:
 
 
 def first_without_the_world(system: TransitionSystem) -> Bool:
-    """Of `init`, what does not tie the machine to its environment: a machine on board knows nothing of where it starts.
+    """Return `init` without conditions that tie the machine to ghosts: a machine on board does not know its true start.
 
-    What speaks of ghosts alone stays; it says nothing of the machine.
+    A condition over ghosts alone stays, since it does not restrict the machine.
     """
-    return all_of(part for part in _conjuncts(system.init) if not _ties(part, system))
+    return all_of(part for part in conjuncts(system.init) if not _ties(part, system))
 
 
 def _ties(part: Bool, system: TransitionSystem) -> bool:
     read = set(variables([part]))
     return not (read <= system.ghosts or system.ghosts.isdisjoint(read))
-
-
-def _conjuncts(term: Bool) -> list[Bool]:
-    return [part for inner in term.parts for part in _conjuncts(inner)] if isinstance(term, And) else [term]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, assert_never
 
@@ -35,7 +35,7 @@ from safeloc.language.nodes import (
 
 
 def children(node: Expr) -> tuple[Expr, ...]:
-    """The terms a node is made of."""
+    """Return the terms a node is made of."""
     return CHILDREN[type(node)](node)
 
 
@@ -55,7 +55,7 @@ CHILDREN: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {  # a table, si
 
 
 def in_order(roots: Iterable[Expr], done: Container[Expr] = frozenset()) -> list[Node]:
-    """Every node below `roots` once, parts before wholes; without recursion, so depth is no limit.
+    """Return every node below `roots` once, parts before wholes; without recursion, so depth is no limit.
 
     done  nodes to leave out, with all that is below them
     """
@@ -84,15 +84,26 @@ def _with_parts(roots: Iterable[Expr], done: Container[Expr]) -> list[tuple[Node
     return order
 
 
+def conjuncts(term: Bool) -> Iterator[Bool]:
+    """The parts of a conjunction, of its conjunctions, and so on, in order; the term itself if it is none."""
+    stack = [term]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, And):
+            stack.extend(reversed(part.parts))
+        else:
+            yield part
+
+
 def variables(roots: Iterable[Expr]) -> list[Var]:
-    """The distinct variables below `roots`, in first-use order."""
+    """Return the distinct variables below `roots`, in first-use order."""
     return [node for node in in_order(roots) if isinstance(node, Var)]
 
 
 class Substitution:
-    """Replaces variables by terms, keeping shared sub-terms shared across all the terms it is applied to.
+    """Replaces variables by terms; shared sub-terms stay shared across all the terms it is applied to.
 
-    whole  terms that are replaced as they stand; what is below them is not looked at
+    whole  terms that are replaced as a unit; their parts are not visited
     """
 
     def __init__(self, replacements: Mapping[Var, Expr], whole: Iterable[tuple[Expr, Expr]] = ()) -> None:
@@ -100,13 +111,13 @@ class Substitution:
         self._done |= dict(whole)
 
     def num(self, term: Num) -> Num:
-        """The numeric term after replacement."""
+        """Return the numeric term after replacement."""
         result = self(term)
         assert isinstance(result, Num)
         return result
 
     def bool(self, term: Bool) -> Bool:
-        """The truth-valued term after replacement."""
+        """Return the truth-valued term after replacement."""
         result = self(term)
         assert isinstance(result, Bool)
         return result
@@ -142,16 +153,17 @@ class Sharing:
         return done[term]
 
     def num(self, term: Num) -> Num:
-        """The same for a numeric term."""
+        """Return the same for a numeric term."""
         return _n(self(term))
 
     def bool(self, term: Bool) -> Bool:
-        """The same for a truth-valued term."""
+        """Return the same for a truth-valued term."""
         return _b(self(term))
 
 
 def alike(left: Expr, right: Expr) -> bool:
-    """Whether two terms are the same but for which nodes they are made of; variables by identity, or by what they were."""
+    """Return whether two terms have the same structure; variables are compared by identity, or by what `before`
+    names."""
     share = Sharing()
     twins: dict[Var, Expr] = {}
     for var in variables([left, right]):
@@ -162,7 +174,7 @@ def alike(left: Expr, right: Expr) -> bool:
 
 
 def _shape(term: Expr, parts: tuple[Expr, ...]) -> tuple[object, ...]:
-    """What tells a node of these parts from others, given that the parts are shared already."""
+    """Return the key of a node: two nodes with shared parts are equal if their keys are."""
     if TYPE_CHECKING:
         assert isinstance(term, Node)
     match term:
@@ -188,7 +200,7 @@ def _made_of(node: Node, parts: tuple[Expr, ...], now: tuple[Expr, ...]) -> Expr
 
 
 def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
-    """The node with other parts (of the same kinds); the node itself where they are the same."""
+    """Return the node with other parts (of the same kinds); the node itself where they are the same."""
     if [*map(id, parts)] == [*map(id, children(node))]:
         return node
     match node:
@@ -227,7 +239,7 @@ def _b(term: Expr) -> Bool:
 
 
 def text(term: Expr, most: int = 200) -> str:
-    """An S-expression of the term; after `most` nodes the rest is "...", since shared parts are written out each time."""
+    """Return an S-expression of the term; after `most` nodes the rest is "...", since shared parts are written out each time."""
     return _Writer(most).write(term)
 
 

@@ -30,11 +30,11 @@ class Trace:
     steps: tuple[Step, ...]
 
     def stream(self) -> list[dict[str, Value]]:
-        """The inputs of every step, with absent optional inputs left out: what `replay` takes."""
+        """Return the inputs of every step, with absent optional inputs left out: what `replay` takes."""
         return [present_inputs(self.system, step.inputs) for step in self.steps]
 
     def table(self, limit: int = 60) -> str:
-        """The last `limit` steps as plain text, one line a step."""
+        """Return the last `limit` steps as plain text, one line a step."""
         lines = [f"   0  start  {_row(self.system, self.initial)}"]
         for number, step in enumerate(self.steps, 1):
             fired = ", ".join(name for name in step.fired.values())
@@ -44,14 +44,14 @@ class Trace:
 
 
 def present_inputs(system: TransitionSystem, inputs: Mapping[str, Value]) -> dict[str, Value]:
-    """Inputs of one step without presence flags and without the values of absent optional inputs."""
+    """Return inputs of one step without presence flags and without the values of absent optional inputs."""
     hidden = {option.present.name for option in system.optionals}
     hidden |= {option.value.name for option in system.optionals if not inputs[option.present.name]}
     return {name: value for name, value in inputs.items() if name not in hidden}
 
 
 def shown(var: Var, value: Value) -> str:
-    """A value as a person reads it: a member's label, or the number."""
+    """Return a value as a person reads it: a member's label, or the number."""
     if isinstance(var, NumVar) and isinstance(var.unit, Enumeration):
         return var.unit.members[value] if value < len(var.unit.members) else f"{value}, no member"
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -25,7 +25,7 @@ class Unit:
         return hash((self.name, self.length, self.time, self.count))
 
     def same(self, other: Unit | Enumeration) -> bool:
-        """Whether quantities of both units may be added and compared."""
+        """Return whether quantities of both units may be added and compared."""
         if self is other:  # the usual case, without comparing fractions
             return True
         return isinstance(other, Unit) and self.dimension == other.dimension and self.scale == other.scale
@@ -36,7 +36,7 @@ class Unit:
         return (self.length, self.time, self.count)
 
     def times(self, other: Unit) -> Unit:
-        """The unit of a product; a named unit of the table below where one fits."""
+        """Return the unit of a product; a named unit of the table below where one fits."""
         length, time, count = self.length + other.length, self.time + other.time, self.count + other.count
         scale = self.scale * other.scale
         for unit in NAMED_UNITS:
@@ -53,11 +53,11 @@ class Enumeration:
     members: tuple[str, ...]
 
     def same(self, other: Unit | Enumeration) -> bool:
-        """Whether values of both may be compared."""
+        """Return whether values of both may be compared."""
         return self is other or self == other
 
     def index(self, member: str) -> int:
-        """The number that stands for `member`; ValueError if there is none of that name."""
+        """Return the number that stands for `member`; ValueError if there is none of that name."""
         return self.members.index(member)
 
 
@@ -70,6 +70,7 @@ UM = Unit("um", length=1, scale=Fraction(1, 10**6))
 MM = Unit("mm", length=1, scale=Fraction(1, 1000))
 CM = Unit("cm", length=1, scale=Fraction(1, 100))
 M = Unit("m", length=1)
+US = Unit("us", time=1, scale=Fraction(1, 10**6))
 MS = Unit("ms", time=1, scale=Fraction(1, 1000))
 S = Unit("s", time=1)
 UM_S = Unit("um/s", length=1, time=-1, scale=Fraction(1, 10**6))
@@ -78,3 +79,16 @@ MM_S2 = Unit("mm/s2", length=1, time=-2, scale=Fraction(1, 1000))
 MM_S3 = Unit("mm/s3", length=1, time=-3, scale=Fraction(1, 1000))
 
 NAMED_UNITS = (ONE, COUNT, PPM, PER_MILLE, NM, UM, MM, CM, M, MS, S, UM_S, MM_S, MM_S2, MM_S3)
+
+
+def per(small: Unit, large: Unit) -> int:
+    """How many of the smaller unit make one of the larger; ValueError where that is no whole number."""
+    ratio = large.scale / small.scale
+    if small.dimension != large.dimension or ratio.denominator != 1:
+        raise ValueError(f"one {large.name} is no whole number of {small.name}")
+    return int(ratio)
+
+
+NM_PER_UM, NM_PER_MM, UM_PER_MM, MM_PER_M = per(NM, UM), per(NM, MM), per(UM, MM), per(MM, M)
+US_PER_MS, US_PER_S, MS_PER_S = per(US, MS), per(US, S), per(MS, S)
+"""For figures that are no terms; terms are converted by `exact_to`, `floor_to` and `ceil_to`."""

@@ -1,4 +1,4 @@
-"""What a prover, a test or a replay says of a property: a value that carries its evidence.
+"""Verdicts: the result of a prover, a test or a replay for one property, with its evidence.
 
 There is no truth value: read it by `match`, or call `require_proved`. Verdicts are ordered from worst to best,
 Violated < Unknown < Vacuous < NotAsked < Held < Proved; a report's headline is the worst.
@@ -28,8 +28,8 @@ class _NoTruth:
 class Proved(_NoTruth):
     """Holds on every stream that obeys the assumption, without a bound on its length.
 
-    For `reachable`, `witness` is a run that comes there and there is no invariant.
-    `rechecked` names what confirmed it (cvc5, interpreter); `certificates` maps file name -> SMT-LIB2 text.
+    For `reachable`, `witness` is a run that gets there, and there is no invariant. `rechecked` names what confirmed it
+    (cvc5, interpreter); `certificates` maps file name -> SMT-LIB2 text.
     `by_construction` says what needed no solver and why, such as divisors that are positive constants.
     """
 
@@ -44,7 +44,7 @@ class Proved(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class Violated(_NoTruth):
-    """A stream breaks it; the trace has been replayed in the interpreter.
+    """A run breaks the property; its trace has been replayed in the interpreter.
 
     `trace` is None only where no run is the evidence (something `reachable` proved unreachable; `reason` says so).
     """
@@ -64,7 +64,7 @@ class Unknown(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class Vacuous(_NoTruth):
-    """Nothing speaks against it, and it says nothing: what it speaks of never happens, or its assumption has an end.
+    """Vacuously true: a case of the property never happens, or runs under its assumption come to a dead end.
 
     `trace` is a run into the dead end, where that is the reason.
     """
@@ -75,7 +75,7 @@ class Vacuous(_NoTruth):
 
 @dataclass(frozen=True, eq=False)
 class NotAsked(_NoTruth):
-    """There was nothing to ask, such as a module that declares no property: no news, and not good news."""
+    """Nothing was declared to be proved, such as in a module without properties; this never counts as proved."""
 
     reason: str
 
@@ -95,7 +95,7 @@ Result: TypeAlias = Verdict | Held | NotAsked
 
 
 def word(result: Result) -> str:
-    """The verdict as one of the words of WORST_FIRST."""
+    """Return the verdict as one of the words of WORST_FIRST."""
     match result:
         case Proved():
             return "proved"
@@ -117,12 +117,12 @@ WORST_FIRST = ("violated", "unknown", "vacuous", "not asked", "held", "proved")
 
 
 def worst(words: Iterable[str]) -> str:
-    """The worst of several verdict words; `not asked` when there are none."""
+    """Return the worst of several verdict words; `not asked` when there are none."""
     return min(words, key=WORST_FIRST.index, default="not asked")
 
 
 def require_proved(verdict: Verdict) -> Proved:
-    """The verdict, if it is Proved; NotProvedError with the evidence otherwise."""
+    """Return the verdict, if it is Proved; NotProvedError with the evidence otherwise."""
     match verdict:
         case Proved():
             return verdict

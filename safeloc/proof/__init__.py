@@ -1,1 +1,1 @@
-"""What is shown of a declaration: provers, drawn runs, the checker of proofs, and what is kept of earlier runs."""
+"""Verification of a declaration: provers, random runs, the proof checker, and the cache of earlier results."""

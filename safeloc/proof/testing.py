@@ -44,7 +44,7 @@ PHASES = (Phase.explicit, Phase.generate, Phase.target)
 def state_machine(
     system: TransitionSystem, properties: Sequence[Property], *, steps: int = 60, corpus: Sequence[Trace] = ()
 ) -> type[RuleBasedStateMachine]:
-    """A Hypothesis state machine for the system.
+    """Return a Hypothesis state machine for the system.
 
     steps    the longest stretch; a run has up to as many stretches as the settings' stateful_step_count
     corpus   runs to start from, at any point along them (reachability witnesses, simulated or recorded streams); a
@@ -121,7 +121,7 @@ def state_machine_test(
     steps: int = 60,
     corpus: Sequence[Trace] = (),
 ) -> type[unittest.TestCase]:
-    """A unittest class that pytest collects: every property on many runs. PropertyBroken shows a shortened run.
+    """Return a unittest class that pytest collects: every property on many runs. PropertyBroken shows a shortened run.
 
     settings   as any Hypothesis user sets them; by default those of the active profile without Hypothesis's shrinking
     """
@@ -140,7 +140,7 @@ def run_tests(
     seed: int,
     corpus: Sequence[Trace] = (),
 ) -> list[Finding]:
-    """One Finding a property: Held with statistics, or Violated with a shortened trace.
+    """Return one Finding per property: Held with statistics, or Violated with a shortened trace.
 
     Vacuous where a case that it speaks of never occurred (of what a machine of a composition keeps by itself a note
     says so); Unknown where no step required it, or no first state was
@@ -179,7 +179,7 @@ def _results(
 
 
 def _held(prop: Property, held: Held, statistics: Statistics) -> Result:
-    """Held, unless no step at all kept what the property relies on, or a case that it speaks of never occurred."""
+    """Return Held, unless no step satisfied the property's assumptions, or one of its cases never occurred."""
     if statistics.steps and not statistics.admitted[prop]:
         return Unknown("no step kept the property's further assumption, or the machine's: nothing was tested", 0)
     never = [one.words for place, one in enumerate(cases(prop)) if not statistics.occurred[prop, place]]

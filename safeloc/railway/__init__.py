@@ -1,1 +1,1 @@
-"""What the railway adds: the map, the audit of its layout, the guard of a receiver, pictures of runs."""
+"""Railway parts: the map, the audit of its layout, the guard of a receiver, pictures of runs."""

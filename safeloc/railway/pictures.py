@@ -1,7 +1,7 @@
-"""Which pictures tell a machine's recorded runs: what is drawn over what, by the names of inputs, state and outputs.
+"""Declarations of pictures of recorded runs, by the names of inputs, state and outputs.
 
 A declaration only; safeloc.report draws it. A machine of the user may declare the same pictures for its own signals.
-All signals are in mm and mm/s unless said otherwise; truth is that of the recording, or the machine's ghost in nm.
+All signals are in mm and mm/s unless stated otherwise; the true position is that of the recording, or the ghost in nm.
 """
 
 from __future__ import annotations
@@ -10,8 +10,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from safeloc.errors import ModelError
+from safeloc.language.renamed import refuse_old_keywords, renamed
 from safeloc.language.system import TransitionSystem
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 ThingKind = Literal["balise", "reflector", "marker"]
 
@@ -78,11 +80,12 @@ class StopSignals:
     called: Mapping[str, str] = field(default_factory=dict)
 
 
+@refuse_old_keywords(ModelError, {"under": "below", "over": "above"})
 @dataclass(frozen=True)
 class Approach:
     """Speed over distance to the stop point, with orders and stop window (source 001, fig. 2).
 
-    position, over, under, valid   the interval that comes with the run
+    position, above, below, valid  the interval that comes with the run
     braking, idle                  members of the order: to brake, and none while no stop is pending
     brake_mm_s2, reaction_ms, speed_error_mm_s   from these the speed at which braking is due, at each distance
     period_ms                      time of a step, for the strip over time
@@ -91,8 +94,8 @@ class Approach:
     title: str
     speed: str
     position: str
-    over: str
-    under: str
+    above: str
+    below: str
     valid: str
     order: str
     braking: str
@@ -111,7 +114,7 @@ class Approach:
     def reads(self) -> Read:
         """The names that it reads."""
         windows = [name for stop in self.stops for name in (stop.before, stop.after)]
-        always = (self.speed, self.position, self.over, self.under, self.valid, *windows)
+        always = (self.speed, self.position, self.above, self.below, self.valid, *windows)
         return Read((self.selected, *(stop.at for stop in self.stops)), always, (self.order, self.mode))
 
 
@@ -136,7 +139,7 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Sighting:
-    """What is seen: optional input with the range, inputs with its error, the model and the turn."""
+    """Signals of a sighting: optional input with the range, inputs with its error, the model and the turn."""
 
     range: str
     error: str
@@ -182,7 +185,7 @@ class TrackPlan:
 
 @dataclass(frozen=True)
 class Recognition:
-    """Which routes are possible over the distance run, under the plan of the line (source 001, fig. 3).
+    """Picture of the possible routes over the distance run, below the plan of the line (source 001, fig. 3).
 
     plan  recording (file name without ending) -> its line; it is called only where a picture is drawn
     """
@@ -227,9 +230,9 @@ class Standing:
 
 @dataclass(frozen=True)
 class Standings:
-    """What each of several like parts is along the run: satellites by channel, say.
+    """Picture of the state of each channel along the run, such as satellites by channel.
 
-    names  a number of `called` -> what people call it; 0 is nobody
+    names  a number of `called` -> its name; 0 is no one
     """
 
     title: str
@@ -256,7 +259,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class TrueEnds:
-    """Where a train's ends really were, mm, in each column of an image."""
+    """The true positions of a train's ends, in mm, in each column of an image."""
 
     low_mm: tuple[int, ...]
     high_mm: tuple[int, ...]
@@ -273,7 +276,7 @@ class VirtualSection:
 
 @dataclass(frozen=True)
 class LoudFibre:
-    """How loud each piece of a fibre was in each stretch of time.
+    """The loudness of each piece of a fibre in each stretch of time.
 
     says        the scene and the outcome that is expected, in words
     first_ms    time of the recording's first step; `step_ms` of each, `steps_per_column` of them in a column
@@ -390,10 +393,14 @@ Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings |
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:
-    """What the picture reads and the system does not have, each in words; empty where all is there."""
+    """List in words the signals that the picture reads and the system does not have; empty if all exist."""
     reads, optional = picture.reads, {option.value.name for option in system.optionals}
     inputs = {var.name for var in system.inputs}
     told = {var.name for var in system.state} | set(system.outputs)
-    wrong = [f"no input {name!r}" for name in (*reads.inputs, *reads.always) if name not in inputs]
+    wrong = [
+        f"no input {name!r}{renamed([name], inputs)}" for name in (*reads.inputs, *reads.always) if name not in inputs
+    ]
     wrong += [f"input {name!r} may be absent" for name in reads.always if name in optional]
-    return wrong + [f"no output or state {name!r}" for name in reads.reported if name not in told]
+    return wrong + [
+        f"no output or state {name!r}{renamed([name], told)}" for name in reads.reported if name not in told
+    ]

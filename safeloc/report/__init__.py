@@ -1,1 +1,1 @@
-"""What was found, as data, pages and pictures."""
+"""Reports of findings: data, pages and pictures."""

@@ -70,7 +70,7 @@ class Drive:
 
     @cached_property
     def orders(self) -> list[str]:
-        """What the machine orders."""
+        """The order of the machine after each step."""
         return self.told.words(self.one.order)
 
     @cached_property
@@ -98,20 +98,20 @@ class Drive:
         return [(step, place) for step, (place, order) in steps if place is not None and order != self.one.idle]
 
     def points(self, axis: Axis, height: Axis) -> list[Point | None]:
-        """Places and speeds on the page."""
+        """Return places and speeds on the page."""
         return [None if place is None else Point(axis.at(place), height.at(speed / MM_S_PER_KM_H))
                 for place, speed in zip(self.places, self.speeds, strict=True)]  # fmt: skip
 
 
 def drive_of(one: Approach, told: Told) -> Drive:
-    """The run, each step at its true place; where that is not known, at the reported position."""
+    """Return the run, each step at its true place; where that is not known, at the reported position."""
     pairs = zip(told.truth(one.truth), told.given, strict=True)
     places = [given[one.position] if truth is None and given[one.valid] else truth for truth, given in pairs]
     return Drive(one, told, places)
 
 
 def approach_picture(one: Approach, told: Told) -> str:
-    """The drawing; empty for a run without any place."""
+    """Return the drawing; empty for a run without any place."""
     drive = drive_of(one, told)
     places = [place for place in drive.places if place is not None]
     if not places:
@@ -180,7 +180,7 @@ def _due(drive: Drive, axis: Axis, height: Axis) -> str:
 
 
 def due_mm_s(one: Approach, to_go_mm: float) -> float:
-    """The measured speed at which braking is due: with reaction and error of speed it just stops there."""
+    """Return the measured speed at which braking is due: with reaction and error of speed it just stops there."""
     brake, reaction_s = one.brake_mm_s2, one.reaction_ms / 1_000
     delay = brake * reaction_s
     return math.sqrt(delay * delay + 2 * brake * max(to_go_mm, 0.0)) - delay - one.speed_error_mm_s
@@ -251,7 +251,7 @@ def _reduced(drive: Drive, height: Axis) -> str:
 
 
 def _furthest(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
-    """How far the vehicle overran the stop window, if it did."""
+    """Draw the distance by which the vehicle overran the stop window, if it did."""
     furthest = max((place for _, place in drive.ordered), default=stop.at)
     if furthest <= stop.ends:
         return ""
@@ -264,13 +264,13 @@ def _furthest(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
 
 def _standing(drive: Drive, stop: Stop, axis: Axis, height: Axis) -> str:
     """The interval that is reported at the end, while the stop is still pending, around zero speed."""
-    last, names = drive.told.given[drive.ordered[-1][0]], (drive.one.position, drive.one.under, drive.one.over)
-    position, under, over = (float(last[name]) for name in names)
+    last, names = drive.told.given[drive.ordered[-1][0]], (drive.one.position, drive.one.below, drive.one.above)
+    position, below, above = (float(last[name]) for name in names)
     if not last[drive.one.valid] or not axis.holds(position - stop.at):
         return ""
     zero = height.at(0)
-    low, high = (min(max(axis.at(end - stop.at), LEFT), RIGHT) for end in (position - under, position + over))
-    ends = f"{metres(position - under - stop.at, 2)} to {metres(position + over - stop.at, 2)}"
+    low, high = (min(max(axis.at(end - stop.at), LEFT), RIGHT) for end in (position - below, position + above))
+    ends = f"{metres(position - below - stop.at, 2)} to {metres(position + above - stop.at, 2)}"
     bar = (
         f'<path d="M{low:.1f} {zero - 7:.1f}v14M{high:.1f} {zero - 7:.1f}v14M{low:.1f} {zero:.1f}H{high:.1f}" '
         f'stroke="{BLUE}" stroke-width="3" class="standing"/>'

@@ -78,7 +78,7 @@ def _archive(texts: Mapping[str, str]) -> bytes:
 
 @dataclass
 class Texts:
-    """What the files of a folder hold: texts by name, and what is wrong with a file, by its name."""
+    """The texts in the files of a folder, by name, and the damaged files, each with its error."""
 
     texts: dict[str, str] = field(default_factory=dict)
     damaged: dict[str, str] = field(default_factory=dict)

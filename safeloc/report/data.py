@@ -1,4 +1,4 @@
-"""A report as plain data: `report.json`, schema `safeloc-report/3` (report.schema.json beside this file)."""
+"""A report as plain data: `report.json`, schema `safeloc-report/4` (report.schema.json beside this file)."""
 
 from __future__ import annotations
 
@@ -11,8 +11,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, assert_never
 
+from safeloc.assurance.independence import shared_terms
+from safeloc.assurance.register import register, to_confirm
 from safeloc.assurance.requirements import Link, traceability
 from safeloc.catalogue import Target
+from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.trace import Trace, present_inputs
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
 from safeloc.proof.cache.engine import source_digest
@@ -20,20 +23,20 @@ from safeloc.proof.results import Finding
 from safeloc.report.machines import machine_data
 from safeloc.report.pictures import pictures_data
 
-SCHEMA = "safeloc-report/3"
+SCHEMA = "safeloc-report/4"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
 MOST_CELLS = 10_000  # values of a witness that stand in the data; the localizer has 500 in every step
 
 
 def schema() -> dict[str, Any]:
-    """The published JSON schema."""
+    """Return the published JSON schema."""
     loaded: dict[str, Any] = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
     return loaded
 
 
 def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[str, Any]:
-    """Everything that was found, as JSON-ready data."""
+    """Return everything that was found, as JSON-ready data."""
     targets = list(targets)
     traced = traceability(targets)
     return {
@@ -42,15 +45,51 @@ def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[
         "verdict": worst(word(finding.result) for finding in findings),
         "versions": versions(),
         "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
+        "conditions": _conditions(targets),
         "machines": [{**machine_data(target), "pictures": pictures_data(target, findings)} for target in targets],
-        "results": [result_data(finding) for finding in findings],
+        "results": _results(findings, targets),
         "requirements": [_requirement(link, findings) for link in traced.links],
         "items": [{**asdict(item), "requirements": list(item.requirements)} for item in traced.items],
     }
 
 
+def _conditions(targets: Sequence[Target]) -> dict[str, int]:
+    """Count the conditions of the proofs: laws, laws without owner or source, and figures to be confirmed."""
+    laws = {
+        (one.machine, one.name, one.term): one for target in targets for one in register(target) if not one.guaranteed
+    }
+    figures = {(one.name, one.value) for one in to_confirm(targets).values()}
+    return {
+        "assumptions": len(laws),
+        "without_owner_or_source": sum(not (one.owner and one.source) for one in laws.values()),
+        "figures_to_confirm": len(figures),
+    }
+
+
+def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dict[str, Any]]:
+    """Every finding; of a proved claim, also what it shares with the machine that it judges."""
+    shared = {target.name: _shared(target) for target in targets}
+    rows = [result_data(finding) for finding in findings]
+    for row in rows:
+        if row["kind"] == "property" and (note := shared.get(row["machine"], {}).get(row["id"])):
+            row["notes"] = {**row["notes"], "shared with the machine": note}
+    return rows
+
+
+def _shared(target: Target) -> dict[str, str]:
+    """Id of a claim -> the sizes of the sub-terms that it has in common with what the machine computes."""
+    sizes: dict[str, list[int]] = {}
+    for one in shared_terms(target):
+        sizes.setdefault(one.of, []).append(one.nodes)
+    return {
+        f"{target.name}/property/{prop.name}": f"terms of {', '.join(map(str, sorted(found, reverse=True)))} nodes"
+        for prop in target.properties
+        if (found := sizes.get(f"property {prop.name}"))
+    }
+
+
 def versions() -> dict[str, str]:
-    """Versions of everything a verdict depends on, and a digest of safeloc's own files."""
+    """Return versions of everything a verdict depends on, and a digest of safeloc's own files."""
     found = {"python": platform.python_version(), "platform": platform.platform(), "source digest": source_digest()}
     for name in VERSIONED:
         try:
@@ -61,7 +100,7 @@ def versions() -> dict[str, str]:
 
 
 def result_data(finding: Finding) -> dict[str, Any]:
-    """One finding."""
+    """Return one finding."""
     return {
         "id": finding.id,
         "machine": finding.machine,
@@ -85,7 +124,7 @@ def result_data(finding: Finding) -> dict[str, Any]:
 
 
 def _confirmation(finding: Finding) -> dict[str, Any]:
-    """What confirmed it, the files of its certificates, and what is true by construction."""
+    """Return the confirming solvers, the files of certificates, and the reason if it is proved by construction."""
     proof = finding.result if isinstance(finding.result, Proved) else None
     return {
         "rechecked": [] if proof is None else list(proof.rechecked),
@@ -138,7 +177,7 @@ def _trace(finding: Finding) -> Trace | None:
 
 
 def trace_data(trace: Trace | None, truth_mm: Sequence[int | None] = ()) -> dict[str, Any] | None:
-    """First state, and per step the inputs that were present, what fired, the state and the outputs."""
+    """First state, and per step the inputs that were present, what fired, the state and the outputs; null for one that is absent."""
     if trace is None:
         return None
     steps = [
@@ -146,7 +185,7 @@ def trace_data(trace: Trace | None, truth_mm: Sequence[int | None] = ()) -> dict
             "inputs": present_inputs(trace.system, step.inputs),
             "fired": dict(step.fired),
             "state": dict(step.state),
-            "outputs": dict(step.outputs),
+            "outputs": without_absent(step.outputs, stand_ins(trace.system)),
         }
         for step in trace.steps
     ]

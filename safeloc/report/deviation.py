@@ -97,7 +97,7 @@ class Offs:
 
     @property
     def places(self) -> Series:
-        """Where the vehicle was: the truth, without it what is reported."""
+        """The true position, or the reported one where the truth is unknown."""
         pairs = zip(self.truth, self.steps, strict=True)
         return [truth if truth is not None or off is None else off.place for truth, off in pairs]
 
@@ -113,7 +113,7 @@ class Offs:
 
 
 def deviation_picture(one: Deviation, told: Told) -> str:
-    """The drawing; empty for a run without any place."""
+    """Return the drawing; empty for a run without any place."""
     offs = Offs(one, told)
     places = [place for place in offs.places if place is not None]
     if not places:
@@ -169,7 +169,7 @@ def _wrong(offs: Offs, axis: Axis, height: Axis) -> list[Point]:
 
 
 def _silence(offs: Offs, axis: Axis, height: Axis) -> str:
-    """Where nothing is reported: availability, not safety."""
+    """Draw the stretches without a report: a matter of availability, not of safety."""
     steps = zip(offs.places, offs.steps, strict=True)
     silent = [None if off is not None or place is None else Span(axis.at(place), 0, 0) for place, off in steps]
     top, size = height.end, height.begin - height.end
@@ -250,7 +250,11 @@ def _lines(things: list[Thing], axis: Axis, top: float, bottom: float) -> str:
 
 def _keys(offs: Offs, things: list[Thing]) -> list[Swatch]:
     keys = [stroke_swatch("", "deviation: reported position less true position")]
-    keys.append(box_swatch(BLUE, "where the reported interval allows it: over below, under above", faint=True))
+    keys.append(
+        box_swatch(
+            BLUE, "where the reported interval allows it: down by the margin above, up by the margin below", faint=True
+        )
+    )
     keys.append(stroke_swatch(RED, f"tolerable error, {metres(offs.one.tolerance_mm)}", "9 4"))
     if any(off is None for off in offs.steps):
         keys.append(box_swatch(GREY, "no position reported", faint=True))

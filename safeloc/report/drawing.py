@@ -33,11 +33,11 @@ class Axis:
     end: float
 
     def at(self, value: float) -> float:
-        """The place of a value on the page."""
+        """Return the place of a value on the page."""
         return self.begin + (value - self.low) / (self.high - self.low) * (self.end - self.begin)
 
     def holds(self, value: float) -> bool:
-        """Whether a value lies on the axis."""
+        """Return whether a value lies on the axis."""
         return self.low <= value <= self.high
 
     @property
@@ -56,7 +56,7 @@ def _round_step(least: float) -> float:
 
 
 def across(values: Iterable[float]) -> Axis:
-    """The axis across the page that shows all the values."""
+    """Return the axis across the page that shows all the values."""
     known = list(values)
     low, high = min(known), max(known)
     room = (high - low) * 0.02 or 1_000.0
@@ -64,13 +64,13 @@ def across(values: Iterable[float]) -> Axis:
 
 
 def number(value: float) -> str:
-    """A tick's label."""
+    """Return a tick's label."""
     text = f"{value:.3f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text.replace("-", "\N{MINUS SIGN}")
 
 
 def wide(text: str) -> float:
-    """Width of a text, nearly: capital letters are wider."""
+    """Return the width of a text, nearly: capital letters are wider."""
     return sum(8.6 if letter.isupper() or letter == "_" else 6.4 for letter in text)
 
 
@@ -80,14 +80,14 @@ def metres(value_mm: float, digits: int = 0) -> str:
 
 
 def word(x: float, y: float, text: str, *, anchor: str = "start", soft: bool = False, style: str = "") -> str:
-    """Text, escaped."""
+    """Return text, escaped."""
     kind = "word soft" if soft else "word"
     more = f' style="{style}"' if style else ""
     return f'<text x="{x:.1f}" y="{y:.1f}" class="{kind}" text-anchor="{anchor}"{more}>{html.escape(text)}</text>'
 
 
 def across_axis(axis: Axis, y: float, label: str, *, unit: float = 1_000, top: float | None = None) -> str:
-    """Ticks and numbers below `y`, grid lines up to `top`, and the label at the end; `unit` values make one."""
+    """Return ticks and numbers below `y`, grid lines up to `top`, and the label at the end; `unit` values make one."""
     scaled = Axis(axis.low / unit, axis.high / unit, axis.begin, axis.end)
     made = [f'<path d="M{axis.begin:.1f} {y:.1f}H{axis.end:.1f}" class="ink" stroke-width="1"/>']
     for tick in scaled.ticks:
@@ -99,7 +99,7 @@ def across_axis(axis: Axis, y: float, label: str, *, unit: float = 1_000, top: f
 
 
 def upright_axis(axis: Axis, label: str, *, unit: float = 1_000) -> str:
-    """Grid lines across and numbers beside them, with the label above."""
+    """Return the grid lines across and numbers beside them, with the label above."""
     scaled = Axis(axis.low / unit, axis.high / unit, axis.begin, axis.end)
     made = []
     for tick in scaled.ticks:
@@ -111,7 +111,7 @@ def upright_axis(axis: Axis, label: str, *, unit: float = 1_000) -> str:
 
 
 def line(stretches: Iterable[Sequence[Point]], colour: str, *, kind: str, width: float = 1.8, dash: str = "") -> str:
-    """Stretches of a line; one of a single point is a dot. `colour` empty is that of the text."""
+    """Return stretches of a line; one of a single point is a dot. `colour` empty is that of the text."""
     paint = f'stroke="{colour}"' if colour else ""
     broken = f' stroke-dasharray="{dash}"' if dash else ""
     made = []
@@ -140,31 +140,31 @@ def band(stretches: Iterable[Sequence[Span]], colour: str, *, kind: str) -> str:
 
 
 def box(x: float, y: float, width: float, height: float, colour: str, *, kind: str, faint: bool = False) -> str:
-    """A filled rectangle, at least a unit wide."""
+    """Return a filled rectangle, at least a unit wide."""
     opacity = ' fill-opacity=".25"' if faint else ""
     size = f'width="{max(width, 1):.1f}" height="{height:.1f}"'
     return f'<rect x="{x:.1f}" y="{y:.1f}" {size} fill="{colour}"{opacity} class="{kind}"/>'
 
 
 def upright(x: float, top: float, bottom: float, colour: str, *, kind: str, dash: str = "4 3") -> str:
-    """A line from top to bottom."""
+    """Return a line from top to bottom."""
     broken = f' stroke-dasharray="{dash}"' if dash else ""
     return f'<path d="M{x:.1f} {top:.1f}V{bottom:.1f}" stroke="{colour}" stroke-width="1.4"{broken} class="{kind}"/>'
 
 
 def cross(x: float, y: float, *, kind: str, size: float = 6) -> str:
-    """A cross where something is wrong or comes to its end."""
+    """Return a cross where something is wrong or comes to its end."""
     arms = f"M{x - size:.1f} {y - size:.1f}l{2 * size} {2 * size}m0 {-2 * size}l{-2 * size} {2 * size}"
     return f'<path d="{arms}" stroke="{RED}" stroke-width="2.6" fill="none" class="{kind}"/>'
 
 
 def triangle(x: float, y: float, *, kind: str) -> str:
-    """A balise, as on track plans; its tip on the track."""
+    """Return a balise, as on track plans; its tip on the track."""
     return f'<path d="M{x:.1f} {y:.1f}l-6 10h12z" fill="{ORANGE}" class="{kind} ink"/>'
 
 
 def diamond(x: float, y: float, *, kind: str) -> str:
-    """A reflector."""
+    """Return a reflector."""
     return f'<path d="M{x:.1f} {y - 8:.1f}l7 8l-7 8l-7 -8z" fill="{SKY}" class="{kind} ink"/>'
 
 
@@ -177,7 +177,7 @@ class Swatch:
 
 
 def legend(entries: Sequence[Swatch], y: float, label: str = "") -> tuple[str, float]:
-    """Entries in rows, beginning at `y`, with what they are of beside them; and where the next thing may stand."""
+    """Return entries in rows, beginning at `y`, with what they are of beside them; and where the next thing may stand."""
     x, made = float(LEFT), [word(LEFT - 8, y + 4, label, anchor="end", soft=True)]
     for entry in entries:
         needed = 32 + wide(entry.words) + 18
@@ -189,17 +189,17 @@ def legend(entries: Sequence[Swatch], y: float, label: str = "") -> tuple[str, f
 
 
 def stroke_swatch(colour: str, words: str, dash: str = "", width: float = 2) -> Swatch:
-    """A line's entry."""
+    """Return a line's entry."""
     return Swatch(line([[Point(0, 0), Point(26, 0)]], colour, kind="key", dash=dash, width=width), words)
 
 
 def box_swatch(colour: str, words: str, *, faint: bool = False) -> Swatch:
-    """An area's entry."""
+    """Return an area's entry."""
     return Swatch(box(0, -7, 26, 13, colour, kind="key", faint=faint), words)
 
 
 def picture(parts: Iterable[str], height: float, title: str) -> str:
-    """The whole drawing; the title is read out by screen readers."""
+    """Return the whole drawing; the title is read out by screen readers."""
     label = html.escape(title)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0f}" width="{WIDTH}" '

@@ -54,7 +54,7 @@ class Exact:
         }
 
     def spelled(self, term: Expr) -> str:
-        """The term with nothing but the model's own definitions by name, unless that fills more than a few lines."""
+        """Return the term with nothing but the model's own definitions by name, unless that fills more than a few lines."""
         whole = self._share(term)
         text = infix(whole, A_FEW_LINES, self._given, deepest=UNBOUNDED)
         return infix(whole, UNBOUNDED, self._names, deepest=UNBOUNDED) if text.endswith("…") else text

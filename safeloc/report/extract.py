@@ -1,4 +1,4 @@
-"""What is packed in a report folder, written out as plain files: certificates for any solver, runs for `safeloc replay`."""
+"""Unpacks a report folder into plain files: certificates for any solver, runs for `safeloc replay`."""
 
 from __future__ import annotations
 

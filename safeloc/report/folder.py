@@ -107,7 +107,7 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def files_of(folder: Path) -> list[str]:
-    """The files of a report, by their names in its folder, the data last: without these there is no report."""
+    """Return the files of a report, by their names in its folder, the data last: without these there is no report."""
     own = [path for name, pattern in OWN.items() for path in sorted((folder / name).glob(pattern))]
     return [path.relative_to(folder).as_posix() for path in (*own, folder / JUNIT, folder / PAGE, folder / kept.DATA)]
 

@@ -11,6 +11,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
+from safeloc.config import figures
 from safeloc.errors import InputError
 from safeloc.models.guard import machine
 from safeloc.models.guard.variables import GuardConfig
@@ -21,7 +22,6 @@ from safeloc.railway.map.projection import Projector
 from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot
 from safeloc.report.guard_words import WORDS
-from safeloc.report.machines import figures
 
 TEMPLATE = Path(__file__).with_name("guard.html.jinja")
 STYLE = Path(__file__).with_name("page.html.jinja")
@@ -44,7 +44,7 @@ def write_guard_folder(
 
 
 def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardConfig, stream: str) -> str:
-    """The page as text."""
+    """Return the page as text."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     name = Path(stream).name
     counts = counted(judgements)

@@ -31,11 +31,11 @@ class Frame:
     north: Axis
 
     def at(self, east: float, north: float) -> Point:
-        """A place on the page."""
+        """Return a place on the page."""
         return Point(self.east.at(east), self.north.at(north))
 
     def holds(self, east: float, north: float) -> bool:
-        """Whether it is shown."""
+        """Return whether the map shows this point."""
         return self.east.holds(east) and self.north.holds(north)
 
     @property
@@ -45,7 +45,7 @@ class Frame:
 
 
 def guard_map(courses: Mapping[str, Course], way: Iterable[str], spots: Sequence[Spot], title: str) -> str:
-    """The drawing of all spots; empty where there are none."""
+    """Return the drawing of all spots; empty where there are none."""
     if not spots:
         return ""
     frame = _frame([(spot.east, spot.north) for spot in spots])

@@ -50,7 +50,7 @@ class Moment:
 
 
 def guard_plot(moments: Sequence[Moment], tolerance_mm: int, title: str) -> str:
-    """The drawing; empty where nothing was delivered that has a time."""
+    """Return the drawing; empty where nothing was delivered that has a time."""
     if not moments:
         return ""
     last = max(moment.time_ms for moment in moments)
@@ -131,7 +131,7 @@ def _silence(moments: Sequence[Moment], across: Axis, height: Axis) -> str:
 
 
 def _stretches(moments: Sequence[Moment]) -> Iterator[tuple[bool, tuple[int, int]]]:
-    """Whether nothing is reported, from when to when; each stretch ends where the next begins."""
+    """Divide the run into stretches with and without a report; each ends where the next begins."""
     runs = [(silent, list(run)) for silent, run in groupby(moments, lambda one: one.interval_mm is None)]
     for number, (silent, run) in enumerate(runs):
         end = runs[number + 1][1][0].time_ms if number + 1 < len(runs) else run[-1].time_ms

@@ -9,18 +9,18 @@ from safeloc.report.drawing import BLUE, BROWN, GREEN, GREY, ORANGE, PURPLE, RED
 PASSED = "PASSED"
 WORDS: Mapping[str, str] = {
     "PASSED": "passed on",
-    "UNCONFIRMED": "agrees, but too few in a row yet",
+    "UNCONFIRMED": "agrees, but too few have agreed in a row",
     "OFF_TRACK": "farther off the track than allowed",
-    "AMBIGUOUS": "more than one track is too near to be told apart",
-    "JUMP": "where the vehicle cannot be by now",
+    "AMBIGUOUS": "more than one track is too near",
+    "JUMP": "the vehicle cannot have reached it",
     "SPEED_DISAGREES": "speed disagrees with the distance run",
-    "DOUBTFUL": "only its charged error reaches where the vehicle can be",
-    "TOO_COARSE": "charged with more than the tolerable error",
+    "DOUBTFUL": "only its error bound overlaps the vehicle's possible positions",
+    "TOO_COARSE": "its error bound exceeds the tolerable error",
     "NO_FIX": "the receiver has no position",
     "MALFORMED": "no readable position",
     "NOT_FINITE": "not a finite number",
     "STALE": "older than allowed",
-    "FUTURE": "from after it came",
+    "FUTURE": "its time is later than its arrival",
     "DUPLICATE": "the same time again, or the same place at speed",
     "OUT_OF_ORDER": "older than one before",
     "NOTHING": "nothing was delivered",
@@ -37,12 +37,12 @@ COLOURS: Mapping[str, str] = {
 
 
 def colour(reason: str) -> str:
-    """The colour of a reason; grey for what has no place on the map."""
+    """Return the colour of a reason; grey for what has no place on the map."""
     return COLOURS.get(reason, GREY)
 
 
 def mark(x: float, y: float, reason: str, size: float = 3) -> str:
-    """A dot for what is passed on, a cross for what is withheld."""
+    """Return a dot for what is passed on, a cross for what is withheld."""
     if reason == PASSED:
         return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{size * 0.8:.1f}" fill="{colour(reason)}" class="passed"/>'
     arms = f"M{x - size:.1f} {y - size:.1f}l{2 * size} {2 * size}m0 {-2 * size}l{-2 * size} {2 * size}"

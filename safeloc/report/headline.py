@@ -1,7 +1,7 @@
-"""What a page or a terminal says of all findings together: one sentence, and how many there are of each verdict.
+"""The headline of a page or a terminal: one sentence about all findings, and the number of each verdict.
 
-`all holds` is said only where something was asked of the machines and proved: what was only held on recordings or in
-tests says so, and so does a report in which nothing was asked.
+`all holds` appears only if properties were declared and proved. Results that only held on recordings or in tests are named
+so, as is a report without any property.
 """
 
 from __future__ import annotations
@@ -27,27 +27,27 @@ BEST_FIRST = tuple(reversed(WORST_FIRST))
 
 @dataclass(frozen=True)
 class Said:
-    """What a headline has to know of one finding: the words of its kind and its verdict."""
+    """The fields of one finding that a headline needs: its kind and its verdict."""
 
     kind: str
     verdict: str
 
 
 def counted(found: Sequence[Said], always: Sequence[str] = ()) -> str:
-    """Such as `21 proved, 1 undecided`: each verdict there is, and those that are counted also where there is none."""
+    """Count each verdict that occurs, and those in `always`, such as `21 proved, 1 undecided`."""
     number = Counter(one.verdict for one in found)
     return ", ".join(f"{number[word]} {COUNTED[word]}" for word in BEST_FIRST if number[word] or word in always)
 
 
 def headline(found: Sequence[Said]) -> str:
-    """The sentence; never better than the worst verdict."""
+    """Return the sentence; never better than the worst verdict."""
     match worst(one.verdict for one in found):
         case "violated":
             return "violated"
         case "unknown":
-            return "undecided: something is neither shown nor excluded"
+            return "undecided: at least one result is neither proved nor refuted"
         case "vacuous":
-            return "vacuous: something is said of what never happens"
+            return "vacuous: the case of at least one property never occurs"
         case "not asked":
             return _not_asked(found)
         case _:
@@ -56,12 +56,12 @@ def headline(found: Sequence[Said]) -> str:
 
 def _not_asked(found: Sequence[Said]) -> str:
     if any(one.verdict != "not asked" for one in found):
-        return "not everything was asked: what holds is not all that is to be shown"
-    return "nothing was asked, so nothing is shown"
+        return "not asked: at least one machine had no property to check"
+    return "not asked: there was no property to check"
 
 
 def _good(found: Sequence[Said]) -> str:
-    """Where nothing speaks against it: whether anything was proved, and else on what it was held."""
+    """Return the headline if no verdict is bad: all holds if anything was proved, else the kind of evidence."""
     if any(one.verdict == "proved" for one in found):
         return "all holds"
     kinds, number = {one.kind for one in found}, len(found)

@@ -14,7 +14,7 @@ from safeloc.proof.results import Finding
 
 
 def to_junit(findings: Sequence[Finding]) -> str:
-    """One test case a finding, grouped by machine."""
+    """Return one test case a finding, grouped by machine."""
     root = ElementTree.Element("testsuites", name="safeloc")
     for machine in dict.fromkeys(finding.machine for finding in findings):
         own = [finding for finding in findings if finding.machine == machine]
@@ -38,7 +38,7 @@ def _case(suite: ElementTree.Element, finding: Finding) -> None:
             failure = ElementTree.SubElement(case, "failure", message=f"{finding.statement} ({engine}) {reason}")
             failure.text = "" if trace is None else trace.table()
         case Unknown(reason, depth):
-            ElementTree.SubElement(case, "error", message=f"undecided: {reason} (clean up to step {depth})")
+            ElementTree.SubElement(case, "error", message=f"undecided: {reason} (no violation up to step {depth})")
         case Vacuous(reason, trace):
             error = ElementTree.SubElement(case, "error", message=f"vacuous: {reason}")
             error.text = "" if trace is None else trace.table()

@@ -151,7 +151,7 @@ def _put_together(folder: Path, data: Data) -> Data:
 
 
 def _machine(path: Path) -> Data:
-    """What a machine's file holds; InputError with the file for anything else."""
+    """Read a machine's file; InputError with its name if the content is wrong."""
     content = read_packed(path)
 
     def read() -> Data:

@@ -10,12 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from pydantic import BaseModel
-
 from safeloc.catalogue import Target
 from safeloc.codegen.diagram import to_svg
-from safeloc.config import derived_figures
-from safeloc.language.checks.machine import input_variables
+from safeloc.config import figures
+from safeloc.language.checks.machine import input_variables, read_of_machine
 from safeloc.language.digest import full_digest
 from safeloc.language.machine import Any_, Machine, Transition
 from safeloc.language.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
@@ -27,7 +25,7 @@ from safeloc.report.exact import Exact
 
 
 def machine_data(target: Target) -> dict[str, Any]:
-    """Everything the page says of a target apart from verdicts."""
+    """Return everything the page says of a target apart from verdicts."""
     system = target.system
     signals: dict[str, Expr] = {var.name: var for var in (*system.state, *system.inputs)} | dict(system.outputs)
     return {
@@ -47,7 +45,7 @@ def machine_data(target: Target) -> dict[str, Any]:
 
 
 def _configuration(target: Target) -> Any:
-    """What the machine was made from, so that it can be made again; of a user's file, dates become text."""
+    """Return the machine's configuration, so that it can be rebuilt; dates in a user's file become text."""
     if target.config is not None:
         return target.config.model_dump(mode="json")
     return None if target.given is None else json.loads(json.dumps(target.given, default=str))
@@ -62,35 +60,18 @@ def _signal(term: Expr) -> dict[str, Any]:
     return {"unit": term.unit.name, "members": []}
 
 
-def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
-    """Every figure of a configuration with its unit and the source of its default; then what follows from them."""
-    for name, field in type(config).model_fields.items():
-        value = getattr(config, name)
-        if isinstance(value, BaseModel):
-            yield from figures(value, f"{prefix}{name}.")
-            continue
-        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-        source = str(extra.get("source", field.description or ""))
-        if not field.is_required() and value != field.default:
-            source = f"set here; the default is {field.default} {source}"
-        yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
-    for name, figure in derived_figures(config):
-        value, source = getattr(config, name), f"follows from the figures above: {figure.source}"
-        yield {"name": prefix + name, "value": str(value), "unit": figure.unit, "source": source}
-
-
 def _part(machine: Machine) -> dict[str, Any]:
-    assumed = {f"assume {number}": term for number, term in enumerate(_assumed(machine))}
+    laws = {f"law {name}": term for name, term in machine.world.terms.items()}
     guards = {f"when {t.name}": t.when for t in machine.transitions}
     updates = {f"set {number}": update for number, update in enumerate(_updates(machine))}
-    moves = {f"move {var.name}": term for var, term in machine.ghost_moves.items()}
+    moves = {f"move {var.name}": term for var, term in machine.world.moves.items()}
     outputs = {f"output {name}": term for name, term in machine.outputs.items()}
     set_to = {key: update.term for key, update in updates.items()}
-    exact = Exact({**assumed, **guards, **set_to, **moves, **outputs}, machine.definitions)
+    exact = Exact({**laws, **guards, **set_to, **moves, **outputs}, machine.definitions)
     return {
         "name": machine.name,
         "svg": to_svg(machine),
-        "assumption": [exact.spelled(term) for term in assumed.values()],
+        "clauses": list(_clauses(machine, exact)),
         "table": [_row(t, exact.texts[f"when {t.name}"]) for t in machine.transitions],
         "updates": [
             {"variable": update.variable, "term": exact.texts[key], "transitions": update.transitions}
@@ -101,8 +82,20 @@ def _part(machine: Machine) -> dict[str, Any]:
     }
 
 
-def _assumed(machine: Machine) -> list[Expr]:
-    return [part for term in (machine.assumption, *machine.clauses.values()) for part in _conjuncts(term)]
+def _clauses(machine: Machine, exact: Exact) -> Iterator[dict[str, Any]]:
+    """Every law of the world with its term in parts, whose it is, and what of the machine's own it reads."""
+    read = read_of_machine(machine)
+    for name, law in machine.world.laws.items():
+        yield {
+            "name": name,
+            "terms": [exact.spelled(part) for part in _conjuncts(law.term)],
+            "statement": law.statement,
+            "figures": list(law.figures),
+            "source": law.source,
+            "owner": law.owner,
+            "check": law.check,
+            "reads": [var.name for var in read.get(f"clause {name!r}", ())],
+        }
 
 
 def _conjuncts(term: Bool) -> Sequence[Expr]:
@@ -151,9 +144,9 @@ def _variables(machine: Machine, texts: Mapping[str, str]) -> list[dict[str, str
     """Inputs, state with its first value, the environment's ghosts with their moves, and outputs with their terms."""
     rows = [_variable("input", var.name, var) for var in input_variables(machine)]
     rows += [_variable("state", var.name, var, first=_first(var, value)) for var, value in machine.state.items()]
-    for var, value in machine.ghosts.items():
+    for var, value in machine.world.ghosts.items():
         rows.append(_variable("ghost", var.name, var, texts.get(f"move {var.name}", ""), _first(var, value)))
-    rows += [_variable("ghost input", var.name, var) for var in machine.ghost_inputs]
+    rows += [_variable("ghost input", var.name, var) for var in machine.world.choices]
     return rows + [_variable("output", name, term, texts[f"output {name}"]) for name, term in machine.outputs.items()]
 
 

@@ -49,12 +49,12 @@ def to_pages(data: Data, *, single: bool = False) -> tuple[str, dict[str, str]]:
 
 
 def to_html(data: Data) -> str:
-    """The whole page of what `report_data` returned, or of a report that was read back."""
+    """Return the whole page of what `report_data` returned, or of a report that was read back."""
     return _Rendering(data).page()
 
 
 class _Rendering:
-    """What the templates are given, and the templates."""
+    """The templates and their data."""
 
     def __init__(self, data: Data) -> None:
         self._environment = Environment(
@@ -116,7 +116,7 @@ def _part(name: str, made: str, html: str) -> str:
 
 
 def file_names(finding_ids: Sequence[str]) -> dict[str, str]:
-    """A file name for each finding's trace: readable, and never the same for two, also where case does not count."""
+    """Return a file name for each finding's trace: readable, and never the same for two, also where case does not count."""
     names: dict[str, str] = {}
     taken: set[str] = set()
     for one in dict.fromkeys(finding_ids):
@@ -182,7 +182,7 @@ def _named(row: Data) -> dict[str, Any]:
 
 
 def runs_table(rows: Sequence[Data]) -> dict[str, Any]:
-    """Tests and replays as one table: a row a statement, a column a campaign or recording, a cell its result."""
+    """Return tests and replays as one table: a row a statement, a column a campaign or recording, a cell its result."""
     sources = list(dict.fromkeys(_source(row) for row in rows))
     statements: dict[str, dict[str, Any]] = {}
     for row in rows:

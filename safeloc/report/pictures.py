@@ -21,7 +21,7 @@ from safeloc.target import Target
 
 
 def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:
-    """Title, recording and drawing of each picture, in order of the recordings."""
+    """Return title, recording and drawing of each picture, in order of the recordings."""
     return [
         {**_beside(declared, told), "recording": told.name, "violated": [one.name for one in told.broken], "svg": svg}
         for told in runs_told(target, findings)
@@ -31,7 +31,7 @@ def pictures_data(target: Target, findings: Sequence[Finding]) -> list[dict[str,
 
 
 def _beside(declared: Picture, told: Told) -> dict[str, Any]:
-    """What stands beside a drawing: its title; of a waterfall what was to come of it, and a table where there is one."""
+    """Return the text with a drawing: its title; for a waterfall also the expected outcome, and a table if there is one."""
     if isinstance(declared, Sources):
         return _beside_sources(declared, told)
     loud = declared.loud(told.name) if isinstance(declared, Waterfall) else None
@@ -47,7 +47,7 @@ def _beside_sources(declared: Sources, told: Told) -> dict[str, Any]:
 
 
 def drawn(declared: Picture, told: Told) -> str:
-    """One picture as SVG text; empty for a run that tells of no place."""
+    """Return one picture as SVG text; empty for a run that tells of no place."""
     match declared:
         case Deviation():
             return deviation_picture(declared, told)
@@ -68,7 +68,7 @@ def drawn(declared: Picture, told: Told) -> str:
 
 
 def runs_told(target: Target, findings: Sequence[Finding]) -> Iterator[Told]:
-    """Each replayed run once, with every statement that it violates."""
+    """Return each replayed run once, with every statement that it violates."""
     own = [(one.replayed, one) for one in findings if one.machine == target.name]
     for replayed in dict.fromkeys(replayed for replayed, _ in own):
         if replayed is not None:

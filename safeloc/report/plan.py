@@ -19,17 +19,17 @@ class Seen(NamedTuple):
     furthest: float
 
     def passed_unseen(self, mark: PlanMark) -> bool:
-        """A reflector of the stated route that the vehicle passed and never saw."""
+        """Return whether the vehicle passed a reflector of the stated route without seeing it."""
         return self.route in mark.routes and mark.at_mm <= self.furthest and mark.at_mm not in self.places
 
 
 def plan_height(plan: TrackPlan) -> float:
-    """How much of the page it takes."""
+    """Return the height of the plan on the page."""
     return plan.lanes * LANE + HEAD
 
 
 def plan_drawing(plan: TrackPlan, axis: Axis, top: float, seen: Seen) -> str:
-    """Tracks, the stated route wide under them, and everything beside them with its name."""
+    """Return tracks, the stated route wide under them, and everything beside them with its name."""
     made = []
     for track in plan.tracks:
         points = [Point(axis.at(at), _y(top, lane)) for at, lane in track.points]

@@ -12,7 +12,7 @@ Series = Sequence[float | None]
 
 
 def line_chart(title: str, unit: str, lines: Mapping[str, Series], band: tuple[Series, Series] | None = None) -> str:
-    """Lines by name over steps 0, 1, 2 ...; `band` is shaded between its lower and upper series. None is a gap."""
+    """Return lines by name over steps 0, 1, 2 ...; `band` is shaded between its lower and upper series. None is a gap."""
     every = [v for series in [*lines.values(), *(band or ())] for v in series if v is not None]
     length = max((len(series) for series in lines.values()), default=0)
     if not every or length < 2:

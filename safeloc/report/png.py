@@ -14,7 +14,8 @@ Colour = tuple[int, int, int]
 
 
 def png(rows: Sequence[bytes], palette: Sequence[Colour]) -> bytes:
-    """Rows from the top, a byte the number of a pixel's colour. ValueError for rows that make no picture of the palette."""
+    """Return rows from the top, a byte the number of a pixel's colour. ValueError for rows that make no picture of the
+    palette."""
     width = len(rows[0]) if rows else 0
     if not width or any(len(row) != width for row in rows):
         raise ValueError("a picture has rows of one length, and at least one pixel.")
@@ -32,7 +33,7 @@ def png(rows: Sequence[bytes], palette: Sequence[Colour]) -> bytes:
 
 
 def data_address(image: bytes) -> str:
-    """The image as an address without any file."""
+    """Return the image as an address without any file."""
     return "data:image/png;base64," + base64.b64encode(image).decode("ascii")
 
 

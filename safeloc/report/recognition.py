@@ -1,4 +1,4 @@
-"""Which routes are possible over the distance run, and what refuted the others, as in source 001, fig. 3."""
+"""Picture of the possible routes over the distance run, with the reasons that excluded others (source 001, fig. 3)."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Hunt:
 
     @cached_property
     def counts(self) -> list[int]:
-        """How many routes are possible after each step."""
+        """The number of possible routes after each step."""
         return [sum(bool(row[one.possible]) for one in self.one.hypotheses) for row in self.told.rows]
 
     @property
@@ -87,7 +87,7 @@ class Hunt:
         return Seen(self.stated, frozenset(seen), furthest)
 
     def refutations(self, route: Hypothesis) -> Iterator[Refuted]:
-        """Each time the route ceases to be possible."""
+        """Return each time the route ceases to be possible."""
         possible = self.told.flags(route.possible)
         for step in range(1, len(possible)):
             if possible[step - 1] and not possible[step]:
@@ -118,7 +118,7 @@ class Hunt:
 
 
 def recognition_picture(one: Recognition, told: Told) -> str:
-    """The drawing; empty for a run without any place."""
+    """Return the drawing; empty for a run without any place."""
     hunt = Hunt(one, told, one.plan(told.name))
     places = [place for place in hunt.places if place is not None]
     if not places:
@@ -155,7 +155,7 @@ def _switches(plan: TrackPlan | None, axis: Axis, top: float, bottom: float) -> 
 
 
 def _sightings(hunt: Hunt, axis: Axis, y: float) -> str:
-    """Which model is seen, and where."""
+    """Draw the strip of the reflector model in view."""
     seen = hunt.one.sighting
     words = [hunt.told.word(seen.model, given[seen.model]) if seen.range in given else "" for given in hunt.told.given]
     places = [place if said else None for place, said in zip(hunt.places, words, strict=True)]
@@ -189,7 +189,7 @@ def _bold(wanted: bool) -> str:
 
 
 def _bars(hunt: Hunt, axis: Axis, words: list[str | None]) -> Iterator[tuple[str, float, float]]:
-    """What is said of a route, and from where to where on the page."""
+    """List the bars of a route: a text, with its start and end on the page."""
     begin: float | None = None
     last = 0.0
     for step, said in enumerate(words):

@@ -1,4 +1,4 @@
-"""What was rejected, withdrawn or withheld along a run, each with its reason: one row for each unbroken time of it."""
+"""Table of rejected, withdrawn and withheld values along a run with reasons: one row for each uninterrupted stretch."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Refused:
 
 
 def refused(one: Sources, told: Told) -> list[Refused]:
-    """All of them in order of time."""
+    """Return all of them in order of time."""
     found = [run for verdict in one.refusals for run in _of_verdict(verdict, told)]
     return sorted(found, key=lambda run: run.begin)
 
@@ -48,7 +48,7 @@ def _reasons(verdict: Refusals, told: Told) -> Iterator[str]:
 
 
 def refusals_table(one: Sources, told: Told) -> dict[str, list[str] | list[list[str]]]:
-    """Rows for the page; beyond a limit the last one says how many more there are."""
+    """Return rows for the page; beyond a limit the last one gives the number of omitted ones."""
     found, truth = refused(one, told), told.truth(one.fused.truth)
     rows = [_row(one, run, truth[run.begin]) for run in found[:MOST_ROWS]]
     if len(found) > MOST_ROWS:

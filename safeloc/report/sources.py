@@ -53,7 +53,7 @@ class Passed:
 
 
 def sources_picture(one: Sources, told: Told) -> str:
-    """The drawing; empty for a run that tells of no place."""
+    """Return the drawing; empty for a run that tells of no place."""
     zero = _zero(one, told)
     if all(place is None for place in zero):
         return ""
@@ -169,7 +169,7 @@ def _scale(height: Axis, name: str) -> str:
 
 
 def _silent(one: Sources, axis: Axis, ends: list[tuple[int, int] | None], top: float, colour: str) -> str:
-    """Where no interval is stated."""
+    """Draw the stretches in which a source reports no interval."""
     made, begin, second = "", 0, one.period_ms / 1_000
     for step in range(1, len(ends) + 1):
         if step == len(ends) or (ends[step] is None) is not (ends[begin] is None):

@@ -1,4 +1,4 @@
-"""What each of several like parts was at each place of a run: one strip for each, such as the channels of a receiver."""
+"""The state of each channel along a run, such as those of a receiver: one strip per channel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ APART = TALL + 8
 
 
 def standings_picture(one: Standings, told: Told) -> str:
-    """The drawing; empty for a run without any known place."""
+    """Return the drawing; empty for a run without any known place."""
     places = _places(one, told)
     known = [place for place in places if place is not None]
     if not known:

@@ -50,7 +50,7 @@ MEANT: Mapping[Region, str] = {
 
 
 def region(error_mm: float, margin_mm: float, limit_mm: float) -> Region:
-    """Where a report stands; equal counts as within."""
+    """Return the region of a report in the diagram; equal values count as inside."""
     if error_mm > margin_mm:
         return "hazardous" if error_mm > limit_mm else "misleading"
     return "unavailable" if margin_mm > limit_mm else "nominal"
@@ -73,7 +73,7 @@ class Reports:
     unknown: int
 
     def counts(self, limit_mm: float) -> Counter[Region]:
-        """Steps of each region; a step without report is unavailable."""
+        """Return steps of each region; a step without report is unavailable."""
         found: Counter[Region] = Counter()
         found.update(region(one.error, one.margin, limit_mm) for one in self.made)
         found["unavailable"] += self.silent
@@ -81,7 +81,7 @@ class Reports:
 
 
 def reports(one: Stanford, told: Told) -> Reports:
-    """What the run tells."""
+    """Collect the reports of the run, with the numbers of steps without report or without known truth."""
     made, silent, unknown = list[Report](), 0, 0
     for step, truth in zip(told.trace.steps, told.truth(one.reported.truth), strict=True):
         ends = one.reported.interval_mm(step.outputs)
@@ -97,7 +97,7 @@ def reports(one: Stanford, told: Told) -> Reports:
 
 
 def stanford_picture(one: Stanford, told: Told) -> str:
-    """The drawing; empty for a run in which no position is reported whose truth is known."""
+    """Return the drawing; empty for a run in which no position is reported whose truth is known."""
     top, title = head(told) + 10, f"{one.title}, recording {told.name}"
     return stanford_diagram(reports(one, told), one.limit_mm, title, top=top, above=_violated(told))
 
@@ -105,7 +105,7 @@ def stanford_picture(one: Stanford, told: Told) -> str:
 def stanford_diagram(
     found: Reports, limit_mm: int, title: str, *, top: float = 28, above: Iterable[str] = (), style: str = ""
 ) -> str:
-    """The diagram of any reports, empty without one; `above` stands over it, `style` makes it complete by itself."""
+    """Return the diagram of any reports, empty without one; `above` stands over it, `style` makes it complete by itself."""
     if not found.made:
         return ""
     farthest = max(limit_mm, *(report.error for report in found.made)) * 1.15

@@ -13,7 +13,7 @@ TALL = 20
 
 
 class Piece(NamedTuple):
-    """Where a signal says the same: from and to on the page, and what it says."""
+    """A stretch of constant value of a signal: start and end on the page, and the value in words."""
 
     begin: float
     end: float
@@ -21,7 +21,7 @@ class Piece(NamedTuple):
 
 
 def strip(axis: Axis, places: Series, words: Sequence[str], members: Sequence[str], y: float, label: str) -> str:
-    """The strip at `y`; `members` give colour and number of what `words` say at each place. Gaps stay empty."""
+    """Return the strip at `y`; `members` give colour and number of what `words` say at each place. Gaps stay empty."""
     made = [word(LEFT - 8, y + TALL - 6, label, anchor="end")]
     found = sorted(_thinned(_pieces(axis, places, words)), key=lambda piece: piece.begin - piece.end)
     for piece in found:
@@ -32,12 +32,12 @@ def strip(axis: Axis, places: Series, words: Sequence[str], members: Sequence[st
 
 
 def colour_of(members: Sequence[str], name: str) -> str:
-    """The colour of a member."""
+    """Return the colour of a member."""
     return PALETTE[list(members).index(name) % len(PALETTE)]
 
 
 def strip_legend(words: Sequence[str], members: Sequence[str]) -> list[Swatch]:
-    """What occurs, with its number."""
+    """List the values that occur, with their numbers."""
     present = set(words)
     return [
         box_swatch(colour_of(members, name), f"{number} {name}")

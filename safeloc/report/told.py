@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.nodes import Expr, Num, Value
-from safeloc.language.trace import Trace, present_inputs
-from safeloc.language.units import Enumeration
+from safeloc.language.trace import Step, Trace, present_inputs
+from safeloc.language.units import NM_PER_MM, Enumeration
 
-NM_PER_MM = 1_000_000
 Series = Sequence[float | None]
 
 
@@ -41,29 +41,33 @@ class Told:
 
     @cached_property
     def rows(self) -> list[Mapping[str, Value]]:
-        """Inputs, state and outputs after each step. Of one name for two of them, the later counts."""
+        """Inputs, state and outputs after each step; absent ones are missing. Of one name for two of them, the later counts."""
         pairs = zip(self.given, self.trace.steps, strict=True)
-        return [{**given, **step.state, **step.outputs} for given, step in pairs]
+        return [{**given, **step.state, **self._outputs(step)} for given, step in pairs]
+
+    def _outputs(self, step: Step) -> dict[str, Value]:
+        outputs = without_absent(step.outputs, stand_ins(self.trace.system))
+        return {name: value for name, value in outputs.items() if value is not None}
 
     def series(self, name: str) -> list[float | None]:
-        """Values of a signal; None where it is absent."""
+        """Return values of a signal; None where it is absent."""
         return [None if name not in row else float(row[name]) for row in self.rows]
 
     def flags(self, name: str) -> list[bool]:
-        """Values of a boolean; false where it is absent."""
+        """Return values of a boolean; false where it is absent."""
         return [bool(row.get(name, False)) for row in self.rows]
 
     def words(self, name: str) -> list[str]:
-        """Values of an enumeration by its members' names, numbers as such; empty where absent."""
+        """Return values of an enumeration by its members' names, numbers as such; empty where absent."""
         return [self.word(name, row[name]) if name in row else "" for row in self.rows]
 
     def word(self, name: str, value: Value) -> str:
-        """One value of a signal in words."""
+        """Return one value of a signal in words."""
         members = self.members(name)
         return members[value] if members else str(value)
 
     def members(self, name: str) -> tuple[str, ...]:
-        """All members of an enumeration, in order; none for a signal that is no enumeration."""
+        """Return all members of an enumeration, in order; none for a signal that is no enumeration."""
         term = self._term(name)
         return term.unit.members if isinstance(term, Num) and isinstance(term.unit, Enumeration) else ()
 
@@ -72,7 +76,7 @@ class Told:
         return outputs[name] if name in outputs else self.trace.system.variable(name)
 
     def truth(self, ghost: str) -> list[float | None]:
-        """The recorded truth in mm; without a record the machine's ghost, in nm, where the run has it."""
+        """Return the recorded truth in mm; without a record the machine's ghost, in nm, where the run has it."""
         if any(value is not None for value in self.truth_mm):
             return [None if value is None else float(value) for value in self.truth_mm]
         return [None if value is None else value / NM_PER_MM for value in self.series(ghost)]

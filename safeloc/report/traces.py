@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from safeloc.report.plot import line_chart
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 Data = Mapping[str, Any]
 Series = list[float | None]
@@ -15,7 +15,7 @@ MOST_CHARTS = 3
 
 
 def trace_rows(trace: Data, signals: Data) -> list[dict[str, Any]]:
-    """One row a step: number, what fired, the inputs that were present, the state that changed."""
+    """Return one row a step: number, what fired, the inputs that were present, the state that changed."""
     before = trace["first"]
     rows = [{"number": 0, "fired": "start", "inputs": "", "changed": _values(signals, before)}]
     for number, step in enumerate(trace["steps"], 1):
@@ -37,7 +37,7 @@ def _values(signals: Data, values: Data) -> str:
 
 
 def shown_value(signals: Data, name: str, value: bool | int) -> str:
-    """A member's label, true or false, or the number; variables of observers are numbers without a name for them."""
+    """Return a member's label, true or false, or the number; variables of observers are numbers without a name for them."""
     members = signals[name]["members"] if name in signals else []
     if members:
         return str(members[value])
@@ -45,7 +45,7 @@ def shown_value(signals: Data, name: str, value: bool | int) -> str:
 
 
 def trace_charts(trace: Data, machine: Data) -> str:
-    """Truth, reported position and margins where the machine reports an interval; otherwise what changed most."""
+    """Return truth, reported position and margins where the machine reports an interval; otherwise what changed most."""
     if machine["reported"] is not None:
         return _position_chart(trace, Reported(**machine["reported"]))
     signals = machine["signals"]
@@ -81,10 +81,11 @@ def _position_chart(trace: Data, reported: Reported) -> str:
 
 
 def _margin_chart(truth: Series, position: Series, low: Series, high: Series) -> str:
-    """How far the truth is from the reported position, against the margins: outside the band the report is WRONG."""
-    under, over = _minus(low, position), _minus(high, position)
-    lines = {"- under": under, "+ over": over, "truth - position": _minus(truth, position)}
-    return line_chart("distance of the truth from the reported position, and margins", "mm", lines, (under, over))
+    """Draw the deviation of the true position from the reported one, with the margins: outside the band a report is
+    WRONG."""
+    below, above = _minus(low, position), _minus(high, position)
+    lines = {"- below": below, "+ above": above, "truth - position": _minus(truth, position)}
+    return line_chart("distance of the truth from the reported position, and margins", "mm", lines, (below, above))
 
 
 def _truth_mm(trace: Data, reported: Reported) -> Series:

@@ -1,4 +1,4 @@
-"""Where a run violates a statement: a line across the panels with its name."""
+"""Marks of violated statements: a line across the panels, with the name of the statement."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ FIRST, ROW = 14, 15
 
 
 def head(told: Told) -> float:
-    """Where a picture begins, below the names of what is violated."""
+    """Return the top of a picture, below the names of violated statements."""
     return FIRST + ROW * len(told.broken) + 14
 
 
 def violations(told: Told, places: Series, axis: Axis, bottom: float) -> str:
-    """Lines from the names down to `bottom`; the names stand one below the other at the head."""
+    """Return lines from the names down to `bottom`; the names stand one below the other at the head."""
     made, row = "", 0
     for broken in told.broken:
         place = place_at(places, broken)
@@ -30,6 +30,6 @@ def violations(told: Told, places: Series, axis: Axis, bottom: float) -> str:
 
 
 def place_at(places: Series, broken: Broken) -> float | None:
-    """The place at that step, or the last one known before."""
+    """Return the place at that step, or the last one known before."""
     known = [place for place in places[: broken.step] if place is not None]
     return known[-1] if known else None

@@ -1,4 +1,5 @@
-"""How loud a fibre was over distance and time, and over it the true trains, what machines reported, and sections' states."""
+"""Waterfall picture: loudness of a fibre over distance and time, with true trains, reported intervals and section
+states."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
 
+from safeloc.language.units import MS_PER_S
 from safeloc.railway.pictures import Interval, LoudFibre, SectionState, Stretch, TrueEnds, VirtualSection, Waterfall
 from safeloc.report.drawing import (
     BLUE,
@@ -48,7 +50,6 @@ STATES = {"FREE": GREEN, "OCCUPIED": ORANGE, "AMBIGUOUS": PURPLE, "UNKNOWN": GRE
 SHADE = {"FREE": 0.0, "OCCUPIED": 0.42, "AMBIGUOUS": 0.42, "UNKNOWN": 0.5}
 INITIAL = {"FREE": "F", "OCCUPIED": "O", "AMBIGUOUS": "A", "UNKNOWN": "?"}
 MOST_ROWS = 24
-MS_PER_S = 1_000
 
 
 class Piece(NamedTuple):
@@ -69,17 +70,17 @@ class Fall:
 
     @property
     def columns(self) -> int:
-        """How many stretches of time the image has."""
+        """The number of columns of the image; each is a stretch of time."""
         return len(self.loud.rows[0])
 
     @property
     def column_ms(self) -> int:
-        """How long each of them is."""
+        """The duration of a column."""
         return self.loud.step_ms * self.loud.steps_per_column
 
     @cached_property
     def times_ms(self) -> list[float]:
-        """When each step of the run was taken."""
+        """The time of each step of the run."""
         return [float(self.loud.first_ms + number * self.loud.step_ms) for number in range(len(self.told.trace.steps))]
 
     @property
@@ -89,22 +90,22 @@ class Fall:
         return Axis(begin, begin + self.columns * self.column_ms, LEFT, RIGHT)
 
     def distance(self, top: float) -> Axis:
-        """Distance up the page, in mm."""
+        """Return the distance up the page, in mm."""
         return Axis(0, len(self.loud.rows) * self.loud.row_mm, top + HEIGHT, top)
 
     def ends(self, interval: Interval) -> list[tuple[int, int] | None]:
-        """The reported interval after each step."""
+        """Return the reported interval after each step."""
         return [interval.reported.interval_mm(step.outputs) for step in self.told.trace.steps]
 
     def spoken(self, name: str) -> tuple[list[str], tuple[str, ...]]:
-        """What a signal says after each step, and all that it can say; a truth value says yes or no."""
+        """Return a signal's values in words after each step, and all its possible values; a truth value is yes or no."""
         members = self.told.members(name)
         if members:
             return self.told.words(name), members
         return ["yes" if told else "no" for told in self.told.flags(name)], ("no", "yes")
 
     def states(self, section: SectionState) -> list[Piece]:
-        """A virtual section's states in time."""
+        """Return a virtual section's states in time."""
         words, made, at = self.told.words(section.mode), list[Piece](), 0
         for state, group in groupby(words):
             length = len(list(group))
@@ -133,7 +134,7 @@ class Fall:
 
 
 def waterfall_picture(one: Waterfall, told: Told) -> str:
-    """The drawing; empty for a recording of which nothing was kept."""
+    """Return the drawing; empty for a recording of which nothing was kept."""
     loud = one.loud(told.name)
     if loud is None:
         return ""
@@ -160,7 +161,7 @@ def waterfall_picture(one: Waterfall, told: Told) -> str:
 
 
 def described(one: Waterfall, told: Told) -> str:
-    """What a reader who does not see the picture is told: the scene, and when each machine was in which mode."""
+    """Describe the picture in text: the scene, and the modes of each machine over time."""
     loud = one.loud(told.name)
     if loud is None:
         return ""
@@ -183,7 +184,7 @@ def _courses(fall: Fall, name: str) -> Iterator[str]:
 
 
 def waterfall_table(one: Waterfall, told: Told) -> dict[str, list[str] | list[list[str]]] | None:
-    """The numbers of the picture, a few of its times; None where there is no picture."""
+    """Return the numbers of the picture, a few of its times; None where there is no picture."""
     loud = one.loud(told.name)
     if loud is None:
         return None

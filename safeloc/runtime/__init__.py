@@ -1,1 +1,1 @@
-"""What runs a machine: the border, records and steps, controllers in a host, a process of its own."""
+"""Running a machine on data: input validation, records and steps, controllers in a host, the stand-alone process."""

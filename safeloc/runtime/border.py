@@ -4,8 +4,8 @@
             -> Fault(reason)     WRONG_TYPE, NOT_FINITE, OUT_OF_RANGE, STALE, FUTURE, DUPLICATE, OUT_OF_ORDER, SURPLUS,
                                  MISSING, LOST, UNKNOWN
 
-A machine gets admitted values by name; a faulty input is absent, which is what an optional input is for. What came
-when is judged by `Deliveries`, what it says by `admitted`; a host's `Border` and the cycle builder use both.
+A machine gets admitted values by name; a faulty input is absent, as optional inputs allow. `Deliveries` checks the time
+of a measurement, `admitted` its value; a host's `Border` and the cycle builder use both.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Raw:
-    """A measurement as it came: any value, taken at `time_ms`, numbered by its sender (WRONG_TYPE if not whole).
+    """A raw measurement: any value, taken at `time_ms`, numbered by its sender (WRONG_TYPE if not whole).
 
     A sender that does not number its measurements leaves `sequence` None: then the time alone tells old from new.
     """
@@ -89,11 +89,11 @@ class Deliveries:
         self.last: dict[str, tuple[int, int | None]] = {}
 
     def fault(self, name: str, raw: Raw, now_ms: int, max_age_ms: int) -> Fault | None:
-        """Why it must not be used, as far as its time and number tell; None: new and in time."""
+        """Return the fault in its time or number; None if it is new and in time."""
         return self.late(name, raw.time_ms, raw.sequence, now_ms, max_age_ms)
 
     def late(self, name: str, time_ms: int, sequence: int | None, now_ms: int, max_age_ms: int) -> Fault | None:
-        """The same of a time and a number alone."""
+        """Check a time and a number alone."""
         if type(time_ms) is not int or (sequence is not None and type(sequence) is not int):
             return Fault(name, Reason.WRONG_TYPE, "time or sequence")
         if time_ms > now_ms:
@@ -116,9 +116,9 @@ def _order(last_ms: int, last_number: int | None, time_ms: int, number: int | No
 
 
 class Border:
-    """Judges the measurements of a host's channels, each by when it comes and by what it says.
+    """Checks time and value of each measurement on a host's channels.
 
-    deliveries   all that is remembered
+    deliveries   the complete memory of the border
     """
 
     def __init__(self, channels: Sequence[Channel]) -> None:
@@ -128,7 +128,7 @@ class Border:
         self.deliveries = Deliveries()
 
     def judge(self, name: str, raw: Raw | None, now_ms: int) -> Admitted | Fault:
-        """One measurement (None: nothing came). InputError for an unknown channel."""
+        """Check one measurement (None: nothing came). InputError for an unknown channel."""
         if name not in self._channels:
             raise InputError(f"no channel {name!r}; there are {sorted(self._channels)}.")
         channel = self._channels[name]
@@ -138,7 +138,7 @@ class Border:
         return admitted(channel, raw.value) if fault is None else fault
 
     def inputs(self, readings: Mapping[str, Raw], now_ms: int) -> tuple[dict[str, int], list[Fault]]:
-        """A step's inputs by name, faulty ones absent, and every fault (missing channels among them)."""
+        """Return a step's inputs by name, faulty ones absent, and every fault (missing channels among them)."""
         unknown = sorted(set(readings) - set(self._channels))
         if unknown:
             raise InputError(f"no channel {unknown[0]!r}; there are {sorted(self._channels)}.")
@@ -154,9 +154,9 @@ class Border:
 
 
 def admitted(channel: Channel, value: object) -> Admitted | Fault:
-    """What a measurement says, if it is a whole number in the channel's range.
+    """Return the measured value if it is a whole number in the channel's range, else a Fault.
 
-    It goes by the object's real type: its own idea of class, order and text is not asked.
+    The check uses the object's real type; methods of a subclass are not called.
     """
     whole: int
     if issubclass(type(value), float):
@@ -179,7 +179,7 @@ def admitted(channel: Channel, value: object) -> Admitted | Fault:
 
 
 def channels_of(machine: Machine, max_age_ms: int) -> list[Channel]:
-    """A channel for every optional input of a machine, with its unit and range."""
+    """Return a channel for every optional input of a machine, with its unit and range."""
     return [
         Channel(item.value.name, item.value.unit.name, item.value.low, item.value.high, max_age_ms)
         for item in machine.inputs

@@ -1,10 +1,10 @@
-"""What comes from outside: one rule for every border, and files that are read in bounds.
+"""External input: one rule for all errors, and bounded reading of files.
 
     with reading(path):   a file's flaw is an InputError that names the file; so is a file that cannot be read
-                          whatever else happens is an UnforeseenError: refused as well, and told as our own fault
+                          any other exception is an UnforeseenError: refused as well, and reported as a defect of safeloc
 
-Nothing that comes from outside raises anything else than a SafelocError past its border, and nothing that safeloc
-itself did wrong passes for a flaw of the input. `refusal` is the same rule for borders that answer instead of raising.
+External input raises only a SafelocError, and an error of safeloc itself is never reported as a flaw of the input.
+`refusal` applies the same rule where a message is returned instead of an exception.
 """
 
 from __future__ import annotations
@@ -116,27 +116,27 @@ _QUOTED.maxstring = _QUOTED.maxother = _QUOTED.maxlong = 80
 
 
 def quoted(value: object) -> str:
-    """What came, as messages show it: never longer than two lines, however large or deep it is."""
+    """Return the received value for a message: at most two lines, however large or deep it is."""
     return _QUOTED.repr(value)[:240]
 
 
 def shown(name: object) -> str:
-    """A name that came, without quotes, on one line."""
+    """Return a name that came, without quotes, on one line."""
     return quoted(str(name))[1:-1]
 
 
 def whole_number(text: str) -> int | None:
-    """A whole number in ASCII digits; None for other text, and for more than `MOST_DIGITS`."""
+    """Return a whole number in ASCII digits; None for other text, and for more than `MOST_DIGITS`."""
     return int(text) if len(text) <= MOST_DIGITS and WHOLE.fullmatch(text) else None
 
 
 def number(text: str) -> float | None:
-    """A decimal number in ASCII digits; None for other text, NaN and infinity among it."""
+    """Return a decimal number in ASCII digits; None for other text, NaN and infinity among it."""
     return float(text) if len(text) <= MOST_DIGITS and NUMBER.fullmatch(text) else None
 
 
 def read_bytes(path: Path, most: int = LARGEST_FILE) -> bytes:
-    """The file's bytes. InputError with the path for a file that cannot be read, or is larger than `most`."""
+    """Return the file's bytes. InputError with the path for a file that cannot be read, or is larger than `most`."""
     with reading(path):
         _refuse_device(path)
         with path.open("rb") as file:
@@ -148,7 +148,7 @@ def read_bytes(path: Path, most: int = LARGEST_FILE) -> bytes:
 
 
 def read_text(path: Path, most: int = LARGEST_FILE) -> str:
-    """The file's UTF-8 text without a byte order mark. InputError with the line where it is none, and as `read_bytes`."""
+    """Return the file's UTF-8 text without a byte order mark. InputError with the line where it is none, and as `read_bytes`."""
     return decoded(path, read_bytes(path, most))
 
 
@@ -162,7 +162,7 @@ def decoded(place: object, data: bytes) -> str:
 
 
 def read_lines(path: Path, longest: int) -> Iterator[tuple[int, str]]:
-    """Every line of UTF-8 text with its number, without its end, one in memory at a time.
+    """Return every line of UTF-8 text with its number, without its end, one in memory at a time.
 
     Lines end with LF, CR LF or CR, as Python reads text. InputError with file and line for one of more than `longest`
     bytes, for what is no UTF-8, for a file that cannot be read, and one larger than LARGEST_FILE.
@@ -174,7 +174,7 @@ def read_lines(path: Path, longest: int) -> Iterator[tuple[int, str]]:
 
 
 def cut_lines(path: Path, file: BufferedIOBase, longest: int, counted: str = "bytes") -> Iterator[tuple[int, str]]:
-    """The same of a file that is open. `counted` says what a file too large has too many of."""
+    """Return the same of a file that is open. `counted` says what a file too large has too many of."""
     number = read = 0
     while data := file.readline(longest + 1):
         read += len(data)
@@ -187,13 +187,13 @@ def cut_lines(path: Path, file: BufferedIOBase, longest: int, counted: str = "by
 
 
 def _parts(data: bytes) -> list[bytes]:
-    """What one LF ends, cut at lone CR."""
+    """Cut the bytes before one LF at every lone CR."""
     body = data.removesuffix(b"\n").removesuffix(b"\r")
     return body.split(b"\r")
 
 
 def decoded_line(path: Path, number: int, data: bytes) -> str:
-    """One line as text; InputError with file and line if it is none."""
+    """Return one line as text; InputError with file and line if it is none."""
     try:
         return data.decode()
     except UnicodeDecodeError as error:

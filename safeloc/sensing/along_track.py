@@ -16,19 +16,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from safeloc.errors import InputError
+from safeloc.language.units import MS_PER_S, US_PER_MS
 from safeloc.sensing.echoes import Echo
 from safeloc.sensing.figures import MILLION, Installation, RadarConfig
 from safeloc.sensing.rounding import Exact, Interval
 
-US_PER_MS = 1_000
-MS_PER_S = 1_000
-
 
 @dataclass(frozen=True)
 class Delay:
-    """What happened since a frame was taken: its age, and the speed towards the reflector (negative: away) since then.
+    """The time since a frame was taken: its age, and the speed towards the reflector (negative: away) since then.
 
-    Where the speed is not known, give the highest one both ways: the age is then charged instead of compensated.
+    If the speed is unknown, give the highest one in both directions: the age then widens the interval instead of being
+    compensated.
     """
 
     least_ms: int
@@ -56,7 +55,7 @@ class Delay:
 
 
 def distance_now(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
-    """Bounds in mm of the distance along the track to the reflector of an echo, after the delay.
+    """Return bounds in mm of the distance along the track to the reflector of an echo, after the delay.
 
     Negative below: the reflector may have been passed. InputError where the range is beyond the sharpest radius.
     """
@@ -67,7 +66,7 @@ def distance_now(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
 
 
 def lateral(echo: Echo, config: RadarConfig, delay: Delay) -> Interval:
-    """Bounds in mm of how far aside of the antenna's axis an echo was when the frame was taken, positive to the left."""
+    """Return bounds in mm of how far aside of the antenna's axis an echo was when the frame was taken, positive to the left."""
     low, high = echo.sine_ppm - echo.sine_error_ppm, echo.sine_ppm + echo.sine_error_ppm
     sine = Interval(Fraction(low, MILLION), Fraction(high, MILLION))
     return _at_frame(_measured(echo), config, delay) * sine
@@ -97,7 +96,7 @@ def _least_cosine(range_mm: Exact, installation: Installation) -> Fraction:
 
 
 def along_track(slant: Interval, installation: Installation) -> Interval:
-    """Distance along the track to a reflector ahead at this slant range >= 0; bounds are whole mm, rounded outward."""
+    """Return the distance along the track to a reflector ahead at this slant range >= 0; bounds are whole mm, rounded outward."""
     radius = installation.least_radius_mm
     widest = installation.offset_mm + installation.offset_error_mm
     narrowest = max(0, installation.offset_mm - installation.offset_error_mm)

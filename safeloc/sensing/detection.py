@@ -38,7 +38,7 @@ class Peaks:
         return len(self.row)
 
     def only(self, kept: NDArray[np.intp]) -> Peaks:
-        """Those peaks alone, in that order."""
+        """Return those peaks alone, in that order."""
         return Peaks(self.row[kept], self.column[kept], self.background[kept])
 
 

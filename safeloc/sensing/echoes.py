@@ -9,12 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from safeloc.language.units import NM_PER_MM
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import in_cdb
 from safeloc.sensing.interpolation import Points
 from safeloc.sensing.range_law import section_cdbsm
 from safeloc.sensing.rounding import Interval, hull, outward
-from safeloc.sensing.sensor_errors import NM_PER_MM, range_nm, sine_ppb
+from safeloc.sensing.sensor_errors import range_nm, sine_ppb
 from safeloc.sensing.signature import Doubt, Group, Model, Spots, groups
 
 PPB_PER_PPM = 1_000
@@ -42,7 +43,7 @@ class Echo:
 
 
 def echoes(found: Points, config: RadarConfig) -> list[Echo]:
-    """Reflectors and single echoes, nearest first."""
+    """Return reflectors and single echoes, nearest first."""
     spots = spots_of(found, config)
     grouped = groups(spots, config)
     taken = {member for group in grouped for member in group.members}
@@ -52,7 +53,7 @@ def echoes(found: Points, config: RadarConfig) -> list[Echo]:
 
 
 def spots_of(found: Points, config: RadarConfig) -> Spots:
-    """Best places in mm and sines."""
+    """Return the best places in mm and sines."""
     sensor = config.sensor
     range_mm = (found.peaks.row + found.range.best) * float(sensor.cell_mm)
     sine = (found.peaks.column - sensor.side_cells + found.angle.best) * float(sensor.sine_cell)

@@ -78,7 +78,7 @@ class Sensor(Config):
 
 
 class Detection(Config):
-    """When a cell of the image is more than noise and clutter."""
+    """Thresholds for a cell of the image above noise and clutter."""
 
     window_cells: int = quantity(
         33, "range cells", 9, 513, "[D] on either side: 5 m, of which corners take less than half"
@@ -95,7 +95,7 @@ class Detection(Config):
 
 
 class Reflectors(Config):
-    """What stands along the line (RFL-10): corners of sheet metal, three to a reflector, in one row along the track."""
+    """The reflectors along the line (RFL-10): three corners of sheet metal each, in one row along the track."""
 
     edge_mm: int = quantity(150, "mm", 20, 1_000, "[M] trihedral corner: 140 m2 at 77 GHz")
     unit_mm: int = quantity(600, "mm", 50, 10_000, "[D] marks of a model are whole multiples; four cells of 0.15 m")
@@ -120,7 +120,7 @@ class Reflectors(Config):
 
 
 class Installation(Config):
-    """How reflectors stand to the track and the antenna: turns measured range into distance along the track (RFL-3)."""
+    """Geometry of reflectors, track and antenna: converts measured range into distance along the track (RFL-3)."""
 
     offset_mm: int = quantity(3_000, "mm", 0, 20_000, "[M] beside the ballast, from the antenna's path (001 l. 117)")
     offset_error_mm: int = quantity(100, "mm", 0, 5_000, "[M] survey, track position and sway of the vehicle")

@@ -52,7 +52,7 @@ class NoFrame:
 
 
 def admitted(sensor: Sensor, image: RadarImage) -> Power | NoFrame:
-    """The image's power, or why it cannot be used on its own account (`Order` judges its place in the stream)."""
+    """Return the image's power, or the reason why it cannot be used (`Order` checks its place in the stream)."""
     power = image.power
     if not isinstance(power, np.ndarray) or power.dtype != np.float64:
         return NoFrame(Reason.WRONG_TYPE, type(power).__name__)
@@ -66,7 +66,7 @@ def admitted(sensor: Sensor, image: RadarImage) -> Power | NoFrame:
 
 
 def _receiver(sensor: Sensor, power: Power) -> NoFrame | None:
-    """Whether the receiver itself looks sound."""
+    """Check the receiver itself by its noise floor."""
     floor = floor_cdb(power)
     if floor is None or floor < sensor.floor_low_cdb:
         return NoFrame(Refusal.DEAD, f"{floor} cdB")
@@ -79,13 +79,13 @@ def _receiver(sensor: Sensor, power: Power) -> NoFrame | None:
 
 
 def floor_cdb(power: Power) -> int | None:
-    """Noise of the whole image from its median; None when half the image is zero."""
+    """Return the noise of the whole image from its median; None when half the image is zero."""
     median = float(np.median(power))
     return in_cdb(median / math.log(2)) if median > 0 else None
 
 
 def in_cdb(power: float) -> int:
-    """Positive power in hundredths of dB, rounded down."""
+    """Return positive power in hundredths of dB, rounded down."""
     return math.floor(1_000 * math.log10(power))
 
 

@@ -1,4 +1,4 @@
-"""Where between the cells an echo lies, with bounds that follow from the noise and the other echoes.
+"""Interpolation of an echo's place between cells, with bounds from the noise and the other echoes.
 
 A Hann window makes of a point the amplitudes H(x) = sin(pi x) / (pi x (1 - x^2)), x cells away. Two neighbours give its
 place exactly: with a the ratio of the smaller amplitude to the peak's, the point lies (2a - 1) / (1 + a) cells from
@@ -42,7 +42,7 @@ class Points:
 
 
 def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
-    """Every peak but those that cannot be told from a stronger echo's side lobes, in order of range."""
+    """Return every peak but those that cannot be told from a stronger echo's side lobes, in order of range."""
     top = _top(power, found)
     leaked = leakage(found, np.sqrt(top))
     kept = np.flatnonzero(np.sqrt(top) > leaked)
@@ -53,7 +53,7 @@ def points(power: Power, found: Peaks, config: RadarConfig) -> Points:
 
 
 def hann(x: Numbers) -> Numbers:
-    """Amplitude of a point x cells away, 1 at 0 and 1/2 at 1."""
+    """Return the amplitude of a point x cells away, 1 at 0 and 1/2 at 1."""
     near = np.abs(np.abs(x) - 1) < 1e-9
     return np.where(near, 0.5, np.sinc(x) / np.where(near, 1.0, 1 - x * x))
 
@@ -65,7 +65,7 @@ def side_lobes(x: Numbers) -> Numbers:
 
 
 def leakage(found: Peaks, amplitude: Numbers) -> Numbers:
-    """The amplitude that all other peaks together may have in a peak's cell or the next one."""
+    """Return the amplitude that all other peaks together may have in a peak's cell or the next one."""
     rows = np.abs(found.row[:, None] - found.row[None, :]) - 1.5
     columns = np.abs(found.column[:, None] - found.column[None, :]) - 1.5
     part = side_lobes(rows) * np.minimum(1.0, SIDE_FACTOR * side_lobes(columns))

@@ -31,7 +31,7 @@ Outcome = Frame | NoFrame
 
 
 def read(image: RadarImage, config: RadarConfig) -> Outcome:
-    """One image on its own account."""
+    """Process one image without regard to earlier ones."""
     power = admitted(config.sensor, image)
     if isinstance(power, NoFrame):
         return power
@@ -51,7 +51,7 @@ class FrontEnd:
         self._order = Order(max_age_ms)
 
     def receive(self, image: RadarImage | None, now_ms: int) -> Outcome:
-        """What was delivered for this cycle; None: nothing."""
+        """Process the image of this cycle; None: nothing was delivered."""
         if image is None:
             return NoFrame(Reason.MISSING)
         return self._order.judge(image, now_ms) or read(image, self._config)

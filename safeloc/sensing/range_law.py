@@ -15,17 +15,17 @@ REFERENCE_MM = 100_000
 
 
 def loss_cdb(range_mm: float) -> int:
-    """How much weaker than at 100 m an echo is at this range > 0, in hundredths of dB; negative when nearer."""
+    """Return the loss of an echo at this range > 0 against one at 100 m, in hundredths of dB; negative when nearer."""
     return round(4_000 * math.log10(range_mm / REFERENCE_MM))
 
 
 def section_cdbsm(power: float, range_mm: float, config: RadarConfig) -> int:
-    """The radar cross-section that gives this power at this range, in hundredths of dB over 1 m2, without rain."""
+    """Return the radar cross-section that gives this power at this range, in hundredths of dB over 1 m2, without rain."""
     return in_cdb(power) - config.reference_cdb + loss_cdb(range_mm)
 
 
 def is_lawful(section: int, config: RadarConfig) -> bool:
-    """Whether a section may be that of a corner, wet, dirty or with the ground's help."""
+    """Return whether a corner can have this radar cross-section, also if wet, dirty or amplified by the ground."""
     reflectors = config.reflectors
     nominal = reflectors.section_cdbsm(config.sensor.carrier_mhz)
     return nominal - reflectors.weaker_cdb <= section <= nominal + reflectors.stronger_cdb

@@ -28,16 +28,16 @@ class Interval:
         return Interval(min(corners), max(corners))
 
     def moved(self, by: Exact) -> Interval:
-        """The same, farther by this."""
+        """Return the same, farther by this."""
         return Interval(self.low + by, self.high + by)
 
     def widened(self, by: Exact) -> Interval:
-        """The same, `by` more on either side."""
+        """Return the same, `by` more on either side."""
         return Interval(self.low - by, self.high + by)
 
 
 def hull(intervals: Sequence[Interval]) -> Interval:
-    """The smallest interval that holds them all: it holds the truth if any single one does."""
+    """Return the smallest interval that holds them all: it holds the truth if any single one does."""
     return Interval(min(one.low for one in intervals), max(one.high for one in intervals))
 
 

@@ -1,28 +1,28 @@
-"""What a measured place means once everything is charged to the sensor: range in whole nm, sine in whole 1e-9."""
+"""Bounds of a measured place after adding all sensor errors: range in whole nm, sine in whole 1e-9."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 
+from safeloc.language.units import NM_PER_MM
 from safeloc.sensing.figures import MILLION, Sensor
 from safeloc.sensing.interpolation import Places, Points
 from safeloc.sensing.rounding import Interval
 
-NM_PER_MM = 1_000_000
 BILLION = 1_000_000_000
 GROUND_SECOND_ORDER = Fraction(5, 4)
 NEAREST_MM = 1_000
 
 
 def range_nm(one: int, found: Points, sensor: Sensor) -> Interval:
-    """Slant range of a peak: noise and other echoes, scale, offset, ground."""
+    """Return the slant range of a peak, with bounds for noise and other echoes, scale, offset, ground."""
     measured = _scaled(int(found.peaks.row[one]), found.range, one, sensor.cell_mm * NM_PER_MM)
     scale = -(-int(measured.high) * sensor.scale_error_ppm // MILLION)
     return measured.widened(scale + sensor.offset_error_mm * NM_PER_MM + ground_nm(sensor, int(measured.low)))
 
 
 def ground_nm(sensor: Sensor, range_nm: int) -> int:
-    """How far the reflection from the ground may shift a range.
+    """Return the largest shift of a range by reflection from the ground.
 
     The way over the ground is 2 h1 h2 / r longer; with relative amplitude q on either leg the sum's centre moves by at
     most q / (1 - q) of it, a quarter more for the second order.
@@ -34,7 +34,7 @@ def ground_nm(sensor: Sensor, range_nm: int) -> int:
 
 
 def sine_ppb(one: int, found: Points, sensor: Sensor) -> Interval:
-    """Sine of the angle to the left, with the error of mounting."""
+    """Return the sine of the angle to the left, with the error of mounting."""
     cell = int(found.peaks.column[one]) - sensor.side_cells
     return _scaled(cell, found.angle, one, sensor.sine_cell * BILLION).widened(sensor.angle_error_urad * 1_000)
 

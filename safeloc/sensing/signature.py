@@ -1,4 +1,4 @@
-"""Which model a group of echoes is: three corners at marks that no other model can imitate (RFL-10).
+"""Recognition of a reflector's model from a group of echoes: three corners at unique marks (RFL-10).
 
 The marks, in units along the track from the nearest corner, form a difference triangle set: each distance between two
 corners from 1 to 12 units occurs once in all models together. However two models are laid over each other, at most one
@@ -67,7 +67,7 @@ class Group:
 
 
 def groups(spots: Spots, config: RadarConfig) -> list[Group]:
-    """Every group of echoes with the shape of a model; at most one without doubt has a given echo."""
+    """Return every group of echoes with the shape of a model; at most one without doubt has a given echo."""
     shaped = [replace(group, doubt=_doubt(group, spots, config)) for group in _shaped(spots, config)]
     used = Counter(member for group in shaped if group.doubt is None for member in group.members)
     clear = [_ambiguous(group, used) for group in shaped if group.doubt is None]
@@ -88,7 +88,7 @@ def _shaped(spots: Spots, config: RadarConfig) -> Iterator[Group]:
 
 @dataclass(frozen=True, eq=False)
 class _Beyond:
-    """What each echo has at one mark: whether anything, the strongest echo there, how much farther it should be."""
+    """For each echo, the echoes at one mark: presence, the strongest one, and the range to add for the mark."""
 
     there: NDArray[np.bool_]
     strongest: NDArray[np.intp]
@@ -108,7 +108,7 @@ def _beyond(along_mm: float, spots: Spots, config: RadarConfig) -> _Beyond:
 
 
 def seen_at(range_mm: Numbers, sine: Numbers, along_mm: float) -> tuple[Numbers, Numbers]:
-    """Range and sine of what stands `along_mm` beyond a point, on a line parallel to the antenna's axis."""
+    """Return the range and sine of what stands `along_mm` beyond a point, on a line parallel to the antenna's axis."""
     ahead, aside = range_mm * np.sqrt(1 - sine * sine) + along_mm, range_mm * sine
     far = np.hypot(ahead, aside)
     return far, aside / far
@@ -130,7 +130,7 @@ def _doubt(group: Group, spots: Spots, config: RadarConfig) -> Doubt | None:
 
 
 def _crowded(group: Group, spots: Spots, weakest: float, config: RadarConfig) -> bool:
-    """Whether another echo of weight lies between a unit before the first corner and a unit beyond the last."""
+    """Return whether another strong echo lies between a unit before the first corner and a unit beyond the last."""
     unit, beam = config.reflectors.unit_mm, 2 * float(config.sensor.sine_cell)
     first, last = spots.range_mm[group.members[0]], spots.range_mm[group.members[-1]]
     inside = (spots.range_mm >= first - unit) & (spots.range_mm <= last + unit)

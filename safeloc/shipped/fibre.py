@@ -36,7 +36,7 @@ from safeloc.properties import fibre_handover as handover_properties
 from safeloc.properties import sections as sections_properties
 from safeloc.properties import train_order as order_properties
 from safeloc.properties import verification as verification_properties
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
 from safeloc.target import Entry, Target
@@ -127,8 +127,8 @@ def _fibre_area(config: BaseModel) -> Target:
     )
     reported = Reported(
         position="verification.position_mm",
-        under="verification.under_mm",
-        over="verification.over_mm",
+        below="verification.margin_below_mm",
+        above="verification.margin_above_mm",
         valid="verification.trusted",
         truth="front.truth_nm",
     )
@@ -152,8 +152,8 @@ def _fibre_handover(config: BaseModel) -> Target:
     doc = "A train between two neighbouring areas: two verifications, the record that goes over, and whose position counts."
     reported = Reported(
         position="speaker.position_mm",
-        under="speaker.under_mm",
-        over="speaker.over_mm",
+        below="speaker.margin_below_mm",
+        above="speaker.margin_above_mm",
         valid="speaker.given",
         truth="giving.truth_nm",
     )

@@ -1,4 +1,4 @@
-"""What a host has to know of shipped targets: which machines may be told nothing, and which device an input is of.
+"""Facts for hosts of shipped targets: machines that tolerate a step without inputs, and the device of each input.
 
 Silence: a step in which none of a machine's inputs came may be within what is assumed. Some inputs have no way of being absent: a truth value, a member, a number that always comes with them. Where a device is
 silent they still need a value, the neutral one: false, the number nearest zero, the first member. For the machines
@@ -41,7 +41,7 @@ UNITS: Mapping[str, Mapping[str, str]] = {
 
 
 def for_hosts(target: Target) -> Target:
-    """A shipped target with what a host has to know of it."""
+    """Return a shipped target with what a host has to know of it."""
     names = {machine.name for machine in target.machines}
     silent = tuple(name for name in SILENT.get(target.name, ()) if name in names)
     inputs = {var.name for var in target.system.inputs}

@@ -16,7 +16,7 @@ from safeloc.properties import arbitration as arbitration_properties
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import localizer_sections as localizer_sections_properties
 from safeloc.properties import transmission as transmission_properties
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
 from safeloc.target import Entry, Target
@@ -52,7 +52,7 @@ def _localizer(config: BaseModel) -> Target:
 
 
 def _says(recording: str) -> str:
-    """What is to come of a shipped recording; empty for another one."""
+    """Return the expected outcome of a shipped recording; empty for any other."""
     from safeloc.models.localizer.simulation.recordings import RUNS  # numpy is loaded only where a picture is drawn
 
     run = RUNS.get(recording.removeprefix("localizer-"))
@@ -84,7 +84,7 @@ def _localizer_sections(config: BaseModel) -> Target:
 
 
 def _says_of_sections(recording: str) -> str:
-    """What is to come of a shipped recording; empty for another one."""
+    """Return the expected outcome of a shipped recording; empty for any other."""
     from safeloc.models.localizer_sections.simulate import SCENES  # numpy is loaded only where a picture is drawn
 
     scene = SCENES.get(recording.removeprefix(f"{localizer_sections.NAME}-"))

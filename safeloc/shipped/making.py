@@ -1,4 +1,4 @@
-"""What the makers of shipped machines share: recordings by name, and a machine that stands alone."""
+"""Functions shared by the makers of shipped machines: recordings by name, and the target of a single machine."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ STREAMS = Path(__file__).parents[1] / "models" / "streams"
 
 
 def recorded(name: str) -> tuple[Path, ...]:
-    """Recorded step streams that ship for a machine: `name-what-happens.jsonl.gz`."""
+    """Return recorded step streams that ship for a machine: `name-what-happens.jsonl.gz`."""
     return tuple(sorted(STREAMS.glob(f"{name}-*.jsonl.gz")))
 
 
 def single(machine: Machine, properties: Sequence[Property], config: BaseModel) -> Target:
-    """A single machine with the streams that ship under its name."""
+    """Return a single machine with the streams that ship under its name."""
     name = machine.name
     return Target(name, (machine,), lower(machine), tuple(properties), config, machine.doc, recorded(name))

@@ -1,4 +1,4 @@
-"""Balises and radar reflectors, and what is told from them: place, stop, route, direction."""
+"""Machines that use balises and radar reflectors: position, stop, route, direction."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from safeloc.properties import route as route_properties
 from safeloc.properties import stop_point as stop_point_properties
 from safeloc.properties import travel_direction as direction_properties
 from safeloc.properties import turn_off as turn_off_properties
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
 from safeloc.target import Entry, Target

@@ -14,7 +14,7 @@ from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
 from safeloc.properties import supervised_odometry as supervised_properties
 from safeloc.properties.odometry import faults as odometry_fault_properties
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.shipped.making import recorded
 from safeloc.target import Entry, Target
 
@@ -58,8 +58,8 @@ def _supervised(config: BaseModel) -> Target:
     doc = "Odometry with the delocalized machine behind it, in one step: what the host of a vehicle sees."
     reported = Reported(
         position="delocalized.position_mm",
-        under="delocalized.under_mm",
-        over="delocalized.over_mm",
+        below="delocalized.margin_below_mm",
+        above="delocalized.margin_above_mm",
         valid="delocalized.restrictive",
         valid_is=False,
         truth="odometry.truth_nm",

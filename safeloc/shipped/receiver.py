@@ -11,7 +11,7 @@ from safeloc.language.system import lower
 from safeloc.models import guard
 from safeloc.models.guard.variables import GuardConfig, parts
 from safeloc.properties import guard as guard_properties
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.shipped.making import recorded
 from safeloc.target import Entry, Target
 

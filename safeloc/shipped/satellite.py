@@ -13,7 +13,7 @@ from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.railway.pictures import Deviation, Picture, Standing, Standings, Stanford
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.satellite.channels import satellite_name
 from safeloc.shipped.making import recorded, single
@@ -21,15 +21,15 @@ from safeloc.target import Entry, Target
 
 REPORTED = Reported(
     position="position.position_mm",
-    under="position.under_mm",
-    over="position.over_mm",
+    below="position.margin_below_mm",
+    above="position.margin_above_mm",
     valid="position.valid",
     truth="position.truth_nm",
 )
 BOUNDED = Reported(
     position="position.position_mm",
-    under="position.drift_bound_mm",
-    over="position.drift_bound_mm",
+    below="position.drift_bound_mm",
+    above="position.drift_bound_mm",
     valid="position.drift_checked",
     truth="position.truth_nm",
 )
@@ -76,7 +76,7 @@ def _target(
 
 
 def _pictures(reported: Reported, config: SatelliteConfig) -> tuple[Picture, ...]:
-    """How every recorded run is drawn."""
+    """List the pictures of every recorded run."""
     channels = [f"selection.channel_{number}" for number in range(1, config.selection.channels + 1)]
     rows = tuple(Standing(f"{channel}_standing", f"{channel}_held") for channel in channels)
     return (

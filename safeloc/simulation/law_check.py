@@ -1,4 +1,4 @@
-"""Whether a simulated unit kept its declared error law: exact whole nanometres, on the truth itself."""
+"""Check that a simulated unit obeys its declared error law, in exact whole nanometres against the true motion."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import NM_PER_MM, Distances, Law
+from safeloc.simulation.sensors import Distances, Law
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Breach:
 
 
 def first_breach(motion: Motion, law: Law, unit: Distances) -> Breach | None:
-    """The first cycle in which the wander leaves its band or the drift exceeds floor and rate; None if there is none.
+    """Return the first cycle in which the wander leaves its band or the drift exceeds floor and rate; None if there is none.
 
     A cycle without a measurement says nothing about the drift; its wander must rest.
     """

@@ -17,7 +17,7 @@ GRAVITY_MM_S2 = 9_810
 
 
 class VehicleConfig(Config):
-    """What a vehicle can do."""
+    """Limits of a vehicle's motion."""
 
     length_mm: int = quantity(41_700, "mm", 1_000, 2_000_000, "[S] Desiro BR 642: 41.7 m")
     max_speed_mm_s: int = quantity(33_333, "mm/s", 100, 138_889, "[S] Desiro BR 642: 120 km/h")
@@ -28,7 +28,7 @@ class VehicleConfig(Config):
 
 
 def adhesion_mm_s2(vehicle: VehicleConfig, speed_mm_s: float) -> float:
-    """The acceleration that the rails allow at a speed: Curtius-Kniffler, 7.5 / (v + 44 km/h) + 0.161, of gravity."""
+    """Return the acceleration that the rails allow at a speed: Curtius-Kniffler, 7.5 / (v + 44 km/h) + 0.161, of gravity."""
     friction = 7.5 / (abs(speed_mm_s) * 0.0036 + 44) + 0.161
     return friction * GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
 
@@ -57,7 +57,7 @@ class Motion:
 
 
 def plan(vehicle: VehicleConfig, seconds: float, rng: np.random.Generator, *, reversals: bool = True) -> list[Leg]:
-    """A random service: run, stop, sometimes reverse."""
+    """Return a random service: run, stop, sometimes reverse."""
     legs: list[Leg] = []
     left = seconds
     forward = 1

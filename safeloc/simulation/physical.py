@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
 from safeloc.errors import InputError
+from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import NM_PER_MM, Distances, Law
+from safeloc.simulation.sensors import Distances, Law
 
 MILLION = 1_000_000
 
@@ -39,14 +40,14 @@ class RadarConfig(Config):
 
 
 def wheel_law(wheel: WheelConfig) -> Law:
-    """The law the wheel keeps: one pulse and one mm, on either side and stretched by the diameter; and the diameter."""
+    """Return the law the wheel keeps: one pulse and one mm, on either side and stretched by the diameter; and the diameter."""
     most = wheel.pulse_um * 1_000 + NM_PER_MM
     stretched = -(-most * (MILLION + abs(wheel.diameter_error_ppm)) // MILLION) + 1
     return Law(-(-2 * stretched // NM_PER_MM), abs(wheel.diameter_error_ppm))
 
 
 def wheel(name: str, motion: Motion, config: WheelConfig) -> Distances:
-    """What the wheel measures. A positive diameter error: thicker than assumed, so it measures too little."""
+    """Simulate the wheel. A positive diameter error: thicker than assumed, so it measures too little."""
     run = motion.position_nm - motion.start_nm
     scale = MILLION + config.diameter_error_ppm
     surface = run // scale * MILLION + run % scale * MILLION // scale
@@ -58,12 +59,12 @@ def wheel(name: str, motion: Motion, config: WheelConfig) -> Distances:
 
 
 def radar_law(radar: RadarConfig) -> Law:
-    """The law the radar keeps: noise as a floor, scale in proportion, and no one-off part."""
+    """Return the law the radar keeps: noise as a floor, scale in proportion, and no one-off part."""
     return Law(0, abs(radar.scale_error_ppm), radar.noise_mm_s)
 
 
 def radar(name: str, motion: Motion, config: RadarConfig, rng: np.random.Generator) -> Distances:
-    """What the radar measures. A positive scale error: it measures too little."""
+    """Simulate the radar. A positive scale error: it measures too little."""
     true = motion.step_nm
     scale = 1 + config.scale_error_ppm / MILLION
     noise = np.clip(rng.normal(0, 0.4, len(true)), -1, 1) * _noise_nm(config, motion.period_ms)
@@ -73,7 +74,7 @@ def radar(name: str, motion: Motion, config: RadarConfig, rng: np.random.Generat
 
 
 def _noise_nm(config: RadarConfig, period_ms: int) -> float:
-    """What the floor leaves for noise after rounding to whole mm, both stretched by the scale."""
+    """Return the amplitude of noise that the error law's floor allows after rounding to whole mm, both scaled."""
     left = config.noise_mm_s * period_ms * 1_000 / (1 + abs(config.scale_error_ppm) / MILLION) - NM_PER_MM / 2 - 10
     if left < 0:
         raise InputError(

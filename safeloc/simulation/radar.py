@@ -24,7 +24,7 @@ Numbers = NDArray[np.float64]
 
 
 class Weather(Config):
-    """What lies between the radar and the reflectors."""
+    """Weather between the radar and the reflectors."""
 
     rain_mm_h: int = quantity(0, "mm/h", 0, 200, "[M] 10 heavy, 50 violent")
     film_cdb: int = quantity(0, "cdB", 0, 6_000, "[M] water, snow or dirt on the antenna's cover, both ways together")
@@ -32,7 +32,8 @@ class Weather(Config):
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """What sends power back: slant range in mm, sine of the angle to the left, radar cross-section in m2. Shapes [points].
+    """Points that reflect power: slant range in mm, sine of the angle to the left, radar cross-section in m2. Shapes
+    [points].
 
     on_ground  whether a point is also seen by way of the ground; NaN ranges (behind the antenna) are left out
     """
@@ -47,7 +48,7 @@ class Points:
         return Points(*(np.concatenate(both) for both in zip(self.columns, other.columns, strict=True)))
 
     def only(self, kept: NDArray[np.bool_]) -> Points:
-        """Those points alone."""
+        """Return those points alone."""
         return Points(*(column[kept] for column in self.columns))
 
     @property
@@ -57,12 +58,12 @@ class Points:
 
 
 def points(range_mm: Numbers, sine: Numbers, section_m2: Numbers | float, *, on_ground: bool = False) -> Points:
-    """Points of one kind."""
+    """Return points of one kind."""
     return Points(range_mm, sine, np.broadcast_to(section_m2, range_mm.shape), np.full(range_mm.shape, on_ground))
 
 
 @dataclass(frozen=True)
-class Disturbance:
+class Interference:
     """A strange transmitter: its chirp crosses ours in `samples` samples, this much above noise in each."""
 
     samples: int = 40
@@ -72,7 +73,7 @@ class Disturbance:
 
 @dataclass(frozen=True)
 class Bias:
-    """Where in its declared errors this sensor stands, from -1 to 1: sweep and air, cables, mounting."""
+    """The errors of this sensor as shares of the declared bounds, from -1 to 1: sweep and air, cables, mounting."""
 
     scale: float = 0.0
     offset: float = 0.0
@@ -87,10 +88,10 @@ def image(
     speed_mm_s: float = 0.0,
     weather: Weather | None = None,
     bias: Bias | None = None,
-    disturbance: Disturbance | None = None,
+    interference: Interference | None = None,
     noise_db: float = 0.0,
 ) -> Numbers:
-    """Power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine.
+    """Return the power [range cell, angle cell] over mean noise, of points that come nearer with `speed_mm_s` x cosine.
 
     `noise_db`: more noise than the receiver's own, from everywhere.
     """
@@ -99,8 +100,8 @@ def image(
     ways = _by_the_ground(_biased(seen, config, bias or Bias()), _amplitudes(seen, config, weather, rng), config, rng)
     signal = _tones(*ways, speed_mm_s, config)
     signal += _noise(signal.shape, rng) * 10 ** (noise_db / 20)
-    if disturbance is not None:
-        signal += _burst(signal.shape, disturbance, rng)
+    if interference is not None:
+        signal += _burst(signal.shape, interference, rng)
     return _transformed(_converted(signal, config), config)
 
 
@@ -127,7 +128,8 @@ def _amplitudes(seen: Points, config: RadarConfig, weather: Weather, rng: np.ran
 
 
 def rain_cdb_per_km(rain_mm_h: float) -> float:
-    """Attenuation one way at 77 GHz, hundredths of dB a kilometre: about 1.1 R^0.73 dB [M, fairly sure: ITU-R P.838]."""
+    """Return the attenuation one way at 77 GHz, hundredths of dB a kilometre: about 1.1 R^0.73 dB [M, fairly sure: ITU-R
+    P.838]."""
     return float(110 * rain_mm_h**0.73)
 
 
@@ -163,7 +165,7 @@ def _hann(samples: int) -> Numbers:
 
 
 def _gain(samples: int) -> float:
-    """How much more a tone grows than noise does."""
+    """Return the gain of a tone over noise."""
     window = _hann(samples)
     return float(window.sum() / np.sqrt((window**2).sum()))
 
@@ -173,15 +175,15 @@ def _noise(shape: tuple[int, ...], rng: np.random.Generator) -> Complex:
     return noise
 
 
-def _burst(shape: tuple[int, ...], disturbance: Disturbance, rng: np.random.Generator) -> Complex:
+def _burst(shape: tuple[int, ...], interference: Interference, rng: np.random.Generator) -> Complex:
     """A chirp that sweeps through the receiver's band while it crosses ours."""
     samples, antennas = shape
-    begin = int(rng.integers(0, samples - disturbance.samples))
-    run = np.arange(disturbance.samples) - disturbance.samples / 2
-    sweep = np.exp(1j * np.pi * run**2 / disturbance.samples) * 10 ** (disturbance.over_noise_db / 20)
+    begin = int(rng.integers(0, samples - interference.samples))
+    run = np.arange(interference.samples) - interference.samples / 2
+    sweep = np.exp(1j * np.pi * run**2 / interference.samples) * 10 ** (interference.over_noise_db / 20)
     made = np.zeros(shape, dtype=np.complex128)
-    made[begin : begin + disturbance.samples] = sweep[:, None] * np.exp(
-        1j * np.pi * np.arange(antennas) * disturbance.sine
+    made[begin : begin + interference.samples] = sweep[:, None] * np.exp(
+        1j * np.pi * np.arange(antennas) * interference.sine
     )
     return made
 

@@ -8,24 +8,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.config import Config, quantity
-from safeloc.errors import InputError
+from safeloc.language.units import NM_PER_MM
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import RadarImage
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.radar import Bias, Disturbance, Points, Weather, image, points
+from safeloc.simulation.radar import Bias, Interference, Points, Weather, image, points
 from safeloc.simulation.radar_track import Arc, Pose, Reflector, corners, pose, seen_from
 
-FaultKind = Literal[
-    "missing", "frozen", "duplicate", "late", "not finite", "wrong shape", "negative", "dead",
-    "interference", "jamming", "overload", "cloudburst", "film",
-]  # fmt: skip
-NM_PER_MM = 1_000_000
+KINDS = Kinds(
+    "a radar",
+    plain(
+        "missing", "frozen", "duplicate", "late", "not finite", "wrong shape", "negative", "dead",
+        "interference", "jamming", "overload", "cloudburst", "film",
+    ),
+)  # fmt: skip
+"""Of the only radar, in frames."""
 FRONT_SECTION_M2 = 10.0
 PLATE_SECTION_M2 = 10_000.0
 JAMMER_DB = 20.0
@@ -34,7 +37,7 @@ DROPS = 200
 
 
 class Clutter(Config):
-    """What else stands along the line."""
+    """Other objects along the line that reflect."""
 
     masts_every_mm: int = quantity(50_000, "mm", 1_000, 1_000_000, "[M] overhead line")
     mast_cdbsm: int = quantity(0, "cdB over 1 m2", -6_000, 6_000, "[M] mean of a lognormal spread of 5 dB")
@@ -42,18 +45,9 @@ class Clutter(Config):
     stone_cdbsm: int = quantity(-2_500, "cdB over 1 m2", -9_000, 3_000, "[M] mean of a lognormal spread of 5 dB")
 
 
-@dataclass(frozen=True)
-class Fault:
-    """A named fault of the frames from `begin` up to, not including, `end`."""
-
-    kind: FaultKind
-    begin: int
-    end: int
-
-
 @dataclass(frozen=True, eq=False)
 class World:
-    """What the vehicle runs along. `wall_mm`: a smooth wall so far to the left, which mirrors every reflector.
+    """The surroundings of the vehicle. `wall_mm`: distance to a smooth wall on the left, which mirrors every reflector.
 
     places, sections   clutter: [point, (x, y, height)] and m2
     """
@@ -105,7 +99,7 @@ def world(
 
 
 def seen(scene: World, along_mm: float) -> Points:
-    """Everything that sends power back to an antenna there, without rain."""
+    """Return everything that sends power back to an antenna there, without rain."""
     antenna = pose(scene.track, along_mm)
     corner = _reflectors(scene, antenna)
     found = corner.together(points(*seen_from(antenna, scene.places), scene.sections))
@@ -162,11 +156,11 @@ def shots(
     bias: Bias | None = None,
     faults: Sequence[Fault] = (),
 ) -> Iterator[Shot]:
-    """One frame at the end of every cycle of the motion. InputError for a fault outside the run: it would test nothing."""
-    _check(faults, len(motion.position_nm))
+    """One frame at the end of every cycle of the motion. InputError for a fault that would test nothing."""
+    KINDS.require(faults, places=[""], length=len(motion.position_nm))
     last: RadarImage | None = None
     for number, (position_nm, speed) in enumerate(zip(motion.position_nm, motion.speed_mm_s, strict=True)):
-        kinds: set[FaultKind] = {fault.kind for fault in faults if fault.begin <= number < fault.end}
+        kinds = {fault.kind for fault in faults if fault.active(number)}
         along, time_ms = int(position_nm) / NM_PER_MM, (number + 1) * motion.period_ms
         power = _power(scene, along, float(speed), kinds, weather or Weather(), bias, rng)
         taken = RadarImage(_spoilt(power, kinds), time_ms, number)
@@ -175,17 +169,11 @@ def shots(
         last = delivered or last
 
 
-def _check(faults: Sequence[Fault], frames: int) -> None:
-    for fault in faults:
-        if not 0 <= fault.begin < fault.end or fault.begin >= frames:
-            raise InputError(f"{fault}: needs 0 <= begin < end, and to begin within the run's {frames} frames.")
-
-
 def _power(
     scene: World,
     along: float,
     speed: float,
-    kinds: set[FaultKind],
+    kinds: set[str],
     weather: Weather,
     bias: Bias | None,
     rng: np.random.Generator,
@@ -200,14 +188,14 @@ def _power(
         found = found.together(rain(weather.rain_mm_h, rng, float(scene.config.sensor.cell_mm) * 1_000))
     if "overload" in kinds:
         found = found.together(points(np.array([4_000.0]), np.array([0.0]), PLATE_SECTION_M2))
-    strange = Disturbance(sine=float(rng.uniform(-0.5, 0.5))) if "interference" in kinds else None
+    strange = Interference(sine=float(rng.uniform(-0.5, 0.5))) if "interference" in kinds else None
     return image(
-        found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, disturbance=strange,
+        found, scene.config, rng, speed_mm_s=speed, weather=weather, bias=bias, interference=strange,
         noise_db=JAMMER_DB if "jamming" in kinds else 0.0,
     )  # fmt: skip
 
 
-def _spoilt(power: NDArray[np.float64], kinds: set[FaultKind]) -> NDArray[np.float64]:
+def _spoilt(power: NDArray[np.float64], kinds: set[str]) -> NDArray[np.float64]:
     """The image, with the faults of the sensor itself."""
     power = power.copy()
     if "not finite" in kinds:
@@ -219,7 +207,7 @@ def _spoilt(power: NDArray[np.float64], kinds: set[FaultKind]) -> NDArray[np.flo
     return power[:-1] if "wrong shape" in kinds else power
 
 
-def _delivered(taken: RadarImage, last: RadarImage | None, kinds: set[FaultKind]) -> RadarImage | None:
+def _delivered(taken: RadarImage, last: RadarImage | None, kinds: set[str]) -> RadarImage | None:
     if "missing" in kinds:
         return None
     if "duplicate" in kinds:

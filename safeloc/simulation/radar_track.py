@@ -1,4 +1,4 @@
-"""Where the radar's antenna and the reflectors really are: tracks of straights and curves, seen from above.
+"""True places of the radar's antenna and the reflectors: tracks of straights and curves, seen from above.
 
 A vehicle that turns off at a switch follows its own track; reflectors stand beside whichever track they belong to.
 Lengths in mm, angles in radians; x along the first straight, y to the left.
@@ -35,12 +35,12 @@ class Pose:
     heading: float
 
     def aside(self, left_mm: float) -> tuple[float, float]:
-        """The point beside the track."""
+        """Return the point beside the track."""
         return self.x - left_mm * math.sin(self.heading), self.y + left_mm * math.cos(self.heading)
 
 
 def pose(track: Sequence[Arc], along_mm: float) -> Pose:
-    """The place `along_mm` >= 0 from the track's beginning; beyond its end the track goes on straight."""
+    """Return the place `along_mm` >= 0 from the track's beginning; beyond its end the track goes on straight."""
     if along_mm < 0:
         raise InputError(f"a track has no place {along_mm} mm before its beginning.")
     here = Pose(0.0, 0.0, 0.0)
@@ -76,7 +76,7 @@ CORNER_HEIGHTS_MM = (0.0, 200.0, 400.0)
 
 
 def corners(reflector: Reflector, figures: Reflectors) -> NDArray[np.float64]:
-    """Places [corner, (x, y, height above the antenna)]: staggered in height, so that none hides another."""
+    """Return places [corner, (x, y, height above the antenna)]: staggered in height, so that none hides another."""
     if reflector.model is Model.UNKNOWN:
         raise InputError("a reflector that stands somewhere has a model; take A, B, C or D.")
     made = []
@@ -89,7 +89,7 @@ def corners(reflector: Reflector, figures: Reflectors) -> NDArray[np.float64]:
 
 
 def seen_from(antenna: Pose, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Slant range in mm, and sine of the angle to the left, of places [place, 3] ahead; the rest has range NaN."""
+    """Return the slant range in mm, and sine of the angle to the left, of places [place, 3] ahead; the rest has range NaN."""
     dx, dy = places[:, 0] - antenna.x, places[:, 1] - antenna.y
     ahead = dx * math.cos(antenna.heading) + dy * math.sin(antenna.heading)
     left = dy * math.cos(antenna.heading) - dx * math.sin(antenna.heading)

@@ -10,39 +10,28 @@ foreign     it reads an identity that the map does not have
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, assert_never
+from dataclasses import replace
 
 from safeloc.errors import InputError
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.sensors import FOREIGN, Reading
 
-ReaderFaultKind = Literal["missed", "repeated", "misplaced", "foreign"]
-
-
-@dataclass(frozen=True)
-class ReaderFault:
-    """A named fault of one reader from cycle `begin` up to, not including, `end`.
-
-    reach   misplaced: how many markers further along the line (negative: before) the one is that seems to be read
-    """
-
-    sensor: str
-    kind: ReaderFaultKind
-    begin: int
-    end: int
-    reach: int = 2
+KINDS = Kinds("a marker reader", {**plain("missed", "repeated", "foreign"), "misplaced": {"reach": 2}})
+"""By name of the reader, in cycles; `reach` is how many markers further along the line (negative: before) the one is that
+seems to be read."""
 
 
 def with_faults(
-    name: str, readings: Sequence[Reading], markers: Sequence[tuple[int, int]], faults: Sequence[ReaderFault]
+    name: str, readings: Sequence[Reading], markers: Sequence[tuple[int, int]], faults: Sequence[Fault]
 ) -> list[Reading]:
-    """The readings of the reader of this name with its faults, put in one after the other.
+    """Return the readings of the reader of this name with its faults, put in one after the other.
 
-    Raises InputError for a fault that hits no reading: it would test nothing.
+    InputError for a fault that no reader has, or that hits no reading: it would test nothing.
     """
+    KINDS.require(faults)
     found = list(readings)
     for fault in faults:
-        if fault.sensor != name:
+        if not fault.strikes(name):
             continue
         if not any(_hits(fault, reading) for reading in found):
             raise InputError(f"{fault} hits no reading; readings are in cycles {[one.cycle for one in found][:20]}.")
@@ -50,11 +39,11 @@ def with_faults(
     return found
 
 
-def _hits(fault: ReaderFault, reading: Reading) -> bool:
-    return fault.begin <= reading.cycle < fault.end
+def _hits(fault: Fault, reading: Reading) -> bool:
+    return fault.active(reading.cycle)
 
 
-def _struck(readings: list[Reading], markers: Sequence[tuple[int, int]], fault: ReaderFault) -> list[Reading]:
+def _struck(readings: list[Reading], markers: Sequence[tuple[int, int]], fault: Fault) -> list[Reading]:
     match fault.kind:
         case "missed":
             return [one for one in readings if not _hits(fault, one)]
@@ -62,13 +51,11 @@ def _struck(readings: list[Reading], markers: Sequence[tuple[int, int]], fault: 
             return _repeated(readings, fault)
         case "misplaced":
             return [_misplaced(one, markers, fault) if _hits(fault, one) else one for one in readings]
-        case "foreign":
-            return [_foreign(one) if _hits(fault, one) else one for one in readings]
         case _:
-            assert_never(fault.kind)
+            return [_foreign(one) if _hits(fault, one) else one for one in readings]
 
 
-def _repeated(readings: list[Reading], fault: ReaderFault) -> list[Reading]:
+def _repeated(readings: list[Reading], fault: Fault) -> list[Reading]:
     taken = {one.cycle for one in readings}
     more: list[Reading] = []
     for reading in readings:
@@ -81,13 +68,14 @@ def _repeated(readings: list[Reading], fault: ReaderFault) -> list[Reading]:
     return sorted([*readings, *more], key=lambda one: one.cycle)
 
 
-def _misplaced(reading: Reading, markers: Sequence[tuple[int, int]], fault: ReaderFault) -> Reading:
+def _misplaced(reading: Reading, markers: Sequence[tuple[int, int]], fault: Fault) -> Reading:
     identities = [identity for identity, _ in markers]
     if reading.marker not in identities:
         return reading
-    number = identities.index(reading.marker) + fault.reach
-    if fault.reach == 0 or not 0 <= number < len(markers):
-        raise InputError(f"{fault}: marker {reading.marker} has no other one {fault.reach} further on this line.")
+    reach = KINDS.figure(fault, "reach")
+    number = identities.index(reading.marker) + reach
+    if reach == 0 or not 0 <= number < len(markers):
+        raise InputError(f"{fault}: marker {reading.marker} has no other one {reach} further on this line.")
     marker, place_mm = markers[number]
     return replace(reading, marker=marker, place_mm=place_mm)
 

@@ -11,44 +11,40 @@ cross-talk   a marker reads as another one with a sound check sum: `identity` at
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, assert_never
 
 from safeloc.errors import InputError
 from safeloc.runtime.streams.records import MarkerRecord, Record
+from safeloc.simulation.faults import Fault, Kinds, plain
 
-RecordFaultKind = Literal["duplicate", "late", "swap", "freeze", "drop", "cross-talk"]
-
-
-@dataclass(frozen=True)
-class RecordFault:
-    """One fault of the records of a channel with begin_ms <= time < end_ms."""
-
-    channel: str
-    kind: RecordFaultKind
-    begin_ms: int
-    end_ms: int
-    reach: int = 1
-    identity: int = 0
-    position_mm: int | None = None
+KINDS = Kinds(
+    "a stream of records",
+    {
+        **plain("duplicate", "swap", "freeze", "drop"),
+        "late": {"reach": 1},
+        "cross-talk": {"identity": 0, "position_mm": None},
+    },
+)
+"""By channel, in ms of the records' clock."""
 
 
-def disturb(records: Sequence[Record], faults: Sequence[RecordFault]) -> list[Record]:
-    """The stream with its faults, put in one after the other. InputError for a fault that hits no record."""
+def disturb(records: Sequence[Record], faults: Sequence[Fault]) -> list[Record]:
+    """The stream with its faults, put in one after the other. InputError for a fault that no
+    stream has, or that hits no record."""
     stream = list(records)
+    KINDS.require(faults, places=sorted({record.channel for record in stream}))
     for fault in faults:
         hit = [number for number, record in enumerate(stream) if _meant(fault, record)]
         if not hit:
-            raise InputError(f"{fault} hits no record; channels are {sorted({record.channel for record in stream})}.")
+            raise InputError(f"{fault}: hits no record.")
         stream = _disturbed(stream, fault, hit)
     return stream
 
 
-def _meant(fault: RecordFault, record: Record) -> bool:
-    return record.channel == fault.channel and fault.begin_ms <= record.time_ms < fault.end_ms
+def _meant(fault: Fault, record: Record) -> bool:
+    return fault.strikes(record.channel) and fault.active(record.time_ms)
 
 
-def _disturbed(stream: list[Record], fault: RecordFault, hit: Sequence[int]) -> list[Record]:
+def _disturbed(stream: list[Record], fault: Fault, hit: Sequence[int]) -> list[Record]:
     struck = set(hit)
     match fault.kind:
         case "duplicate":
@@ -56,15 +52,13 @@ def _disturbed(stream: list[Record], fault: RecordFault, hit: Sequence[int]) -> 
         case "drop":
             return [record for number, record in enumerate(stream) if number not in struck]
         case "late":
-            return _late(stream, fault.reach, struck)
+            return _late(stream, KINDS.figure(fault, "reach"), struck)
         case "swap":
             return _swapped(stream, hit)
         case "freeze":
             return _frozen(stream, fault, hit)
-        case "cross-talk":
-            return [_cross_talk(record, fault) if number in struck else record for number, record in enumerate(stream)]
         case _:
-            assert_never(fault.kind)
+            return [_cross_talk(record, fault) if number in struck else record for number, record in enumerate(stream)]
 
 
 def _late(stream: list[Record], reach: int, struck: set[int]) -> list[Record]:
@@ -83,14 +77,16 @@ def _swapped(stream: list[Record], hit: Sequence[int]) -> list[Record]:
     return stream
 
 
-def _frozen(stream: list[Record], fault: RecordFault, hit: Sequence[int]) -> list[Record]:
-    before = [record for record in stream[: hit[0]] if record.channel == fault.channel]
+def _frozen(stream: list[Record], fault: Fault, hit: Sequence[int]) -> list[Record]:
+    before = [record for record in stream[: hit[0]] if fault.strikes(record.channel)]
     source = before[-1] if before else stream[hit[0]]
     frozen = {number: source.model_copy(update={"time_ms": stream[number].time_ms}) for number in hit}
     return [frozen.get(number, record) for number, record in enumerate(stream)]
 
 
-def _cross_talk(record: Record, fault: RecordFault) -> Record:
+def _cross_talk(record: Record, fault: Fault) -> Record:
     if not isinstance(record, MarkerRecord):
         raise InputError(f"cross-talk is a fault of marker readings, not of {record.channel}.")
-    return record.model_copy(update={"marker": fault.identity, "position_mm": fault.position_mm})
+    return record.model_copy(
+        update={"marker": KINDS.figure(fault, "identity"), "position_mm": KINDS.figure(fault, "position_mm")}
+    )

@@ -12,18 +12,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.language.units import NM_PER_MM
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Motion
 
-NM_PER_MM = 1_000_000
 FOREIGN = 900_000
 """Identities from here on are those of other lines."""
-FaultKind = Literal["stuck", "runaway", "jump", "drop-out", "slip", "slide", "freeze"]
+KINDS = Kinds(
+    "a distance sensor",
+    {**plain("stuck", "runaway", "drop-out", "slip", "slide", "freeze"), "jump": {"by_mm": 50_000}},
+)
+"""By name of the sensor, in cycles; a jump is measured `by_mm` too far in its first cycle."""
 
 
 @dataclass(frozen=True)
@@ -37,24 +41,10 @@ class Law:
 
 
 @dataclass(frozen=True)
-class Fault:
-    """A named fault of one distance sensor from cycle `begin` up to, not including, `end`.
-
-    by_mm   jump: how much too far the first of these cycles is measured
-    """
-
-    sensor: str
-    kind: FaultKind
-    begin: int
-    end: int
-    by_mm: int = 50_000
-
-
-@dataclass(frozen=True)
 class Distances:
-    """What a unit measured: mm a cycle, present or not, and the wander (nm) after every cycle. Shapes [cycles].
+    """Measurements of a unit: mm per cycle, present or not, and the wander (nm) after every cycle. Shapes [cycles].
 
-    more_nm   where the distance comes judged: what each cycle is charged beyond the unit's law
+    more_nm   for a checked distance: error added in each cycle beyond the unit's law
     """
 
     name: str
@@ -64,7 +54,7 @@ class Distances:
     more_nm: NDArray[np.int64] | None = None
 
     def more(self, cycle: int) -> int:
-        """What a cycle is charged beyond the law, nm; none where nothing was told of it."""
+        """Return the error added in a cycle beyond the law, nm; 0 if none is given."""
         return 0 if self.more_nm is None else int(self.more_nm[cycle])
 
 
@@ -90,10 +80,12 @@ def measure(
     severity: float = 0.9,
     faults: Sequence[Fault] = (),
 ) -> Distances:
-    """Distances of one unit. `severity` is the part of the law that is used up (1: its ends).
+    """Simulate the distances of one unit. `severity` is the part of the law that is used up (1: its ends).
 
-    Of the faults, a drop-out keeps the law: a unit that is silent says nothing wrong.
+    Of the faults (`KINDS`), a drop-out keeps the law: a unit that is silent says nothing wrong. InputError for a fault that
+    no unit has.
     """
+    KINDS.require(faults)
     true, period = motion.step_nm, motion.period_ms
     cycles = len(true)
     bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
@@ -118,8 +110,8 @@ def measure(
 def _silenced(name: str, cycles: int, faults: Sequence[Fault]) -> NDArray[np.bool_]:
     silent = np.zeros(cycles, dtype=np.bool_)
     for fault in faults:
-        if fault.sensor == name and fault.kind == "drop-out":
-            silent[fault.begin : fault.end] = True
+        if fault.strikes(name) and fault.kind == "drop-out":
+            silent[fault.span] = True
     return silent
 
 
@@ -155,49 +147,19 @@ def _check_wander(name: str, law: Law, wander: NDArray[np.int64]) -> None:
         )
 
 
-class Timed(Protocol):
-    """A fault of a sensor, from cycle `begin` up to, not including, `end`."""
-
-    @property
-    def sensor(self) -> str:
-        """Its name."""
-        ...
-
-    @property
-    def begin(self) -> int:
-        """First cycle."""
-        ...
-
-    @property
-    def end(self) -> int:
-        """First cycle after it."""
-        ...
-
-
-def check_faults(faults: Sequence[Timed], sensors: Sequence[str], cycles: int) -> None:
-    """InputError for a fault that no sensor has or that lies outside the run: it would test nothing."""
-    for fault in faults:
-        if fault.sensor not in sensors:
-            raise InputError(f"{fault}: no such sensor; there are {sorted(sensors)}.")
-        if not 0 <= fault.begin < fault.end or fault.begin >= cycles:
-            raise InputError(f"{fault}: needs 0 <= begin < end, and to begin within the run's {cycles} cycles.")
-
-
 def _faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDArray[np.int64]:
     step = step.copy()
     for fault in faults:
-        if fault.sensor != name:
+        if not fault.strikes(name):
             continue
-        part = slice(fault.begin, fault.end)
+        part = fault.span
         match fault.kind:
             case "stuck":
                 step[part] = 0
             case "runaway":
                 step[part] += 1_000
             case "jump":
-                step[fault.begin] += fault.by_mm
-            case "drop-out":
-                pass  # absent already when it was measured
+                step[fault.begin] += KINDS.figure(fault, "by_mm")
             case "slip":
                 step[part] = step[part] * 5 // 4
             case "slide":
@@ -205,7 +167,7 @@ def _faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDAr
             case "freeze":
                 step[part] = step[fault.begin]
             case _:
-                assert_never(fault.kind)
+                pass  # what drops out was absent already when it was measured
     return step
 
 
@@ -220,7 +182,7 @@ def read_markers(
     missed: float = 0.0,
     foreign: float = 0.0,
 ) -> list[Reading]:
-    """Readings of the reader `offset_mm` behind end A. `markers` holds (identity, place in mm), in order of place.
+    """Return readings of the reader `offset_mm` behind end A. `markers` holds (identity, place in mm), in order of place.
 
     A reading is off by up to nine tenths of the accuracy: one for all markers, told with a distance since the reading
     that is wrong by as much; or one for each marker, which then lies so far from its place. `foreign` is the share of cycles with a marker of another

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
+from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.motion import Motion, VehicleConfig, adhesion_mm_s2
-from safeloc.simulation.sensors import NM_PER_MM
 
 PIECE_MM = 500.0
 MOST_PIECES = 40_000
@@ -41,7 +41,7 @@ class Halt:
 
 
 def drive(vehicle: VehicleConfig, halts: Sequence[Halt], limits: Sequence[Limit], period_ms: int) -> Motion:
-    """Truth at the end of every cycle, from standstill at 0 to the last halt. A limit holds until the rear has left it.
+    """Drive from standstill at 0 to the last halt; return the truth of every cycle. A limit holds until the rear has left it.
 
     InputError for a limit or a top speed that is not above 0: nothing would ever move.
     """

@@ -75,7 +75,7 @@ def test_prove_looks_up_too(call: Call, tmp_path: Path) -> None:
     arguments = ["prove", "emitter", "--depth", "6", "--cache", str(tmp_path)]
     first, again, fresh = call(*arguments), call(*arguments), call(*arguments, "--fresh")
     assert first.out == again.out == fresh.out
-    assert [False, True, False] == ["kept, the oldest since" in one.err for one in (first, again, fresh)]
+    assert [False, True, False] == ["from the cache, the oldest of" in one.err for one in (first, again, fresh)]
 
 
 def test_what_is_violated_is_never_put_back_as_a_whole(call: Call, tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_cache_says_how_much_is_kept_and_cleans(call: Call, tmp_path: Path) -> N
     """In the folder that is named; empty where nothing is."""
     Store(tmp_path).put("answers", "ab" * 32, b"proved")
     assert f"{tmp_path}: 1 files, 0.0 MB\n" == call("cache", "--cache", str(tmp_path)).out
-    assert "nothing is kept any more" in call("cache", "--clean", "--cache", str(tmp_path)).out
+    assert "the cache is empty now" in call("cache", "--clean", "--cache", str(tmp_path)).out
     assert "0 files" in call("cache", "--size", "--cache", str(tmp_path)).out
 
 
@@ -143,7 +143,7 @@ def test_what_is_done_when_interrupted_is_kept(call: Call, tmp_path: Path) -> No
         assert process.stderr is not None
         assert any(line.startswith("travel_direction: ") for line in process.stderr)
         os.killpg(process.pid, signal.SIGINT)
-        assert "machines that are done are kept" in process.stderr.read()
+        assert "completed machines are in the cache" in process.stderr.read()
     assert (130, False) == (process.returncode, (tmp_path / "report" / "report.json").exists())
     again = call(
         "verify", "travel_direction", *QUICK, "--out", str(tmp_path / "report"), "--cache", str(tmp_path / "cache")

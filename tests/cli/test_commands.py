@@ -26,6 +26,28 @@ def test_list_machines(call: Call) -> None:
     assert names == list(ENTRIES)
 
 
+def test_list_shared_terms(call: Call) -> None:
+    """What claims and clauses share with rows, as lines and as data; other choices are wrong usage."""
+    assert (0, "nothing is shared.") == (
+        call("list", "shared", "--machine", DOOR).code,
+        call("list", "shared", "--machine", DOOR).out.strip(),
+    )
+    data = json.loads(call("list", "shared", "--machine", DOOR, "--json").out)
+    assert {"shared": [], "reads_machine": []} == data
+    assert 2 == call("list", "shared", "--text", "x").code
+    assert 2 == call("list", "lines", "--machine", "x").code
+
+
+def test_list_assumptions(call: Call) -> None:
+    """The register of a machine, as lines and as data: each law with what is said of it, and the figures to confirm."""
+    listed = call("list", "assumptions", "--machine", "delocalized").out
+    assert "delocalized  delocalized/A1  " in listed
+    assert "figures are from memory, for the operator to confirm." in listed
+    data = json.loads(call("list", "assumptions", "--machine", "delocalized", "--json").out)
+    assert ["delocalized/A1"] == [one["id"] for one in data["assumptions"]]
+    assert 2 == call("list", "assumptions", "--text", "x").code
+
+
 def test_list_requirements(call: Call) -> None:
     """Every requirement with what carries and shows it, and every transition and property back."""
     data = json.loads(call("list", "requirements", "--json").out)
@@ -44,7 +66,7 @@ def test_list_requirements_as_text(call: Call) -> None:
     start = next(number for number, line in enumerate(lines) if line.startswith("MRK-D1  done  delocalized  "))
     assert "    transition  odometry: tolerance exceeded" in lines[start:]
     assert any(line.startswith("    test        tests/") for line in lines)
-    back = lines[lines.index("Back from transitions and properties:") :]
+    back = lines[lines.index("Reverse traceability, from transitions and properties to requirements:") :]
     assert any(line.startswith("transition  odometry: tolerance exceeded  MRK-D1") for line in back)
     assert lines[-1].startswith("gap: ")
 
@@ -67,17 +89,17 @@ def test_list_properties(call: Call) -> None:
         (["prove", DOOR.replace(":machine", ":door")], "machines in it: ['machine']"),
         (["prove", DOOR, "--property", "none"], "has no property 'none'"),
         (["prove", "odometry", "--config", "no_such.toml"], "no_such.toml: no such file."),
-        (["list", "trains"], "choose one of machines, properties, requirements"),
+        (["list", "trains"], "choose one of machines, properties, assumptions, shared"),
         (["replay", "odometry", "no_such.jsonl"], "no_such.jsonl: no such file."),
         (["replay", DOOR, "x.jsonl", "--format", "xml"], "choose table or jsonl"),
         (["export", DOOR, "--to", "pdf"], "choose one of python, mermaid"),
         (["export", DOOR, "--to", "svg", "--out", "no/such/folder/x.svg"], "no/such/folder/x.svg: cannot be written"),
-        (["simulate", DOOR, "--out", "x.jsonl"], "door has no simulation; there is one of odometry"),
-        (["verify", DOOR, "odometry", "--config", "x.toml"], "--config is of one machine, and here are 2: "),
+        (["simulate", DOOR, "--out", "x.jsonl"], "door has no simulation; these machines have one: odometry"),
+        (["verify", DOOR, "odometry", "--config", "x.toml"], "--config is for one machine; 2 are given: "),
         (["verify", DOOR, "--out", "/dev/null/report"], "/dev/null/report: the report cannot be written here: "),
         (["replay", DOOR, "x.jsonl", "--period-ms", "0"], "--period-ms"),
         (["report", "no_such_folder"], "cannot be read as a report"),
-        (["verify", DOOR, DOOR], "two machines are called 'door'"),
+        (["verify", DOOR, DOOR], "two machines have the name 'door'"),
         (["prove"], "Missing argument"),
     ],
 )
@@ -124,7 +146,7 @@ def test_wrong_configuration(call: Call, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("", "no steps, so nothing was replayed."),
+        ("", "the stream has no steps."),
         ('{"speed": NaN}', "stream.jsonl:1: speed is nan, no measurement; leave the input out"),
         ('{"spede": 3}', "stream.jsonl:1: door has no input 'spede'; it has ['blocked', 'released', 'speed']. Did you"),
         ('{"speed": 100001, "released": false, "blocked": false}', "speed: 100001 mm/s is outside 0..100000. (line 1)"),
@@ -199,14 +221,14 @@ def test_replay_jsonl(call: Call) -> None:
     assert {"contained", "INVALID"} == {row["truth"] for row in rows}
     assert all(row["valid"] == (row["truth"] == "contained") for row in rows)
     assert rows[0]["fired"]
-    assert {"mode", "position_mm", "over_mm", "under_mm", "reason", "unit"} <= set(rows[0])
+    assert {"mode", "position_mm", "margin_above_mm", "margin_below_mm", "reason", "unit"} <= set(rows[0])
 
 
 def test_replay_finds_a_wrong_interval(call: Call, tmp_path: Path) -> None:
     """A truth beside the interval is a violation with its step; the machine's ghosts are left out of such a stream."""
     lines = [json.loads(line) for line in gzip.decompress(REVERSAL.read_bytes()).splitlines()]
     for line in lines[1:]:
-        for name in [name for name in line if name.endswith("_nm")]:
+        for name in [name for name in line if name.endswith(("_nm", "_stray"))]:
             del line[name]
         line["truth_mm"] += 1_000_000
     path = tmp_path / "moved.jsonl"
@@ -217,7 +239,7 @@ def test_replay_finds_a_wrong_interval(call: Call, tmp_path: Path) -> None:
     assert called.code == 1
     wrong = [row for row in data["results"] if row["verdict"] == "violated"]
     assert [row["id"] for row in wrong] == ["odometry/replay/moved: truth"]
-    assert "misses truth_mm at steps " in wrong[0]["reason"]
+    assert "does not contain truth_mm at steps " in wrong[0]["reason"]
 
 
 def test_simulated_streams_replay(call: Call, tmp_path: Path) -> None:

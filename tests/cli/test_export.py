@@ -55,7 +55,7 @@ def test_the_configuration_reaches_the_code(call: Call, tmp_path: Path, monkeypa
     config.write_text(json.dumps({"tolerance_mm": 31_234, "period_ms": 200}), encoding="utf-8")
     called = call("export", "odometry", "--config", str(config), "--to", "c", "--out", str(tmp_path))
     assert called.code == 0
-    assert "not proved of every range: check_state looks at ranges only" in " ".join(called.err.split())
+    assert "not every range is proved: check_state checks ranges only" in " ".join(called.err.split())
     assert "31234000000" in (tmp_path / "odometry.c").read_text(encoding="utf-8")
     unit = tmp_path / "odometry.fmu"
     assert call("export", "odometry", "--config", str(config), "--to", "fmu", "--out", str(unit)).code == 0

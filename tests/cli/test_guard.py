@@ -59,7 +59,7 @@ def test_what_is_read_is_not_written_over(
     Path("linked.csv").symlink_to("junction.csv")
     called = call("guard", LINE, "junction.csv", *COLUMNS, *WAY, "--out", name)
     assert (2, recorded) == (called.code, Path("junction.csv").read_bytes())
-    assert "writing would lose it" in called.err
+    assert "would be overwritten" in called.err
 
 
 def test_files_and_counts(call: Call, tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_figures_of_the_file_go_before_those_of_the_vehicle(call: Call, tmp_path
         ((LINE, CSV, "--vehicle", "tram"), "tram: no such file, and no shipped vehicle; shipped are desiro-br642"),
         ((LINE, CSV, "--crs", "EPSG:0"), "is no coordinate system"),
         ((LINE, CSV, "--edges", "main,stem,side"), "no vehicle can run over"),
-        ((LINE, CSV, "--edges", "stem,main", "--path", "p.geojson"), "the way is told twice"),
+        ((LINE, CSV, "--edges", "stem,main", "--path", "p.geojson"), "the route is given twice"),
         ((LINE, CSV, "--edges", "stem,main", "--first", "north"), "choose increasing or decreasing"),
         ((LINE, "s.dat"), "name csv, jsonl or nmea"),
         ((LINE, CSV, "--format", "xls"), "name csv, jsonl or nmea"),

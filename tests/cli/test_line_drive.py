@@ -54,8 +54,8 @@ def test_a_train_over_a_switch(call: Call, network: str, log: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "say which way the train took: either --path or --edges."),
-        (["--edges", "stem", "--path", "x"], "say which way the train took: either --path or --edges."),
+        ([], "give the train's route: either --path or --edges."),
+        (["--edges", "stem", "--path", "x"], "give the train's route: either --path or --edges."),
         (["--edges", "stem"], "the direction along 'stem' is not told"),
         (["--edges", "stem", "--first", "up"], "--first 'up': choose increasing or decreasing."),
         (["--edges", "stem,west"], "the network has no element 'west'."),

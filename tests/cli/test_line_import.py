@@ -50,7 +50,7 @@ def test_every_note(call: Call, station: Path, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["none.railml", "--out", "x.toml"], "none.railml: cannot be read: No such file"),
-        (["none.json", "--out", "x.toml"], "none.json: its suffix tells no format; name one of railml, geojson"),
+        (["none.json", "--out", "x.toml"], "none.json: its suffix is no known format; name one of railml, geojson"),
         (["none.json", "--out", "x.toml", "--format", "ifc"], "'ifc' is no format of lines"),
     ],
 )

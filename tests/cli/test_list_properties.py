@@ -84,21 +84,21 @@ def test_filters_are_joined(call: Call) -> None:
     [
         (
             ["properties", "--machine", "emitter", "--text", "quark"],
-            "safeloc: no property of emitter says 'quark' in its name or statement; `safeloc list properties` lists all.",
+            "safeloc: no property of emitter has 'quark' in its name or statement; `safeloc list properties` lists all.",
         ),
         (
             ["properties", "--machine", "emitter", "--machine", "delocalized", "--id", "XY-1", "--text", "quark"],
-            "safeloc: no property of emitter, delocalized answers for requirement 'XY-1' and says 'quark' in its name",
+            "safeloc: no property of emitter, delocalized verifies requirement 'XY-1' and has 'quark' in its name",
         ),
         (["properties", "--machine", "odometri"], "no machine 'odometri'; there are odometry, "),
         (
             ["machines", "--text", "odometry"],
-            "--machine, --id and --text choose among properties, and machines are asked",
+            "--id and --text filter properties, not machines",
         ),
-        (["lines", "--machine", "odometry"], "--machine, --id and --text choose among properties, and lines are asked"),
+        (["lines", "--machine", "odometry"], "--machine filters properties, assumptions or shared terms, not lines"),
         (
             ["requirements", "--id", ""],
-            "--machine, --id and --text choose among properties, and requirements are asked",
+            "--id and --text filter properties, not requirements",
         ),
     ],
 )

@@ -81,7 +81,7 @@ def test_json_is_pure_and_valid(call: Call) -> None:
     data = json.loads(called.out)
     jsonschema.validate(data, schema())
     assert called.err == ""
-    assert (data["schema"], data["verdict"]) == ("safeloc-report/3", "proved")
+    assert (data["schema"], data["verdict"]) == ("safeloc-report/4", "proved")
     assert [machine["name"] for machine in data["machines"]] == ["door"]
 
 

@@ -11,13 +11,16 @@ import pytest
 from tests.cli.calling import DOOR, Call
 
 STREAM = Path(__file__).parents[2] / "models" / "streams" / "odometry-reversal.jsonl.gz"
-NOTE = "1 property (containment), the stream has no ghosts"
+NOTE = (
+    "3 properties (containment; front reader over its marker is inside the window; rear reader over its marker is inside the "
+    "window), the stream has no ghosts"
+)
 
 
 def without_ghosts(folder: Path, *, machine: str = "odometry", steps: int = 20) -> str:
     """The first steps of a shipped stream, as a vehicle would record them."""
     lines = [json.loads(line) for line in gzip.decompress(STREAM.read_bytes()).splitlines()[1 : steps + 1]]
-    kept = [{k: v for k, v in line.items() if not k.endswith("_nm") and k != "truth_mm"} for line in lines]
+    kept = [{k: v for k, v in line.items() if not k.endswith(("_nm", "_stray")) and k != "truth_mm"} for line in lines]
     header = {"schema": "safeloc-stream/1", "machine": machine}
     path = folder / "recorded.jsonl"
     path.write_text("\n".join(map(json.dumps, [header, *kept])), encoding="utf-8")

@@ -156,18 +156,18 @@ def test_a_line_from_a_file(call: Call, tmp_path: Path) -> None:
 
 
 REFUSED = {
-    ("fig1",): "say where to write",
-    ("fig1", "--out", "x", "--config", "c.json"): "on a line the machines follow --vehicle",
-    ("odometry", "--out", "x.jsonl", "--machine", "balise"): "--machine is for lines, and 'odometry' is none",
+    ("fig1",): "--out FOLDER for a line",
+    ("fig1", "--out", "x", "--config", "c.json"): "--vehicle configures the machines",
+    ("odometry", "--out", "x.jsonl", "--machine", "balise"): "--machine is for lines, and 'odometry' is no line",
     ("fig1", "--out", "x", "--machine", "door"): "no machine 'door' to drive on a line; there are odometry, balise",
-    ("fig1", "--out", "x", "--machine", "turn_off"): "nothing to drive: the machines asked for have nothing to do",
+    ("fig1", "--out", "x", "--machine", "turn_off"): "nothing to drive: the chosen machines have no data source",
     ("fig1", "--out", "x", "--vehicle", "tram"): "tram: no such file, and no shipped vehicle; shipped are desiro",
     ("fig1", "--out", "x", "--faults", "gremlins"): "no fault 'gremlins'. Faults (NAME, or NAME:PLACE):",
     ("fig1", "--out", "x", "--machine", "balise", "--faults", "decoy"): "fault decoy is for reflector",
     ("fig3", "--out", "x", "--machine", "odometry", "--route", "308,303-305,305-307,310", "--faults", "group-missed:106"):
-        "fault group-missed:106 strikes nowhere on the routes driven of fig3",
+        "fault group-missed:106 does not occur on the driven routes of fig3",
     ("fig3", "--out", "x", "--machine", "odometry", "--route", "308,303-305,305-307,310", "--faults",
-     "group-missed:319,group-missed:106"): "fault group-missed:106 strikes nowhere",
+     "group-missed:319,group-missed:106"): "fault group-missed:106 does not occur",
     ("fig1", "--out", "x", "--seed", "-1"): "should be greater than or equal to 0",
     ("fig1", "--out", "x", "--from", "103@0"): "--from and --to belong together",
     ("fig1", "--out", "x", "--from", "103", "--to", "103@9"): "--from '103': expected EDGE@MM",

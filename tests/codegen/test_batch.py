@@ -18,7 +18,7 @@ from safeloc.language.interpret import read_inputs, run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.trace import Trace
-from safeloc.language.units import COUNT, Enumeration
+from safeloc.language.units import COUNT, MM, Enumeration
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, records
 
@@ -145,6 +145,22 @@ def test_a_missing_input_is_refused() -> None:
     del inputs["moved"]
     with pytest.raises(InputError, match=r"^odometer: input 'moved' is missing\.$"):
         simulate(ODOMETER, inputs)
+
+
+def test_an_array_by_an_old_name_is_refused() -> None:
+    """The message says what inputs, state variables and what is kept are called now."""
+    height, seen = number("margin_above_mm", MM, 0, 9), number("seen_margin_below_mm", MM, 0, 9)
+    (on,) = modes("ON")
+    rises = Transition("rise", on, on, set={height: seen})
+    gate = lower(Machine("gate", [on], [seen], {height: 0}, {}, [rises]))
+    told = np.zeros((2, 3), int)
+    missing = r"^gate: input 'seen_margin_below_mm' is missing; 'seen_under_mm' is now 'seen_margin_below_mm'\.$"
+    with pytest.raises(InputError, match=missing):
+        simulate(gate, {"seen_under_mm": told})
+    with pytest.raises(InputError, match=r"^gate: unknown state variables \['over_mm'\]; 'over_mm' is now"):
+        simulate(gate, {"seen_margin_below_mm": told}, start_state={"over_mm": np.zeros(3, int)})
+    with pytest.raises(InputError, match=r"^gate: cannot keep 'over_mm'; .*; 'over_mm' is now 'margin_above_mm'\.$"):
+        simulate(gate, {"seen_margin_below_mm": told}, keep=("over_mm",))
 
 
 def test_left_out_optional_inputs_are_absent() -> None:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from safeloc.codegen.c99_layout import Field
-from safeloc.codegen.c99_statements import given, given_names, statements
+from safeloc.codegen.c99_statements import given, given_names, statements, used
 from safeloc.codegen.c99_step import _Slot, _writing
+from safeloc.codegen.naming_terms import Text
 from safeloc.codegen.nested_statements import Bind, Block, Choice, End
 from safeloc.codegen.nested_statements import Test as Branch
 
-SLOT = _Slot("state->x", Field("x", "x", "int64_t", 0, 9, ""), "x")
+SLOT = _Slot("state", Field("x", "x", "int64_t", 0, 9, ""), "x")
+
+
+def text(code: str, *uses: str) -> Text:
+    """Code that reads the names."""
+    return Text(code, frozenset(uses))
 
 
 def choice(name: str) -> Choice:
     """One name, given in either branch; one more in the first."""
-    first: Block = [Bind("t9", "a + 1", False), Bind(name, "t9", False)]
-    return Choice((("a > 0", first),), [Bind(name, "0", False)])
+    first: Block = [Bind("t9", text("a + 1", "a"), False), Bind(name, text("t9", "t9"), False)]
+    return Choice(((text("a > 0", "a"), first),), [Bind(name, text("0"), False)])
 
 
 def test_a_choice_declares_what_every_branch_gives() -> None:
@@ -34,24 +40,42 @@ def test_a_choice_declares_what_every_branch_gives() -> None:
 
 def test_what_branches_write_alike_is_written_before_they_part() -> None:
     """A value that has its name there already."""
-    block: Block = [Bind("t1", "a * 2", False), Branch("a > 3", [End(("t1",))]), End(("t1",))]
-    text = _writing(block, [SLOT])
-    assert text.count("state->x = t1;") == 1
-    assert text.index("state->x = t1;") < text.index("if (a > 3)")
+    block: Block = [
+        Bind("t1", text("a * 2", "a"), False),
+        Branch(text("a > 3", "a"), [End((text("t1", "t1"),))]),
+        End((text("t1", "t1"),)),
+    ]
+    code = _writing(block, [SLOT]).code
+    assert code.count("state->x = t1;") == 1
+    assert code.index("state->x = t1;") < code.index("if (a > 3)")
 
 
 def test_a_name_that_branches_give_by_themselves_is_written_in_each() -> None:
     """One name in two branches is two values, though it reads alike."""
-    block: Block = [Branch("a > 3", [choice("next_x"), End(("next_x",))]), choice("next_x"), End(("next_x",))]
-    text = _writing(block, [SLOT])
-    assert text.count("state->x = next_x;") == 2
-    assert text.index("if (a > 3)") < text.index("state->x = next_x;")
+    ended = End((text("next_x", "next_x"),))
+    block: Block = [Branch(text("a > 3", "a"), [choice("next_x"), ended]), choice("next_x"), ended]
+    code = _writing(block, [SLOT]).code
+    assert code.count("state->x = next_x;") == 2
+    assert code.index("if (a > 3)") < code.index("state->x = next_x;")
+
+
+def test_what_is_read_and_called_is_known_without_looking_at_the_code() -> None:
+    """Of everything that is written: tests, values, branches, and what is done at the end of them."""
+    block: Block = [
+        Branch(text("a > 3", "a"), [End((text("floor_div(b, 2)", "floor_div", "b"),))]),
+        choice("next_x"),
+        End((text("next_x", "next_x"),)),
+    ]
+    assert used(block, lambda values: values) == {"a", "b", "floor_div", "t9", "next_x"}
+    assert _writing(block, [SLOT]).uses == {"a", "b", "floor_div", "t9", "next_x", "state"}
+    assert _writing([End((text("x", "x"),))], [SLOT]).uses == set()
 
 
 def test_long_lines_go_on_indented() -> None:
     """Text stays within the width, broken at spaces only."""
     value = " + ".join(f"quantity_{n}_mm" for n in range(12))
-    lines = statements([Bind("t1", value, False), End(("t1",))], lambda values: [f"return {values[0]};"]).splitlines()
+    block: Block = [Bind("t1", text(value), False), End((text("t1", "t1"),))]
+    lines = statements(block, lambda values: [values[0].within("return ", ";")]).splitlines()
     assert len(lines) == 3
     assert max(map(len, lines)) <= 118
     assert " ".join(part.strip() for part in lines[:2]) == f"const int64_t t1 = {value};"

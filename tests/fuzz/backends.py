@@ -14,15 +14,18 @@ from safeloc.codegen.batch import simulate
 from safeloc.codegen.batch_lanes import compile_lanes
 from safeloc.codegen.c_loader import load_c
 from safeloc.codegen.compiled import compile_system
-from safeloc.codegen.runtime import to_fsm
 from safeloc.codegen.smt import Terms
 from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
 from safeloc.language.expr import Bool, Lit, Num, NumVar, Var
 from safeloc.language.interpret import run
+from safeloc.language.machine import STAY_NAME
 from safeloc.language.nodes import TRUE
-from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.proof.provers.recheck import decide
+from safeloc.runtime.embedding import Controller, Program
+from safeloc.runtime.embedding.snapshot import opened
+from safeloc.target import Target
 from tests.fuzz.bounds import fits
 from tests.fuzz.build import Built
 from tests.fuzz.draw import Draw
@@ -213,13 +216,17 @@ def _python(on: Bench) -> Iterator[str]:
 
 def _transitions(on: Bench) -> Iterator[str]:
     machine = on.built.machines[on.game.name]
+    program = Program(Target(machine.name, (machine,), lower(machine), ()))
     for one in on.made[:2]:
         host: Any = SimpleNamespace()
-        embedded = to_fsm(machine, host, first=_chosen(on.game, on.system, one))
+        controller = Controller(program, period_ms=100, first=_chosen(on.game, on.system, one))
+        controller.follow(host)
         for step, moment in enumerate(one.moments):
-            host.tick(**one.record(on.game, step))
+            report = controller.step_inputs(one.record(on.game, step))
             wrong = "" if host.state == f"M{moment.state['mode']}" else f"in state {host.state}"
-            yield wrong or _differs(moment, embedded.values, {"fired": embedded.fired}, embedded.outputs)
+            state = opened(controller.snapshot())["state"]
+            fired = {"fired": report.moves[0].name if report.moves else STAY_NAME}
+            yield wrong or _differs(moment, state, fired, report.values)
 
 
 def _c(on: Bench) -> Iterator[str]:

@@ -36,6 +36,7 @@ from safeloc.language.machine import ANY, Machine, Transition, current_mode, mod
 from safeloc.language.spec import Property, once, previous, since
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import ONE
+from safeloc.language.world import World as MachineWorld
 from tests.fuzz.judge import WAITING, Claim
 from tests.fuzz.terms import Term
 from tests.fuzz.world import COLOURS, Game, Var, Whole, World
@@ -164,14 +165,19 @@ def machine(world: World, shared: Mapping[str, Any] | None = None) -> tuple[Mach
         state={names[var.name]: _first(value, var) for var, value in world.state.items()},
         outputs={name: term(told, names) for name, told in world.outputs.items()},
         transitions=rows,
-        ghosts={names[var.name]: _first(value, var) for var, value in world.ghosts.items()},
-        ghost_inputs=[declared[var.name] for var in world.ghost_inputs],
-        ghost_moves={names[name]: term(move, names) for name, move in world.ghost_moves.items()},
-        assumption=term(world.assumption, names),
+        world=MachineWorld(
+            ghosts={names[var.name]: _first(value, var) for var, value in world.ghosts.items()},
+            choices=[declared[var.name] for var in world.ghost_inputs],
+            moves={names[name]: term(move, names) for name, move in world.ghost_moves.items()},
+            clauses={
+                "assumption": term(world.assumption, names),
+                **{name: term(clause, names) for name, clause in world.clauses.items()},
+            },
+            reads_machine="the test asks it",
+        ),
         initially=all_of(term(one, names) for one in world.initially),
         lemmas={name: term(lemma, names) for name, lemma in world.lemmas.items()},
         mode_variable=names["mode"],
-        clauses={name: term(clause, names) for name, clause in world.clauses.items()},
     )
     return made, {**names, "fired": made.fired_name}
 

@@ -13,6 +13,7 @@ from safeloc.language.spec import Property, always, never, once, reachable, with
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held
+from safeloc.language.world import World
 from safeloc.proof.provers.replayed_evidence import replayed
 
 A, B = modes("A", "B")
@@ -100,7 +101,16 @@ def test_what_never_happened_on_a_recording_is_told() -> None:
 
 def test_a_case_counts_only_while_what_is_relied_on_is_kept() -> None:
     """What comes after a broken assumption has not happened for a property that relies on it."""
-    table = Machine("table", (A, B), [X], {}, {}, GATE.transitions, assumption=X < 9, mode_variable=GATE.mode)
+    table = Machine(
+        "table",
+        (A, B),
+        [X],
+        {},
+        {},
+        GATE.transitions,
+        world=World(clauses={"assumption": X < 9}, reads_machine="the test asks it"),
+        mode_variable=GATE.mode,
+    )
     relies, free = (
         always(name, IN_B.implies(GATE.mode.ne(A)), unconditional=unconditional)
         for name, unconditional in (("relies", False), ("free", True))

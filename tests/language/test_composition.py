@@ -13,6 +13,7 @@ from safeloc.language.expr import Expr, NumVar, Var, boolean, number, optional
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.units import MM, MS
+from safeloc.language.world import World
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 
@@ -185,8 +186,8 @@ TRUTH, PUSH = number("truth", MM, 0, 99), number("push", MM, 0, 9)
 
 def walker(name: str, *, start: int = 0, by: int = 0) -> Machine:
     """A machine in a world with one truth, which is pushed on in each step."""
-    world = {"ghosts": {TRUTH: start}, "ghost_inputs": [PUSH], "ghost_moves": {TRUTH: TRUTH + (PUSH + by)}}
-    return Machine(name, modes("ONLY"), [], {}, {}, [], **world)  # type: ignore[arg-type]
+    world = World({TRUTH: start}, [PUSH], {TRUTH: TRUTH + (PUSH + by)})
+    return Machine(name, modes("ONLY"), [], {}, {}, [], world=world)
 
 
 def test_a_shared_ghost_is_one_truth() -> None:

@@ -12,6 +12,7 @@ from safeloc.language.expr import floor_div, number
 from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import CM, MM, Unit
+from safeloc.language.world import World
 from tests.examples import EXAMPLES
 
 
@@ -84,9 +85,11 @@ def world(*, assumed: int = 5, lemma: str = "small", ghost: bool = True, row: st
         state,  # type: ignore[arg-type] # written shorter than its type
         {},
         rows,
-        ghosts={truth: 0} if ghost else {},
-        ghost_moves={truth: truth} if ghost else {},
-        assumption=value <= assumed,
+        world=World(
+            ghosts={truth: 0} if ghost else {},
+            moves={truth: truth} if ghost else {},
+            clauses={"assumption": value <= assumed},
+        ),
         lemmas={lemma: seen <= 9},
     )
 

@@ -6,12 +6,13 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.language.expr import boolean, number, optional
-from safeloc.language.interpret import evaluate, run, start
+from safeloc.language.interpret import evaluate, run, start, taken
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.nodes import Compare
 from safeloc.language.spec import once
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.units import MM
+from safeloc.language.world import World
 
 A, B = modes("A", "B")
 X, P, READING = number("x", MM, -5, 10), boolean("p"), optional("r", MM, 3, 9)
@@ -28,8 +29,7 @@ MACHINE = Machine(
         Transition("second", A, B, X > 1, {N: 7}, rank=2),
         Transition("back", B, A, P),
     ],
-    ghosts={G: 1},
-    ghost_moves={G: G},
+    world=World(ghosts={G: 1}, moves={G: G}),
     initially=OPEN_ < 6,
 )
 SYSTEM = lower(MACHINE)
@@ -130,3 +130,12 @@ def test_terms_that_no_state_gives_a_value_are_refused() -> None:
         evaluate([once(P)], {P: True})
     with pytest.raises(AssertionError):
         evaluate([Compare("<>", X, N)], {X: 1, N: 2})  # type: ignore[arg-type]
+
+
+def test_a_run_is_taken_as_long_as_a_condition_holds() -> None:
+    """It ends before the first step that breaks it; a hidden variable is not shown, and moves on."""
+    stream, state = [{"x": 5, "p": False}] * 3, start(SYSTEM, {"open": 2})
+    steps = list(taken(SYSTEM, state, stream, while_=(N < 2) & (X > 4), hidden={N}))
+    assert [{"mode": 0, "open": 2, "g": 1}] * 2 == [one.state for one, _ in steps]
+    assert [1, 2] == [after[N] for _, after in steps]
+    assert 3 == len(list(taken(SYSTEM, state, stream)))

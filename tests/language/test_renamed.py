@@ -1,4 +1,4 @@
-"""Keywords that have another name now: the old one is refused, and the message says where it stands and the new one."""
+"""What has another name now: the old one is refused, and the message says the new one; of keywords also where it stands."""
 
 from __future__ import annotations
 
@@ -9,11 +9,17 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.errors import ModelError, PropertyError, SafelocError
+from safeloc.errors import InputError, ModelError, PropertyError, SafelocError
 from safeloc.language.composition import compose
-from safeloc.language.expr import TRUE
-from safeloc.language.machine import Transition, modes
+from safeloc.language.expr import TRUE, boolean, number
+from safeloc.language.interpret import run, start
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.renamed import hint, name_now, renamed
 from safeloc.language.spec import Property, always, never, reachable, within
+from safeloc.language.system import lower
+from safeloc.language.units import MM
+from safeloc.railway.pictures import Approach
+from safeloc.reported import Reported
 
 ON, OFF = modes("ON", "OFF")
 GO = Transition("go", ON, OFF, requirements=("R-1",))
@@ -79,12 +85,44 @@ OLD: dict[str, tuple[Callable[[], object], type[SafelocError], str]] = {
         PropertyError,
         "within: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
     ),
+    "over of an interval's names": (
+        lambda: Reported(over="over_mm"),  # type: ignore[call-arg]
+        ModelError,
+        "Reported: the keyword 'over' is now 'above'; write above=.",
+    ),
+    "under of an interval's names": (
+        lambda: replace(Reported(), under="under_mm"),  # type: ignore[call-arg]
+        ModelError,
+        "Reported: the keyword 'under' is now 'below'; write below=.",
+    ),
+    "over of a picture": (
+        lambda: Approach(title="approach", over="over_mm"),  # type: ignore[call-arg]
+        ModelError,
+        "Approach: the keyword 'over' is now 'above'; write above=.",
+    ),
     "given of reachable": (
         lambda: reachable("on", TRUE, given=TRUE),  # type: ignore[call-arg]
         PropertyError,
         "reachable: the keyword 'given' is now 'further_assumption'; write further_assumption=.",
     ),
 }
+
+
+OF_THE_WORLD = {
+    "ghosts": "world=World(ghosts=...)",
+    "ghost_inputs": "world=World(choices=...)",
+    "ghost_moves": "world=World(moves=...)",
+    "assumption": "world=World(clauses={name: ...})",
+    "clauses": "world=World(clauses={name: ...})",
+}
+
+
+@pytest.mark.parametrize("old", OF_THE_WORLD)
+def test_what_is_of_the_world_is_refused_of_a_machine(old: str) -> None:
+    """The message names file and line, and shows what to write."""
+    message = f"Machine: there is no keyword {old!r} any more; write {OF_THE_WORLD[old]}."
+    with pytest.raises(ModelError, match=rf"^\S*test_renamed\.py:\d+: {re.escape(message)}$"):
+        Machine("m", (ON, OFF), [], {}, {}, [GO], **{old: {}})  # type: ignore[arg-type] # that is the slip
 
 
 @pytest.mark.parametrize("old", OLD)
@@ -98,5 +136,85 @@ def test_an_old_keyword_is_refused_with_the_new_one(old: str) -> None:
 def test_what_is_declared_keeps_its_name_and_its_parameters() -> None:
     """What is guarded looks as it was written, to a reader and to a tool."""
     assert "compose" == compose.__name__
-    assert "Several machines as one TransitionSystem." == (compose.__doc__ or "").splitlines()[0]
+    assert "Combine several machines into one TransitionSystem." == (compose.__doc__ or "").splitlines()[0]
     assert "discharge" in inspect.signature(compose).parameters
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("over_mm", "margin_above_mm"),
+        ("under_nm", "margin_below_nm"),
+        ("front_wheel_over_nm", "front_wheel_margin_above_nm"),
+        ("verification.fibre_under_mm", "verification.fibre_margin_below_mm"),
+    ],
+)
+def test_the_sides_of_an_interval_have_new_names(old: str, new: str) -> None:
+    """Alone, behind other words, and behind a machine's name."""
+    assert new == name_now(old)
+    assert f"; {old!r} is now {new!r}" == renamed([old], [new])
+
+
+@pytest.mark.parametrize(
+    "name", ["margin_above_mm", "overlap_mm", "handover_mm", "overrun_mm", "over_s", "over", "rover_mm"]
+)
+def test_other_words_are_left(name: str) -> None:
+    """What only looks alike means what it meant."""
+    assert name == name_now(name)
+    assert "" == renamed([name], [name])
+
+
+def test_a_name_of_somebody_elses_is_not_corrected() -> None:
+    """An old name counts as one only where there is something of the new name, and nothing of the old."""
+    assert "" == renamed(["over_mm"], ["height_mm"])
+    assert "" == renamed(["over_mm"], ["over_mm", "margin_above_mm"])
+
+
+def test_a_hint_says_the_new_name_or_the_nearest_one() -> None:
+    """Or nothing, where nothing is near."""
+    assert " 'over_mm' is now 'margin_above_mm'." == hint("over_mm", ["margin_above_mm"])
+    assert " Did you mean 'speed_mm_s'?" == hint("sped_mm_s", ["speed_mm_s"])
+    assert "" == hint("colour", ["speed_mm_s"])
+
+
+TOLD, SEEN = boolean("told"), number("seen_margin_below_mm", MM, 0, 9)
+ABOVE = number("margin_above_mm", MM, 0, 9)
+GATE = Machine(
+    name="gate",
+    modes=[ON, OFF],
+    inputs=[TOLD, SEEN],
+    state={ABOVE: 0},
+    outputs={"margin_above_mm": ABOVE, "told_before": ABOVE.eq(0)},
+    transitions=[Transition("go", ON, OFF, TOLD, {ABOVE: SEEN})],
+)
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (
+            lambda: GATE.output("over_mm"),
+            "gate has no output 'over_mm'; it has margin_above_mm, told_before. 'over_mm' is now 'margin_above_mm'.",
+        ),
+        (lambda: GATE.flag("told_befor"), "it has margin_above_mm, told_before. Did you mean 'told_before'?"),
+        (lambda: lower(GATE).variable("over_mm"), "'seen_margin_below_mm']. 'over_mm' is now 'margin_above_mm'."),
+    ],
+)
+def test_what_is_looked_up_by_an_old_name_is_told_the_new_one(ask: Callable[[], object], message: str) -> None:
+    """Outputs and variables of a machine."""
+    with pytest.raises(KeyError) as raised:
+        ask()
+    assert raised.value.args[0].endswith(message)
+
+
+def test_inputs_and_first_values_by_old_names_are_refused() -> None:
+    """Also where the input is missed before the name that nobody knows is seen."""
+    wrong = r"^gate: input 'seen_margin_below_mm' is missing; .*; 'seen_under_mm' is now 'seen_margin_below_mm'\.$"
+    with pytest.raises(InputError, match=wrong):
+        run(lower(GATE), [{"told": True, "seen_under_mm": 3}])
+    beside = r"^gate: unknown inputs \['seen_under_mm'\]; 'seen_under_mm' is now 'seen_margin_below_mm'\.$"
+    with pytest.raises(InputError, match=beside):
+        run(lower(GATE), [{"told": True, "seen_under_mm": 3, "seen_margin_below_mm": 3}])
+    first = r"^gate: unknown state variables \['over_mm'\]; 'over_mm' is now 'margin_above_mm'\.$"
+    with pytest.raises(InputError, match=first):
+        start(lower(GATE), {"over_mm": 3})

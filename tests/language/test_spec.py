@@ -17,6 +17,7 @@ from safeloc.language.spec import Property, always, never, observe, once, previo
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, Unknown, Violated
+from safeloc.language.world import World
 
 (ON,) = modes("ON")
 P, Q = boolean("p"), boolean("q")
@@ -129,7 +130,15 @@ def test_what_is_given_and_what_is_assumed(run_: Runs, assumed: bool, unconditio
     """
     kept = N <= 3
     world = lower(
-        Machine("world", (ON,), [P, Q], {N: 0}, {}, MACHINE.transitions, assumption=kept if assumed else TRUE)
+        Machine(
+            "world",
+            (ON,),
+            [P, Q],
+            {N: 0},
+            {},
+            MACHINE.transitions,
+            world=World(clauses={"assumption": kept if assumed else TRUE}, reads_machine="the test asks it"),
+        )
     )
     prop = always("no q", ~Q, further_assumption=~P, unconditional=unconditional)
     trace = run(world, [{"p": p, "q": q} for p, q in run_])

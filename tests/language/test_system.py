@@ -9,6 +9,7 @@ from safeloc.language.interpret import holds
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import canonical, environment, in_range, lower, without_ghosts
 from safeloc.language.units import MM
+from safeloc.language.world import World
 
 A, B = modes("A", "B")
 X, READING, LIT = number("x", MM, -5, 10), optional("r", MM, 3, 9), boolean("lit")
@@ -20,10 +21,7 @@ MACHINE = Machine(
     state={N: ANY, LIT: True},
     outputs={"n": N},
     transitions=[Transition("go", A, B, X > 3, {LIT: False})],
-    ghosts={GHOST: 1},
-    ghost_inputs=[PUSH],
-    ghost_moves={GHOST: PUSH},
-    assumption=X <= PUSH,
+    world=World(ghosts={GHOST: 1}, choices=[PUSH], moves={GHOST: PUSH}, clauses={"assumption": X <= PUSH}),
     initially=(N < 6) & GHOST.eq(1),
     lemmas={"low": N <= 50},
 )

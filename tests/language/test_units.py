@@ -10,19 +10,24 @@ from safeloc.language.units import (
     CM,
     COUNT,
     MM,
+    MM_PER_M,
     MM_S,
     MM_S2,
     MS,
     NAMED_UNITS,
     NM,
+    NM_PER_UM,
     ONE,
     PER_MILLE,
     PPM,
     UM,
+    US_PER_MS,
+    US_PER_S,
     Enumeration,
     M,
     S,
     Unit,
+    per,
 )
 
 
@@ -76,3 +81,12 @@ def test_enumerations_are_compared_by_name_and_members() -> None:
     assert colours.index("green") == 1
     with pytest.raises(ValueError, match=r"blue|not in tuple"):
         colours.index("blue")
+
+
+def test_how_many_of_a_unit_make_a_larger_one() -> None:
+    """Exact, by their scales; what is no whole number, or of another dimension, is refused."""
+    assert (1_000_000, 1_000, 1_000) == (per(NM, MM), per(UM, MM), per(MS, S))
+    assert (NM_PER_UM, MM_PER_M, US_PER_MS, US_PER_S) == (1_000, 1_000, 1_000, 1_000_000)
+    for small, large in ((MM, NM), (MM, S), (CM, MM_S)):
+        with pytest.raises(ValueError, match=f"one {large.name} is no whole number of {small.name}$"):
+            per(small, large)

@@ -82,13 +82,13 @@ def out(trace: Trace, index: int = -1) -> Mapping[str, Value]:
 
 
 def interval(trace: Trace, index: int = -1) -> tuple[int, int, int]:
-    """Position, over and under in mm."""
+    """Position and the margins above and below it in mm."""
     found = out(trace, index)
-    return int(found["position_mm"]), int(found["over_mm"]), int(found["under_mm"])
+    return int(found["position_mm"]), int(found["margin_above_mm"]), int(found["margin_below_mm"])
 
 
 def intervals(trace: Trace) -> list[tuple[int, int, int]]:
-    """Position, over and under of every step."""
+    """Position and the margins above and below it of every step."""
     return [interval(trace, index) for index in range(len(trace.steps))]
 
 
@@ -96,8 +96,8 @@ def wrong(stream: Sequence[Mapping[str, Cell]], trace: Trace) -> list[int]:
     """The steps whose reported interval misses the truth by more than its rounding to mm."""
     found = []
     for index, record in enumerate(stream):
-        position, over, under = interval(trace, index)
-        holds = position - under <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + over
+        position, above, below = interval(trace, index)
+        holds = position - below <= int(record["truth_mm"]) + 1 and int(record["truth_mm"]) <= position + above
         if out(trace, index)["valid"] and not holds:
             found.append(index)
     return found

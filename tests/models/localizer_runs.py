@@ -12,11 +12,11 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import without_ghosts
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer.simulation.simulate import Journey, simulate
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 CONFIG = LocalizerConfig()
 REPORTED = Reported(
-    position="delocalized.position_mm", under="delocalized.under_mm", over="delocalized.over_mm",
+    position="delocalized.position_mm", below="delocalized.margin_below_mm", above="delocalized.margin_above_mm",
     valid="delocalized.restrictive", valid_is=False,
 )  # fmt: skip
 """Where the whole tells its interval, as the catalogue has it."""

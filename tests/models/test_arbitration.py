@@ -32,8 +32,8 @@ class Says:
     """What a source states in a cycle, in mm."""
 
     position: int
-    under: int
-    over: int
+    below: int
+    above: int
     reference: bool = False
 
 
@@ -50,8 +50,8 @@ def step(distance: int | None = None, **stated: Says) -> dict[str, Value | None]
         inputs |= {
             f"{name}_valid": name in stated,
             f"{name}_position_mm": says.position,
-            f"{name}_under_mm": says.under,
-            f"{name}_over_mm": says.over,
+            f"{name}_margin_below_mm": says.below,
+            f"{name}_margin_above_mm": says.above,
             f"{name}_reference": says.reference,
             f"{name}_reason": "NONE" if name in stated else "TOLERANCE",
         }
@@ -69,7 +69,7 @@ def interval(trace: Trace) -> tuple[object, ...]:
     if not last["valid"]:
         return ()
     position = last["position_mm"]
-    return position - last["under_mm"], position, position + last["over_mm"]
+    return position - last["margin_below_mm"], position, position + last["margin_above_mm"]
 
 
 def lead(trace: Trace) -> object:

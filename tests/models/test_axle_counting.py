@@ -94,6 +94,12 @@ def test_sampling_too_seldom_is_refused() -> None:
         AxleHeadConfig(sample_us=700)
 
 
+def test_a_channel_alone_is_sampled() -> None:
+    """Nor the stretch on which it damps one channel alone: it would look as if both were damped at once."""
+    with pytest.raises(ValidationError, match="damps one channel alone for only 40 mm"):
+        AxleHeadConfig(spacing_mm=42)
+
+
 # ------------------------------------------------------------------ entry records
 
 

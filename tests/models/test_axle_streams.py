@@ -146,6 +146,7 @@ def test_an_unknown_direction_disturbs(stem: str, axles: int) -> None:
         ("axle_counter-service", [20, 4], None),
         ("axle_counter-braking", [20], None),
         ("axle_counter-turned", [20], "TURNED"),
+        ("axle_counter-crawling", [20], "MAYBE_ANOTHER_TRAIN"),
         ("axle_counter-direction-unknown", [20], "HEAD_FAULT"),
         ("axle_counter-no-speed", [20], "NO_SPEED"),
         ("axle_counter-power-up", [20], "POWER_UP"),

@@ -52,7 +52,7 @@ def test_antenna_and_detection_shift_and_widen_the_window() -> None:
     stream = [step(1_000, telegram(START, since_mm=0)), step(1_000, announcement(NEXT))]
     trace = drive(until(70, stream), config)
     assert interval(trace, 0) == (3_000, 3_000, 3_000)
-    ends = [(place - under, out(trace, index)["expected"]) for index, (place, _, under) in enumerate(intervals(trace))]
+    ends = [(place - below, out(trace, index)["expected"]) for index, (place, _, below) in enumerate(intervals(trace))]
     closing = next(index for index, (_, group) in enumerate(ends) if index > 1 and group == 0)
     assert ends[closing - 1][0] <= 55_000 < ends[closing][0]
 
@@ -130,10 +130,10 @@ def test_a_coarse_group_narrows_nothing() -> None:
 
 def test_overlap_on_one_side() -> None:
     """Read 3 m early: odometry has 42.65 to 51.35 m, the group 49 to 51 m; the common part is the group's."""
-    position, over, under = interval(read_at(47))
-    assert (position - under, position + over) == (49_000, 51_000)
-    position, over, under = interval(read_at(45))
-    assert (position - under, position + over) == (49_000, 49_250)
+    position, above, below = interval(read_at(47))
+    assert (position - below, position + above) == (49_000, 51_000)
+    position, above, below = interval(read_at(45))
+    assert (position - below, position + above) == (49_000, 49_250)
 
 
 def test_intervals_that_exclude_each_other_delocalize() -> None:
@@ -154,8 +154,8 @@ def test_the_time_since_the_reading_is_charged() -> None:
 def test_an_old_reading_is_charged_both_ways() -> None:
     """A reading older than the cycle: the direction of this cycle says nothing of it."""
     trace = read_at(50, NEXT, NEXT, telegram_since_mm=None, telegram_age_ms=150)
-    position, over, under = interval(trace)
-    assert (position - under, position + over) == (45_500, 54_500)
+    position, above, below = interval(trace)
+    assert (position - below, position + above) == (45_500, 54_500)
 
 
 @pytest.mark.parametrize(

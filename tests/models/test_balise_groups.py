@@ -38,7 +38,7 @@ def test_figure_1_is_run_with_its_own_map() -> None:
     stream = [start, step(1_000, announcement(group)), *(step() for _ in range(68))]
     trace = run(on_board(config), [*stream, step(1_000, telegram(group, since_mm=0))])
     assert label(trace, "telegram") == "ACCEPTED"
-    assert (out(trace)["position_mm"], out(trace)["over_mm"]) == (400_000, 5_000 + 1_000 + 300)
+    assert (out(trace)["position_mm"], out(trace)["margin_above_mm"]) == (400_000, 5_000 + 1_000 + 300)
     assert (out(trace)["reflector_mm"], out(trace)["search_mm"]) == (480_000, 400_000)
 
 

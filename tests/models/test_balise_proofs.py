@@ -8,22 +8,25 @@ from functools import cache
 
 import pytest
 
-from safeloc.language.expr import FALSE, Bool, Expr, Num, Var, ite, minimum
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, Var, ite, minimum
 from safeloc.language.machine import Machine, Transition
 from safeloc.language.nodes import Value
 from safeloc.language.spec import observe
 from safeloc.language.system import lower
 from safeloc.language.terms import Substitution
+from safeloc.language.units import PPM
 from safeloc.language.verdict import Proved, word
 from safeloc.models.balise import Balise, build
 from safeloc.models.balise import variables as v
-from safeloc.models.balise.telegram import PASSED
+from safeloc.models.balise.judgement import Judged
+from safeloc.models.balise.telegram import PASSED, Reader
 from safeloc.models.balise.variables import BaliseConfig, parts
-from safeloc.models.vocabulary.error_law import EDDY_CURRENT, RADAR
+from safeloc.models.vocabulary.error_law import EDDY_CURRENT, RADAR, ErrorLaw
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.balise import properties
+from tests.models.wrong_edits import lost
 
 Table = Sequence[Transition]
 Breaking = Callable[[Balise], Table]
@@ -102,7 +105,7 @@ def changed(name: str, updates: Callable[[Balise], Mapping[Var, Expr]]) -> Break
 
 def less_margin(good: Balise) -> Mapping[Var, Expr]:
     """The margin grows by one nanometre a cycle less than the error may."""
-    return {good.own.held.over: good.judged.run_on.over - 1}
+    return {good.own.held.above: good.judged.run_on.above - 1}
 
 
 def telegram_alone(good: Balise) -> Mapping[Var, Expr]:
@@ -204,3 +207,88 @@ def test_variant_is_proved(name: str) -> None:
     made = build(parts(VARIANTS[name]))
     findings = prove(lower(made.machine), properties(made), Limits(seconds=60), jobs=2)
     assert {finding.id: word(finding.result) for finding in findings if word(finding.result) != "proved"} == {}
+
+
+# ------------------------------------------------------------------ wrong edits of the terms
+
+
+def _search_forgotten(right: Callable[[Judged], dict[Var, Expr]]) -> Callable[[Judged], dict[Var, Expr]]:
+    def remember(cycle: Judged) -> dict[Var, Expr]:
+        own = cycle.own
+        return {**right(cycle), **own.search.become(FALSE, own.search.place)}
+
+    return remember
+
+
+def _search_from_the_reflector(right: Callable[[Judged], dict[Var, Expr]]) -> Callable[[Judged], dict[Var, Expr]]:
+    def remember(cycle: Judged) -> dict[Var, Expr]:
+        read = cycle.own.read
+        return {**right(cycle), **cycle.own.search.become(read.search.present, cycle.place + read.reflector.value)}
+
+    return remember
+
+
+def _wrong_side(right: Callable[[Reader, Num, Num], tuple[Num, Num]]) -> Callable[[Reader, Num, Num], tuple[Num, Num]]:
+    return lambda reader, place, accuracy: right(reader, place - 2 * reader.antenna_mm, accuracy)
+
+
+def _without_detection(
+    right: Callable[[Reader, Num, Num], tuple[Num, Num]],
+) -> Callable[[Reader, Num, Num], tuple[Num, Num]]:
+    return lambda reader, place, accuracy: right(reader, place, accuracy - reader.detection_mm)
+
+
+def _beyond_always(_: object) -> property:
+    return property(lambda cycle: v.ALONG)
+
+
+def _never_told(_: object) -> property:
+    return property(lambda cycle: cycle.own.memory.direction)
+
+
+def _by_any_second_group(_: object) -> property:
+    def direction(cycle: Judged) -> Num:
+        return ite(cycle.own.memory.group.ne(0), v.ALONG, cycle.own.memory.direction)
+
+    return property(direction)
+
+
+def _without_floor(_: object) -> Callable[[ErrorLaw, Num, Num, int], Num]:
+    return lambda law, distance, age, period_ms: distance * Lit(law.rate_ppm, PPM)
+
+
+TOLD = "search distance of the telegram is told"
+DIRECTION = "direction is told when balises tell it"
+EDITS: dict[str, tuple[type, str, Callable[..., object], str]] = {
+    "search distance ignored": (Judged, "remember", _search_forgotten, TOLD),
+    "search from where the reflector is": (Judged, "remember", _search_from_the_reflector, TOLD),
+    "antenna on the wrong side of the window": (Reader, "window", _wrong_side, "no window closes early"),
+    "and the group is not found in it": (Reader, "window", _wrong_side, "the expected group counts"),
+    "nor is it in order to take it": (Reader, "window", _wrong_side, "only announced groups reset"),
+    "window without the detection accuracy": (Reader, "window", _without_detection, "no window closes early"),
+    "direction told by any group": (Judged, "direction", _beyond_always, DIRECTION),
+    "direction never told": (Judged, "direction", _never_told, DIRECTION),
+    "direction by any second group": (Judged, "direction", _by_any_second_group, DIRECTION),
+    "what was told is never forgotten": (v.Ahead, "keep", lambda _: lambda told, passed: {}, TOLD),
+}
+
+
+QUICK = ("search distance ignored", "antenna on the wrong side of the window", "direction told by any group")
+
+
+@pytest.mark.parametrize(
+    "edit", [pytest.param(edit, marks=() if edit in QUICK else pytest.mark.slow) for edit in EDITS]
+)
+def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """RFL-9, RFL-D4: windows, directions and distances are claimed in figures of their own."""
+    where, name, wrong, broken = EDITS[edit]
+    monkeypatch.setattr(where, name, wrong(getattr(where, name)))
+    made = build(parts(BaliseConfig()))
+    assert lost(made.machine, properties(made), broken)
+
+
+def test_a_floor_that_is_not_charged_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MRK-4: of a unit that errs with time, what the law adds in every cycle is charged."""
+    monkeypatch.setattr(ErrorLaw, "growth_nm", _without_floor(None))
+    made = build(parts(VARIANTS["radar"]))
+    assert lost(made.machine, properties(made), "rejected telegrams change nothing")

@@ -17,14 +17,14 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.verdict import Held
 from safeloc.models import balise
-from safeloc.models.balise.simulate import GroupFault, RouteSet, line, simulate
+from safeloc.models.balise.simulate import RouteSet, line, simulate
 from safeloc.models.balise.variables import BaliseConfig, parts
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.properties.balise import properties
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
-from safeloc.simulation.sensors import Fault
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
 
 
@@ -58,7 +58,7 @@ FAULTS = {
 def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
     """Each named fault is rejected with its reason, and the reported interval holds the truth all the way."""
     groups = line(60_000, 80_000, 8)
-    faults = [GroupFault(6, kind)]  # type: ignore[arg-type]
+    faults = [Fault(kind, 6)]
     stream = simulate(BaliseConfig(), seed=3, legs=[Leg(39_000, 37)], groups=groups, missed=0, foreign=0, faults=faults)
     trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
     verdicts = [label(trace, "telegram", index) for index in range(len(trace.steps))]
@@ -80,7 +80,7 @@ def test_any_mixture_of_faulty_groups_keeps_every_property(
 ) -> None:
     """Any groups faulty in any way, at any speed and accuracy: the assumption is kept, and all properties hold."""
     model = balise.build(parts(BaliseConfig(announced_groups=groups, trust_first_group=seed % 2 == 0)))
-    named = [GroupFault(group, kind) for group, kind in faults.items()]  # type: ignore[arg-type]
+    named = [Fault(kind, group) for group, kind in faults.items()]
     stream = simulate(
         model.own.config, seed=seed, legs=[Leg(speed, 36)], groups=line(20_000, 60_000, 8), missed=0.1, foreign=0.02,
         faults=named, national_accuracy_mm=national,
@@ -95,7 +95,7 @@ def test_a_wheel_that_begins_to_slide_is_not_believed() -> None:
     """The sudden change is beyond what the vehicle can do: its distances are refused, and the top speed is charged."""
     stream = simulate(
         BaliseConfig(), seed=3, legs=[Leg(39_000, 35)], groups=line(60_000, 80_000, 9), missed=0, dropout=0,
-        sensor_faults=[Fault("odometer", "slide", 250, 300)],
+        sensor_faults=[Fault("slide", "odometer", 250, 300)],
     )  # fmt: skip
     trace = run(on_board(BaliseConfig()), [board_only(record) for record in stream])
     assert out(trace, 249)["valid"] is True
@@ -106,8 +106,10 @@ def test_a_wheel_that_begins_to_slide_is_not_believed() -> None:
 
 def test_simulation_refuses_faults_of_unknown_groups() -> None:
     """A fault of a group that the line does not have would test nothing."""
-    with pytest.raises(InputError, match=r"the line has no such group; it has \[1\]"):
-        simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[GroupFault(9, "missed")])
+    with pytest.raises(
+        InputError, match=r"^missed of 9, 0 to the end: no such place; of a balise group there are 1\.$"
+    ):
+        simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[Fault("missed", 9)])
 
 
 @pytest.mark.parametrize("name", ["balise-service", "balise-faulty-groups", "balise-two-missed"])

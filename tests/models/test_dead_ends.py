@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.language.expr import TRUE
 from safeloc.language.verdict import Proved, Violated
 from safeloc.models import satellite
-from safeloc.models.satellite import law
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.dead_ends import lasts
@@ -32,7 +33,7 @@ def test_no_run_comes_to_a_dead_end(name: str) -> None:
 
 def test_a_vehicle_that_cannot_stop_comes_to_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """First state, assumption and invariant share one term; where it asks for nothing, a run into a dead end is found."""
-    for module in (satellite, law):
-        monkeypatch.setattr(module, "can_stop", lambda *_: TRUE)
+    for module in ("", ".lemmas", ".world"):
+        monkeypatch.setattr(sys.modules[f"{satellite.__name__}{module}"], "can_stop", lambda *_: TRUE)
     wrong = satellite.compose_machines(SatelliteConfig(selection=SelectionConfig(channels=3)))
     assert isinstance(lasts(wrong.composition.system, Limits(seconds=30)), Violated)

@@ -16,6 +16,7 @@ from safeloc.language.spec import observe
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Held, Proved, Violated
 from safeloc.models.delocalized import DelocalizedConfig, machine
+from safeloc.models.vocabulary.absent import NO_MARGIN_MM, NO_POSITION_MM
 from safeloc.models.vocabulary.reasons import REASON
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
@@ -29,13 +30,13 @@ Outputs = list[Mapping[str, Value]]
 
 def seen(valid: bool = True, reference: bool = False, reason: str = "NONE", **more: int) -> dict[str, object]:
     """One step of the source."""
-    source = {"source_position_mm": 5_000, "source_over_mm": 300, "source_under_mm": 200}
+    source = {"source_position_mm": 5_000, "source_margin_above_mm": 300, "source_margin_below_mm": 200}
     return {"source_valid": valid, "reference_accepted": reference, "source_reason": reason, **source, **more}
 
 
 def lost(reason: str = "SENSOR_FAILURE", *, reference: bool = False) -> dict[str, object]:
     """A step in which the source reports nothing."""
-    none = {"source_position_mm": 0, "source_over_mm": 0, "source_under_mm": 0}
+    none = {"source_position_mm": 0, "source_margin_above_mm": 0, "source_margin_below_mm": 0}
     return seen(False, reference, reason, **none)
 
 
@@ -65,18 +66,23 @@ def test_starts_restrictive() -> None:
     (out,) = drive(seen())
     assert out == {
         "restrictive": True,
-        "position_mm": 0,
-        "over_mm": 0,
-        "under_mm": 0,
+        "position_mm": NO_POSITION_MM,
+        "margin_above_mm": NO_MARGIN_MM,
+        "margin_below_mm": NO_MARGIN_MM,
         "reason": REASONS.index("NO_REFERENCE"),
     }
 
 
 def test_a_located_source_is_passed_on() -> None:
     """While localized, position and margins are those of the source, in the same step."""
-    first, second = drive(FOUND, seen(source_position_mm=6_000, source_over_mm=400))
-    assert (first["position_mm"], first["over_mm"], first["under_mm"], first["restrictive"]) == (5_000, 300, 200, False)
-    assert (second["position_mm"], second["over_mm"], second["under_mm"]) == (6_000, 400, 200)
+    first, second = drive(FOUND, seen(source_position_mm=6_000, source_margin_above_mm=400))
+    assert (first["position_mm"], first["margin_above_mm"], first["margin_below_mm"], first["restrictive"]) == (
+        5_000,
+        300,
+        200,
+        False,
+    )
+    assert (second["position_mm"], second["margin_above_mm"], second["margin_below_mm"]) == (6_000, 400, 200)
     assert reasons([first, second]) == ["NONE", "NONE"]
 
 
@@ -84,10 +90,11 @@ def test_same_step_entry() -> None:
     """The step in which the source loses its position is the one that is restrictive; nothing is passed on in it."""
     outputs = drive(FOUND, seen(), lost())
     assert restrictive(outputs) == [False, False, True]
-    assert (outputs[2]["position_mm"], outputs[2]["over_mm"], outputs[2]["under_mm"]) == (0, 0, 0)
+    told = (outputs[2]["position_mm"], outputs[2]["margin_above_mm"], outputs[2]["margin_below_mm"])
+    assert told == (NO_POSITION_MM, NO_MARGIN_MM, NO_MARGIN_MM)
 
 
-@pytest.mark.parametrize("side", ["source_over_mm", "source_under_mm"])
+@pytest.mark.parametrize("side", ["source_margin_above_mm", "source_margin_below_mm"])
 def test_too_wide_a_source(side: str) -> None:
     """At the tolerance a position is passed on, one millimetre beyond it is lost, on either side."""
     outputs = drive(FOUND, seen(**{side: 1_000}), seen(**{side: 1_001}))
@@ -99,7 +106,7 @@ def test_too_wide_a_source(side: str) -> None:
 def test_the_first_reason_stays(reason: str) -> None:
     """The reason of the loss is the source's, and later ones do not replace it."""
     later = "CONTRADICTION" if reason != "CONTRADICTION" else "SENSOR_FAILURE"
-    outputs = drive(FOUND, lost(reason), lost(later), seen(source_over_mm=2_000), seen())
+    outputs = drive(FOUND, lost(reason), lost(later), seen(source_margin_above_mm=2_000), seen())
     assert reasons(outputs) == ["NONE", *[reason] * 4]
     assert restrictive(outputs) == [False, *[True] * 4]
 
@@ -115,9 +122,9 @@ def test_a_source_without_a_reason() -> None:
         (FOUND, True),
         (seen(), False),
         (lost(reference=True), False),
-        (seen(reference=True, source_over_mm=1_001), False),
-        (seen(reference=True, source_under_mm=1_001), False),
-        (seen(reference=True, source_over_mm=1_000), True),
+        (seen(reference=True, source_margin_above_mm=1_001), False),
+        (seen(reference=True, source_margin_below_mm=1_001), False),
+        (seen(reference=True, source_margin_above_mm=1_000), True),
     ],
 )
 def test_left_only_by_a_checked_reference(step: Mapping[str, object], left: bool) -> None:
@@ -134,7 +141,7 @@ def test_a_reference_is_not_remembered() -> None:
 
 def test_a_second_loss_has_its_own_reason() -> None:
     """Found again, the next loss states its own reason."""
-    outputs = drive(FOUND, lost("SENSOR_FAILURE"), FOUND, seen(source_over_mm=1_001))
+    outputs = drive(FOUND, lost("SENSOR_FAILURE"), FOUND, seen(source_margin_above_mm=1_001))
     assert reasons(outputs) == ["NONE", "SENSOR_FAILURE", "NONE", "TOLERANCE"]
 
 

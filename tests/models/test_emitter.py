@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.expr import FALSE, TRUE
+from safeloc.language.expr import FALSE, TRUE, Bool
 from safeloc.language.interpret import run
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
-from safeloc.models.emitter import Emitter, EmitterConfig, build, parts
+from safeloc.models import emitter
+from safeloc.models.emitter import Emitter, EmitterConfig, Parts, build, judgement, parts
 from safeloc.properties.emitter import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, unproved_of
 from tests.models.one_step import changed, not_kept
+from tests.models.wrong_edits import lost
 
 CONFIG = EmitterConfig()
 OWN: dict[str, Cell] = {"heard_pattern": CONFIG.pattern, "heard_place_mm": CONFIG.place_mm}
@@ -75,6 +78,20 @@ def test_a_request_is_answered_or_fails() -> None:
     assert found.index("FAILED") == 22 + CONFIG.answer_cycles
 
 
+def test_a_request_is_not_forgotten() -> None:
+    """Made in the cycle in which the chain fails, or while the own pattern comes from elsewhere: its answer counts."""
+    ask: dict[str, Cell] = {"test_requested": True}
+    elsewhere: dict[str, Cell] = {**OWN, "heard_place_mm": CONFIG.place_mm + CONFIG.place_tolerance_mm + 1}
+    assert labels(heard(40, {18: OWN, 22: ask, 24: elsewhere, 26: OWN}), "heard")[26] == "PASSED"
+    assert labels(heard(40, {18: OWN, 22: ask, 28: ask, 30: OWN}), "heard")[30] == "PASSED"
+
+
+def test_a_pattern_that_comes_too_late_still_tells_the_time() -> None:
+    """The chain fails, but a repetition of that pattern in the next cycle is not due."""
+    trace = heard(60, {18: OWN, 39: OWN, 40: OWN})
+    assert (mode_labels(made().machine, trace)[39], labels(trace, "heard")[40]) == ("FAILED", "NOT_DUE")
+
+
 def test_recovery_takes_several_patterns() -> None:
     """After a failure one pattern is not enough."""
     found = mode_labels(made().machine, heard(90, {18: OWN, 45: OWN, 62: OWN}))
@@ -105,3 +122,72 @@ def test_a_pattern_that_counts_at_any_time_is_refused() -> None:
     """A window as long as the due time tests nothing."""
     with pytest.raises(ValidationError, match="tests nothing"):
         EmitterConfig(window_cycles=20)
+
+
+Edit = Callable[[Parts], Bool]
+EDITS: dict[str, tuple[str, Edit, str]] = {
+    "the pattern counts at any time": ("due", lambda own: TRUE, "dead chain is told"),
+    "and shows a chain that is dead": ("due", lambda own: TRUE, "what passes came through the chain"),
+    "one cycle too early": (
+        "due",
+        lambda own: (own.since + 2 >= own.config.due_cycles - own.config.window_cycles) | (own.asked > 0),
+        "what passes came through the chain",
+    ),
+    "the answer to a request does not count": (
+        "due",
+        lambda own: own.since + 1 >= own.config.due_cycles - own.config.window_cycles,
+        "a pattern passes when the emitter is to send, and only then",
+    ),
+    "from anywhere": ("near", lambda own: TRUE, "only the own pattern passes"),
+    "from anywhere below": (
+        "near",
+        lambda own: own.place.value - own.config.place_mm <= own.config.place_tolerance_mm,
+        "what passes came through the chain",
+    ),
+    "no pattern is awaited": (
+        "overdue",
+        lambda own: own.asked >= own.config.answer_cycles,
+        "silence is told",
+    ),
+    "no answer is awaited": (
+        "overdue",
+        lambda own: own.since >= own.config.due_cycles,
+        "request is answered",
+    ),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """FVA-8: known place and known time, in the terms that the machine judges by."""
+    name, term, broken = EDITS[edit]
+    for module in (judgement, emitter):
+        monkeypatch.setattr(module, name, term, raising=False)
+    wrong = build(parts(CONFIG))
+    assert lost(wrong.machine, properties(wrong), broken)
+
+
+@pytest.mark.parametrize(
+    ("row", "forgets", "broken"),
+    [
+        ("one more pattern passes", "passes", "patterns count one after the other"),
+        ("pattern does not come", "asked", "a pattern passes when the emitter is to send, and only then"),
+        ("own pattern from elsewhere", "asked", "a pattern passes when the emitter is to send, and only then"),
+        pytest.param("pattern does not come", "since", "what passes came through the chain", marks=pytest.mark.slow),
+        ("wait for a pattern after the failure", "passes", "patterns count one after the other"),
+    ],
+)
+def test_a_clock_that_a_row_forgets_is_noticed(row: str, forgets: str, broken: str) -> None:
+    """Every row keeps both clocks and the count going."""
+    wrong = build(parts(CONFIG))
+    kept = next(one for one in wrong.machine.transitions if one.name == row)
+    fewer = {var: term for var, term in kept.set.items() if var is not getattr(wrong.own, forgets)}
+    wrong = replace(wrong, machine=changed(wrong.machine, row, set=fewer))
+    assert lost(wrong.machine, properties(wrong), broken)
+
+
+@pytest.mark.parametrize("fields", [{"passes_to_recover": 1}, {"passes_to_recover": 3, "window_cycles": 1}])
+def test_other_figures_are_proved(fields: dict[str, int]) -> None:
+    """One pattern recovers at once, or three; a window of one cycle."""
+    model = build(parts(EmitterConfig(**fields)))
+    assert lost(model.machine, properties(model)) == {}

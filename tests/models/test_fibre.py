@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.expr import FALSE, TRUE
+from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, as_num, ite
 from safeloc.language.monitor import check_all
 from safeloc.language.spec import Property
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT, NM
 from safeloc.language.verdict import Violated
 from safeloc.models.fibre import Fibre, FibreConfig, build, parts
+from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.code import Symbol
+from safeloc.models.fibre.cycle import Cycle
 from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.properties.fibre import properties
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
@@ -40,7 +44,7 @@ def driven(drive: Drive, *sections: Section, seed: int = 1) -> Trace:
     for step, seen in zip(steps, trace.steps, strict=True):
         if seen.outputs["valid"]:
             off = int(step["truth_mm"]) - seen.outputs["position_mm"]
-            assert -seen.outputs["under_mm"] <= off <= seen.outputs["over_mm"]
+            assert -seen.outputs["margin_below_mm"] <= off <= seen.outputs["margin_above_mm"]
     return trace
 
 
@@ -160,3 +164,69 @@ def test_configurations_that_cannot_tell_are_refused(fields: dict[str, int], mes
     """Lengths within each other's tolerance, or no hysteresis, are refused."""
     with pytest.raises(ValidationError, match=message):
         FibreConfig(**fields)
+
+
+# ------------------------------------------------------------------ wrong edits of what several rows are made of
+
+
+def _no_fall(cycle: Cycle) -> Num:
+    """A fall of the amplitude is never noticed."""
+    raised = cycle.own.amplitude.present & (cycle.own.amplitude.value >= CONFIG.change_cdb)
+    return ite(raised, v.RAISED, v.NORMAL)
+
+
+def _swapped(cycle: Cycle) -> Num:
+    """Rise and fall taken for one another."""
+    value = cycle.own.amplitude.value
+    return ite(value >= CONFIG.change_cdb, v.LOWERED, ite(value <= -CONFIG.change_cdb, v.RAISED, v.NORMAL))
+
+
+def _missed_ahead_only(cycle: Cycle) -> Bool:
+    """A missed section is not noticed while running down."""
+    reach = CONFIG.read_tolerance_mm + cycle.slack
+    beyond = cycle.own.ahead.known & (cycle.place - reach > cycle.own.ahead.near)
+    return cycle.own.band.eq(v.NORMAL) & ~cycle.enters & beyond
+
+
+EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
+    ("band", _no_fall, "the band follows the amplitude"),
+    ("band", _no_fall, "a rise or a fall is a signal"),
+    ("band", _swapped, "the band follows the amplitude"),
+    ("overdue", _missed_ahead_only, "missed section raises F at once"),
+    ("one", lambda cycle: ite(cycle.own.forwards, as_num(1, COUNT), as_num(1, COUNT)), "every signal counts by direction"),
+    ("forwards", lambda cycle: cycle.own.forwards, "direction and silence are followed"),
+    ("charge", lambda cycle: as_num(0, NM), "every run is charged"),
+    ("fresh", lambda cycle: cycle.charge, "an edge is charged the run of its cycle"),
+    ("since", lambda cycle: cycle.own.since, "every run is charged"),
+    ("silent", lambda cycle: ~cycle.own.run.present & (cycle.own.gap > 3) & cycle.own.counted, "a pattern that is lost has no place"),
+    ("too_wide", lambda cycle: cycle.drift > 10**12, "a pattern that is lost has no place"),
+    ("reads_long", lambda cycle: abs_(cycle.inside) > CONFIG.short_mm, "the word is what was read"),
+    ("reads_short", lambda cycle: ~cycle.reads_long, "wrong length raises F"),
+    ("turned_back", lambda cycle: cycle.inside < 0, "wrong length raises F"),
+    ("endless", lambda cycle: abs_(cycle.own.since) > CONFIG.long_mm * 3, "endless section raises F at once"),
+    ("fits", lambda cycle: cycle.own.ahead.known & ~cycle.full, "false section raises F at once"),
+    ("wrong_length", lambda cycle: cycle.leaves & ~cycle.turned_back & ~cycle.read, "wrong length raises F"),
+    ("flight_differs", lambda cycle: cycle.own.flight.value > cycle.place + 400_000, "time of flight raises F at once"),
+    ("reflection_differs", lambda cycle: cycle.own.reflection.value > cycle.place, "reflecting point raises F at once"),
+]  # fmt: skip
+
+
+def lacking(claim: str) -> set[str]:
+    """What the machine, as it is at present, does not keep of a claim."""
+    model = build(parts(CONFIG))
+    return not_kept(model.machine, _named(claim, model))
+
+
+@pytest.mark.parametrize(("name", "wrong", "broken"), EDITS, ids=[f"{name}: {broken}" for name, _, broken in EDITS])
+def test_a_wrong_term_is_noticed(
+    name: str, wrong: Callable[[Cycle], object], broken: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fall that is never noticed, a section missed while running down, a charge that is forgotten: each loses a proof."""
+    monkeypatch.setattr(Cycle, name, property(wrong))
+    assert lacking(broken)
+
+
+@pytest.mark.parametrize("claim", sorted({broken for *_, broken in EDITS}))
+def test_the_right_machine_keeps_it(claim: str) -> None:
+    """What wrong edits lose, the machine as it ships has."""
+    assert set() == lacking(claim)

@@ -36,7 +36,7 @@ from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, recordings_of
 from tests.models.one_step import changed, not_kept_by
 
-CONFIG = FibreAreaConfig()
+CONFIG = FibreAreaConfig(verification=VerificationConfig(traction_mm_s2=1_500))
 Wiring = Callable[[Verification, Fibre, Fibre, Emitter, Entry], dict[Var, Expr]]
 
 

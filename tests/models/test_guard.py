@@ -8,24 +8,38 @@ from dataclasses import replace
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, TRUE, as_num
+from safeloc.language.expr import FALSE, TRUE, Lit, Num, as_num, exact_to, minimum
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine
 from safeloc.language.monitor import check_all
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
-from safeloc.language.units import COUNT
+from safeloc.language.units import COUNT, NM, UM_S
 from safeloc.language.verdict import Held, Proved
-from safeloc.models.guard import Guard, box, build
+from safeloc.models import guard
+from safeloc.models.guard import Guard, box, build, judgement
+from safeloc.models.guard.judgement import Judged
 from safeloc.models.guard.simulate import FIRST_TRUTH, simulate
-from safeloc.models.guard.variables import FAULT, JUDGED, GuardConfig, parts
+from safeloc.models.guard.variables import (
+    DOUBTFUL,
+    FAULT,
+    JUDGED,
+    JUMP,
+    OFF_TRACK,
+    PASSED,
+    SPEED_DISAGREES,
+    GuardConfig,
+    Parts,
+    parts,
+)
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.guard import properties
 from safeloc.runtime.streams.steps import read_steps
 from tests.models.one_step import changed, not_kept, without
 from tests.models.spoilt import rebuilt
+from tests.models.wrong_edits import lost
 
 CONFIG = GuardConfig(confirmations=3, speed_window_ms=400, window_limit_mm=40_000)
 MODEL = build(parts(CONFIG))
@@ -150,13 +164,78 @@ def test_the_implausible_fix_has_to_be_noticed() -> None:
 # ------------------------------------------------------------------ figures
 
 
+def _trusted_at_once(_: object) -> property:
+    return property(lambda judged: TRUE)
+
+
+def _one_too_few(_: object) -> property:
+    return property(lambda judged: judged.own.agreed + 2 >= judged.own.config.confirmations)
+
+
+def _jumps_forgiven(_: object) -> property:
+    return property(lambda judged: judged.verdict.one_of(OFF_TRACK, SPEED_DISAGREES))
+
+
+def _speed_forgiven(_: object) -> property:
+    return property(lambda judged: judged.verdict.one_of(OFF_TRACK, JUMP))
+
+
+def _doubt_counts(_: object) -> property:
+    return property(lambda judged: judged.verdict.one_of(PASSED, DOUBTFUL))
+
+
+def _row_by_two(_: object) -> property:
+    return property(lambda judged: minimum(judged.own.agreed + 2, judged.own.config.confirmations))
+
+
+def _begins_by_anything(_: object) -> property:
+    return property(lambda judged: judged.own.fix.present)
+
+
+def _brake_forgotten(right: Callable[[Parts, box.Box], box.Box]) -> Callable[[Parts, box.Box], box.Box]:
+    def moved(own: Parts, held: box.Box) -> box.Box:
+        return replace(right(own, held), slow=held.slow)
+
+    return moved
+
+
+def _age_forgotten(right: Callable[[Parts], Num]) -> Callable[[Parts], Num]:
+    return lambda own: right(own) - exact_to(Lit(own.config.max_speed_mm_s * 1_000, UM_S) * own.age, NM)
+
+
+COSTS = "an implausible fix costs the trust"
+EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
+    "trusted with any fix that agrees": (Judged, "confirmed", _trusted_at_once, "no resurrection"),
+    "trusted with one fix too few": (Judged, "confirmed", _one_too_few, "no resurrection"),
+    "a jump costs no trust": (Judged, "implausible", _jumps_forgiven, COSTS),
+    "a speed costs no trust": (Judged, "implausible", _speed_forgiven, COSTS),
+    "a fix in doubt counts": (Judged, "agrees", _doubt_counts, "a delivery is told as what it is"),
+    "the row grows by two": (Judged, "more", _row_by_two, "a row that does not agree begins anew"),
+    "anything begins a row": (Judged, "begins", _begins_by_anything, "a row begins with a fix that may be true"),
+    "brakes are not reckoned with": (judgement, "moved", _brake_forgotten, "what is withheld narrows nothing"),
+    "age is not charged": (box, "half_nm", _age_forgotten, "a fix is charged all it may be off"),
+    "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "what is held is given up when it bounds nothing"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "edit", [pytest.param(edit, marks=pytest.mark.slow if edit == "the row grows by two" else ()) for edit in EDITS]
+)
+def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MRK-D6: gates, charges and trust are claimed in figures of their own."""
+    where, name, wrong, broken = EDITS[edit]
+    monkeypatch.setattr(where, name, wrong(getattr(where, name)))
+    made = build(parts(CONFIG))
+    assert lost(made.machine, properties(made), broken)
+
+
 def test_a_row_is_needed() -> None:
     """Two fixes are not enough where three are asked for; the third is passed on with 10 m on either side."""
     trace = driven(*BELIEVED)
     assert ["RECOVERING", "RECOVERING", "PASSING"] == modes(trace)
     assert ["UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)
     assert (True, 0, 10_000, 10_000) == tuple(
-        trace.steps[-1].outputs[name] for name in ("valid", "position_mm", "under_mm", "over_mm")
+        trace.steps[-1].outputs[name] for name in ("valid", "position_mm", "margin_below_mm", "margin_above_mm")
     )
 
 

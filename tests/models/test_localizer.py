@@ -9,13 +9,14 @@ from typing import get_args
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.composition import compose
+from safeloc.language.composition import Clause, compose
 from safeloc.language.expr import TRUE, Expr, Lit, Num, minimum
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import MM
 from safeloc.language.verdict import Proved
 from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
+from safeloc.models.satellite.world import SELECTED
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.provers.proved_base import base
@@ -60,9 +61,9 @@ def test_a_reference_is_owed_not_assumed() -> None:
 
 
 def test_without_an_earlier_source_it_is_assumed() -> None:
-    """Satellites alone: references come from the environment, nothing is owed."""
+    """Satellites alone: references come from the environment; only what the selection keeps is discharged."""
     whole = compose_machines(LocalizerConfig(sources=("satellite",)))
-    assert whole.pieces["satellite"].owed == ()
+    assert [SELECTED] == [one.name for one in whole.pieces["satellite"].owed if isinstance(one, Clause)]
     assert "position.reference_mm.present" in {var.name for var in whole.composition.system.inputs}
 
 
@@ -76,7 +77,7 @@ def _untrusted(whole: Localizer) -> Mapping[str, Expr]:
 
 def _half(whole: Localizer) -> Mapping[str, Expr]:
     [first, _] = whole.pieces.values()
-    return {"reference_accuracy_mm": minimum(first.stated.under, whole.config.satellite.tolerance_mm)}
+    return {"reference_accuracy_mm": minimum(first.stated.below, whole.config.satellite.tolerance_mm)}
 
 
 @pytest.mark.parametrize("wrong", [_no_error, _untrusted, _half])

@@ -24,7 +24,8 @@ from safeloc.models.localizer.simulation.journeys import (
     pairs,
     with_troubles,
 )
-from safeloc.models.localizer.simulation.simulate import Trouble, first_state, simulate
+from safeloc.models.localizer.simulation.simulate import first_state, simulate
+from safeloc.simulation.faults import Fault
 from tests.models.localizer_runs import CONFIG, Told, run
 
 SOURCES = picture(CONFIG, lambda _: "").sources
@@ -67,10 +68,10 @@ def wrong(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
     if not out["arbitration.valid"]:
         return False
     valid = {one.name: ends for one in SOURCES if (ends := one.reported.interval_mm(out)) is not None}
-    position, under, over = (out[f"arbitration.{name}_mm"] for name in ("position", "under", "over"))
+    position, below, above = (out[f"arbitration.{name}_mm"] for name in ("position", "margin_below", "margin_above"))
     common = max(low for low, _ in valid.values()), min(high for _, high in valid.values())
     lead = CONFIG.arbitration.sources[out["arbitration.lead"] - 1]
-    return common != (position - under, position + over) or lead not in valid or _runs_ahead(earlier, out)
+    return common != (position - below, position + above) or lead not in valid or _runs_ahead(earlier, out)
 
 
 def _runs_ahead(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
@@ -90,8 +91,8 @@ def test_sources_lead_where_they_are_best() -> None:
 
 LAWFUL = {
     **NOMINAL, "off the fibre": OFF_THE_FIBRE,
-    "stale linking": replace(FREIGHT, troubles=[Trouble("linking not replaced")]),
-    "other branch": replace(FREIGHT, troubles=[Trouble("other branch taken")]),
+    "stale linking": replace(FREIGHT, troubles=[Fault("linking not replaced")]),
+    "other branch": replace(FREIGHT, troubles=[Fault("other branch taken")]),
 }  # fmt: skip
 
 
@@ -153,7 +154,7 @@ def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.M
     """Drawn away by 3 m/s the satellites are believed until another source excludes them: in that cycle both are named, and
     nothing is passed on. Where it is passed on again, an absolute reference has just been accepted and all agree."""
     monkeypatch.setattr(localizer_streams, "SPOOFED_MM", 300)
-    told = run(replace(NOMINAL["freight"], troubles=[Trouble("spoofing", 800, 1_400)]))
+    told = run(replace(NOMINAL["freight"], troubles=[Fault("spoofing", "", 800, 1_400)]))
     often = told.fired["arbitration: sources contradict each other"]
     assert often == 4
     named = [

@@ -9,31 +9,25 @@ from functools import cache
 import pytest
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise import variables as v
 from safeloc.models.localizer.simulation.journeys import ASIDE, FREIGHT, OFF_THE_FIBRE, SET_MM, SWITCH_MM, THROUGH
-from safeloc.models.localizer.simulation.simulate import (
-    NM_PER_MM,
-    Journey,
-    Steps,
-    Trouble,
-    TroubleKind,
-    motion_of,
-    simulate,
-)
+from safeloc.models.localizer.simulation.simulate import Journey, Steps, motion_of, simulate
+from safeloc.simulation.faults import Fault
 from tests.models.localizer_runs import CONFIG, Told, run
 
-OTHER: TroubleKind = "other branch taken"
-STALE: TroubleKind = "linking not replaced"
+OTHER = "other branch taken"
+STALE = "linking not replaced"
 BRANCHES = [{group.identity for group in branch} for branch in (THROUGH, ASIDE)]
 
 
-def gone_wrong(*kinds: TroubleKind) -> Journey:
+def gone_wrong(*kinds: str) -> Journey:
     """The freight journey with what goes wrong at its junction."""
-    return replace(FREIGHT, troubles=[Trouble(kind) for kind in kinds])
+    return replace(FREIGHT, troubles=[Fault(kind) for kind in kinds])
 
 
 @cache
-def told(*kinds: TroubleKind) -> Told:
+def told(*kinds: str) -> Told:
     """What is told on it."""
     return run(gone_wrong(*kinds))
 
@@ -84,7 +78,7 @@ def test_without_the_change_nothing_is_replaced() -> None:
 
 
 @pytest.mark.parametrize("kind", [OTHER, STALE])
-def test_no_group_that_is_not_announced_counts(kind: TroubleKind) -> None:
+def test_no_group_that_is_not_announced_counts(kind: str) -> None:
     """Groups are read behind the switch and none is accepted: not announced, and later without a place on the route."""
     one = told(kind)
     judged = [verdict for verdict in behind(one, "balise.telegram") if verdict != v.NONE.value]
@@ -95,7 +89,7 @@ def test_no_group_that_is_not_announced_counts(kind: TroubleKind) -> None:
 
 
 @pytest.mark.parametrize(("kind", "last_mm"), [(OTHER, 1_200_000), (STALE, 2_030_000)])
-def test_every_source_is_withdrawn_and_none_comes_back(kind: TroubleKind, last_mm: int) -> None:
+def test_every_source_is_withdrawn_and_none_comes_back(kind: str, last_mm: int) -> None:
     """On the other branch 250 m behind the switch nothing is left; with stale linking the fibre lasts to its end."""
     outputs = told(kind).outputs[cycle_at(last_mm) :]
     assert len(outputs) > 200

@@ -16,11 +16,11 @@ from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Step
+from safeloc.language.units import NM_PER_MM
 from safeloc.language.verdict import Proved, word
 from safeloc.models import localizer_sections
 from safeloc.models.area import AreaConfig, moves_clause, reports_clause
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer.simulation.simulate import NM_PER_MM
 from safeloc.models.localizer_sections import LocalizerSections, LocalizerSectionsConfig, compose_machines, train_ends
 from safeloc.models.localizer_sections.simulate import ENDS, FOLDER, SCENES, SECTION, first_state, simulate, write
 from safeloc.models.sections import SectionsConfig
@@ -72,8 +72,8 @@ def test_only_the_areas_own_environment_is_assumed() -> None:
     """Movement and reports of this train are clauses of the area that the whole does not assume."""
     area = small().area
     train = area.own.slots[0]
-    assert {moves_clause(train), reports_clause(train)} <= set(area.machine.clauses)
-    assert "train 1 is counted" in area.machine.clauses
+    assert {moves_clause(train), reports_clause(train)} <= set(area.machine.world.clauses)
+    assert "train 1 is counted" in area.machine.world.clauses
 
 
 @pytest.mark.slow
@@ -120,7 +120,7 @@ def test_the_length_is_charged_with_its_tolerance() -> None:
     """The far end told with the front end's own margin may not hold it."""
     ends = small().ends
     [row] = [t for t in ends.machine.transitions if t.name == "both ends known"]
-    wrong = changed(ends.machine, "both ends known", set={**row.set, ends.own.told_under: ends.own.under})
+    wrong = changed(ends.machine, "both ends known", set={**row.set, ends.own.told_below: ends.own.below})
     assert "the far end is inside" in refuted(wrong)
 
 
@@ -266,4 +266,4 @@ def test_the_area_begins_where_the_train_is_counted_in() -> None:
 
 def test_the_far_end_owes_its_place_to_the_front_end() -> None:
     """The clause is named, so that the composition can name it."""
-    assert list(small().ends.machine.clauses) == [train_ends.SENT]
+    assert list(small().ends.machine.world.clauses) == [train_ends.SENT]

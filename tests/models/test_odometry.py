@@ -22,8 +22,8 @@ from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.proof.runs.driver import Driver
 from safeloc.properties.odometry import properties
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
-from safeloc.simulation.sensors import Fault
 from tests.data_sources import log_steps_mm, rows
 from tests.models.one_step import not_kept
 
@@ -119,12 +119,14 @@ def test_two_devices_are_never_worse_than_the_front_one_alone() -> None:
 
 def margin(out: Mapping[str, Value]) -> int:
     """The greater side."""
-    return max(int(out["over_mm"]), int(out["under_mm"]))
+    return max(int(out["margin_above_mm"]), int(out["margin_below_mm"]))
 
 
 def plain(record: Mapping[str, int | bool]) -> dict[str, int | bool]:
     """A simulated step without ghosts and remarks."""
-    return {name: value for name, value in record.items() if not name.endswith("_nm") and name != "truth_mm"}
+    return {
+        name: value for name, value in record.items() if not name.endswith(("_nm", "_stray")) and name != "truth_mm"
+    }
 
 
 def test_published_trace_of_half_widths() -> None:
@@ -145,8 +147,8 @@ def test_published_trace_of_half_widths() -> None:
     assert len(reported) == 801
     for row, out in zip(recorded, reported, strict=True):
         assert out["position_mm"] == int(row["true_cm"]) * 10
-        assert 0 <= int(out["over_mm"]) - int(row["max_dev_cm"]) * 10 <= 1
-        assert 0 <= int(out["under_mm"]) + int(row["min_dev_cm"]) * 10 <= 1
+        assert 0 <= int(out["margin_above_mm"]) - int(row["max_dev_cm"]) * 10 <= 1
+        assert 0 <= int(out["margin_below_mm"]) + int(row["min_dev_cm"]) * 10 <= 1
 
 
 def replayed_log(name: str) -> Trace:
@@ -176,7 +178,7 @@ def test_jumps_of_the_faulty_log_are_rejected() -> None:
     for index in range(1, len(trace.steps)):
         before, after = trace.steps[index - 1].state, trace.steps[index].state
         if before["front_wheel_alive"] and after["front_wheel_alive"]:
-            assert after["front_wheel_over_nm"] >= before["front_wheel_over_nm"]
+            assert after["front_wheel_margin_above_nm"] >= before["front_wheel_margin_above_nm"]
 
 
 def test_jumps_move_no_interval_after_a_reference() -> None:
@@ -220,7 +222,7 @@ def test_leading_readings(reading: dict[str, int], verdict: str) -> None:
     """What becomes of a leading reading; only an accepted one sets the device."""
     trace = run(on_board(PLAIN), [*located(), step(1_000, **reading)])
     assert label(trace, "front_reading") == verdict
-    assert (trace.steps[-1].outputs["over_mm"] == 0) == (verdict == "ACCEPTED")
+    assert (trace.steps[-1].outputs["margin_above_mm"] == 0) == (verdict == "ACCEPTED")
     assert trace.steps[-1].outputs["position_mm"] == 11_000
 
 
@@ -287,17 +289,17 @@ def test_vibration_at_standstill_does_not_swap() -> None:
 
 
 def test_latency_widens_the_side_the_vehicle_runs_to() -> None:
-    """12 ms of 100 ms at 1 m a cycle: 120 mm on the over side, none on the under side."""
+    """12 ms of 100 ms at 1 m a cycle: 120 mm, their 5 % and 1.5 mm of a changing speed above, only the latter below."""
     config = PLAIN.model_copy(update={"reader_latency_ms": 12})
     trace = run(on_board(config), [*located(), step(1_000, **marker("front", 2, 11_000))])
-    assert (trace.steps[-1].outputs["over_mm"], trace.steps[-1].outputs["under_mm"]) == (120, 0)
+    assert (trace.steps[-1].outputs["margin_above_mm"], trace.steps[-1].outputs["margin_below_mm"]) == (128, 2)
 
 
 def test_unknown_time_of_reading_charges_the_whole_cycle() -> None:
-    """A reading without `since` may have been made anywhere in the cycle."""
+    """A reading without `since` may have been made anywhere in the cycle: 1 m, its 5 %, 12.5 mm of a changing speed."""
     far = [step(1_000) for _ in range(40)]
     trace = run(on_board(PLAIN), [*located(), *far, step(1_000, **marker("front", 2, 51_000, since=None))])
-    assert (trace.steps[-1].outputs["over_mm"], trace.steps[-1].outputs["under_mm"]) == (1_000, 0)
+    assert (trace.steps[-1].outputs["margin_above_mm"], trace.steps[-1].outputs["margin_below_mm"]) == (1_063, 13)
 
 
 def test_a_first_marker_is_only_a_candidate() -> None:
@@ -328,7 +330,7 @@ def test_silence_delocalizes_with_its_reason() -> None:
 def test_a_faulty_wheel_never_makes_the_interval_wrong(kind: str, single_fault_safe: bool) -> None:
     """While one unit breaks its law and the other keeps it, the reported interval still holds the truth."""
     config = OdometryConfig(trust_first_marker=True, single_fault_safe=single_fault_safe)
-    faults = [Fault("front_wheel", kind, 150, 350)]  # type: ignore[arg-type]
+    faults = [Fault(kind, "front_wheel", 150, 350)]
     places = [(number + 1, (number - 9) * 100_000) for number in range(40)]
     legs = [Leg(30_000, 45)]
     stream = simulate(config, seed=9, legs=legs, markers=places, missed=0.0, dropout=0.0, faults=faults)
@@ -336,8 +338,8 @@ def test_a_faulty_wheel_never_makes_the_interval_wrong(kind: str, single_fault_s
     assert sum(bool(out["valid"]) for out in outputs(trace)) > 100
     for record, out in zip(stream, outputs(trace), strict=True):
         if out["valid"]:
-            assert out["position_mm"] - out["under_mm"] <= record["truth_mm"] + 1
-            assert record["truth_mm"] <= out["position_mm"] + out["over_mm"]
+            assert out["position_mm"] - out["margin_below_mm"] <= record["truth_mm"] + 1
+            assert record["truth_mm"] <= out["position_mm"] + out["margin_above_mm"]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -431,7 +433,7 @@ def test_simulated_runs_notice_a_forgotten_loss() -> None:
         asked = [p for p in properties(model) if p.name in ("same-step loss", "tolerance")]
         driver = Driver(system, asked, [run(system, records[:150])])
         driver.follow(0)
-        driver.drive("steady", 400, seed=1)
+        driver.drive("steady", 400, seed=2)
         return "" if driver.broken is None else driver.broken.name
 
     assert broken(model.machine) == ""
@@ -452,7 +454,7 @@ def test_an_optimistic_margin_is_noticed() -> None:
     wheel = model.own.devices[0].units[0]
     table = []
     for t in model.machine.transitions:
-        less = {wheel.over: t.set[wheel.over] - 1} if wheel.over in t.set and t.name.startswith("run on") else {}
+        less = {wheel.above: t.set[wheel.above] - 1} if wheel.above in t.set and t.name.startswith("run on") else {}
         table.append(replace(t, set={**t.set, **less}))
     assert unkept(model.machine, "containment", model) == set()
     assert "containment" in unkept(rebuilt(model.machine, table), "containment", model)

@@ -57,7 +57,10 @@ def test_a_hidden_fault_can_make_the_plain_interval_wrong() -> None:
     assert result.trace is not None
     last, truth = result.trace.steps[-1].outputs, int(result.trace.steps[-1].state["truth_nm"])
     assert last["valid"]
-    low, high = int(last["position_mm"]) - int(last["under_mm"]), int(last["position_mm"]) + int(last["over_mm"])
+    low, high = (
+        int(last["position_mm"]) - int(last["margin_below_mm"]),
+        int(last["position_mm"]) + int(last["margin_above_mm"]),
+    )
     assert not low * 1_000_000 <= truth <= high * 1_000_000
     assert result.trace.steps[0].state["faulty_unit"] != 0
 
@@ -68,9 +71,9 @@ def test_a_missing_charge_is_noticed() -> None:
     made = model(SAFE.model_copy(update={"devices": 1}))
     wheel, table = made.own.units[0], []
     for row in made.machine.transitions:
-        grown = row.set.get(wheel.over)
+        grown = row.set.get(wheel.above)
         if isinstance(grown, Num) and row.name.startswith("run on"):
-            table.append(replace(row, set={**row.set, wheel.over: grown - 1}))
+            table.append(replace(row, set={**row.set, wheel.above: grown - 1}))
         else:
             table.append(row)
     broken = replace(made, machine=replace(made.machine, transitions=table))
@@ -87,7 +90,7 @@ def test_a_lone_distance_moves_nothing_where_it_may_be_faulty(safe: bool, moved:
     trace = run(without_ghosts(lower(odometry.machine(config))), [{**both, **reading}, both, {"front_wheel_mm": 50}])
     before, after = trace.steps[-2].state, trace.steps[-1].state
     assert int(after["front_wheel_position_mm"]) - int(before["front_wheel_position_mm"]) == moved
-    grown = int(after["front_wheel_over_nm"]) - int(before["front_wheel_over_nm"])
+    grown = int(after["front_wheel_margin_above_nm"]) - int(before["front_wheel_margin_above_nm"])
     assert (grown >= config.limits.blind_nm) == safe
 
 

@@ -19,7 +19,6 @@ from safeloc.models.reflector.simulate import (
     FIGURE_1,
     FIGURE_2,
     Balise,
-    Disturbance,
     Reflector,
     Route,
     Scene,
@@ -35,6 +34,7 @@ from safeloc.models.reflector.variables import ReflectorConfig, parts
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, ErrorLaw
 from safeloc.properties.reflector import properties
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion
 
 PLAIN = ReflectorConfig(
@@ -161,8 +161,9 @@ def test_figure_1_deviation() -> None:
     stream = simulate(ReflectorConfig(), seed=1, scene=QUIET, legs=[Leg(20_000, 40)])
     trace = run(on_board(ReflectorConfig()), [board(one) for one in stream])
     margins: dict[str, list[int]] = {}
-    for mode, one in zip(modes(trace), trace.steps, strict=True):
-        margins.setdefault(mode, []).append(max(one.outputs["over_mm"], one.outputs["under_mm"]))
+    reported = [(mode, one) for mode, one in zip(modes(trace), trace.steps, strict=True) if one.outputs["valid"]]
+    for mode, one in reported:
+        margins.setdefault(mode, []).append(max(one.outputs["margin_above_mm"], one.outputs["margin_below_mm"]))
     assert max(margins["VIEW"]) < 1_500
     assert margins["ODOMETRY"] == sorted(margins["ODOMETRY"][:-1]) + margins["ODOMETRY"][-1:]
     assert max(margins["ODOMETRY"] + margins["SEARCH"]) > 10_000
@@ -283,7 +284,7 @@ def test_the_radar_may_be_worse_than_the_balise() -> None:
     """A coarse echo reports its own bound, though the balise gave a better one: entering the view zone never flatters."""
     coarse = step(0, balise(7, 0, accuracy=100), ahead(80_000, reference_mm=80_000), echo(80_000, error=900))
     trace = run(on_board(), [coarse])
-    assert (last(trace)["over_mm"], last(trace)["under_mm"], last(trace)["precise"]) == (900, 900, True)
+    assert (last(trace)["margin_above_mm"], last(trace)["margin_below_mm"], last(trace)["precise"]) == (900, 900, True)
 
 
 # ------------------------------------------------------------------ the self-test
@@ -369,7 +370,7 @@ def test_a_pause_is_no_loss() -> None:
     paused = [step(1_000, frame_present=False) for _ in range(20)]
     trace = run(on_board(), [*TESTED, *paused, step(1_000, echo(59_000))])
     assert modes(trace)[1:] == ["COAST"] * 20 + ["VIEW"]
-    margins = [one.outputs["over_mm"] for one in trace.steps]
+    margins = [one.outputs["margin_above_mm"] for one in trace.steps]
     assert margins[1:21] == sorted(margins[1:21])
     assert margins[-1] == 100
 
@@ -390,7 +391,7 @@ def test_odometry_goes_on_from_the_last_measured_position() -> None:
     """Not from the balise: after the view zone the margin is the radar's, plus the odometer's for what was run since."""
     trace = run(on_board(), [*TESTED, step(10_000, echo(69_500)), step(10_000)])
     assert [one.outputs["position_mm"] for one in trace.steps] == [0, 10_500, 20_500]
-    assert [one.outputs["over_mm"] for one in trace.steps] == [100, 100, 600]
+    assert [one.outputs["margin_above_mm"] for one in trace.steps] == [100, 100, 600]
 
 
 def test_backing_off_brings_the_reflector_back() -> None:
@@ -422,7 +423,7 @@ def test_a_reflector_that_is_not_there(view: int, name: str) -> None:
 # ------------------------------------------------------------------ faults
 
 
-def disturbed(*what: Disturbance, seed: int = 1) -> tuple[Trace, Steps]:
+def disturbed(*what: Fault, seed: int = 1) -> tuple[Trace, Steps]:
     """The run of fig. 1 with something going wrong, on board."""
     stream = simulate(ReflectorConfig(), seed=seed, scene=replace(QUIET, disturbances=what), legs=[Leg(20_000, 40)])
     return run(on_board(ReflectorConfig()), [board(one) for one in stream]), stream
@@ -432,15 +433,15 @@ def never_wrong(trace: Trace, stream: Sequence[Mapping[str, Cell]]) -> bool:
     """Whenever an interval is reported, it holds the truth."""
     held = []
     for one, record in zip(trace.steps, stream, strict=True):
-        low = one.outputs["position_mm"] - one.outputs["under_mm"]
-        high, true = one.outputs["position_mm"] + one.outputs["over_mm"], int(record["truth_mm"])
+        low = one.outputs["position_mm"] - one.outputs["margin_below_mm"]
+        high, true = one.outputs["position_mm"] + one.outputs["margin_above_mm"], int(record["truth_mm"])
         held.append(not one.outputs["valid"] or low - 1 <= true <= high)
     return all(held)
 
 
 def test_a_radar_that_jumps_is_not_followed() -> None:
     """Echoes 8 m off: outside the window, the position runs on by odometry, and the reflector is given up."""
-    trace, stream = disturbed(Disturbance("shift", 170, 200, by_mm=8_000))
+    trace, stream = disturbed(Fault("shift", "", 170, 200, {"by_mm": 8_000}))
     assert never_wrong(trace, stream)
     assert "OUT_OF_WINDOW" in labels(trace, "echo_1_judged")
     assert "reflector lost" in fired(trace)
@@ -448,14 +449,14 @@ def test_a_radar_that_jumps_is_not_followed() -> None:
 
 def test_a_radar_that_drifts_is_found_out() -> None:
     """An error that grows by 0.4 m a cycle passes each window, but not the check that it stays constant (source l. 241)."""
-    trace, _ = disturbed(Disturbance("drift", 160, 200, by_mm=400))
+    trace, _ = disturbed(Fault("drift", "", 160, 200, {"by_mm": 400}))
     assert "measuring error drifts" in fired(trace)
     assert "DRIFT" in labels(trace, "error")
 
 
 def test_weak_echoes_open_no_view_zone() -> None:
     """20 dB too weak: the reflector is not found, and the self-test ends not ready."""
-    trace, stream = disturbed(Disturbance("weak", 0, 400))
+    trace, stream = disturbed(Fault("weak", "", 0, 400))
     assert never_wrong(trace, stream)
     assert not any(one.outputs["precise"] for one in trace.steps[:400])
     assert "reference reflector not found" in fired(trace)
@@ -505,7 +506,7 @@ def test_odometer_failure_and_tolerance() -> None:
 def test_a_distance_faster_than_the_vehicle_is_not_used() -> None:
     """The position rests, and the highest speed times the period is charged on both sides."""
     trace = run(on_board(), [*TESTED, step(19_000)])
-    assert (last(trace)["position_mm"], last(trace)["over_mm"]) == (0, 100 + 4_445)
+    assert (last(trace)["position_mm"], last(trace)["margin_above_mm"]) == (0, 100 + 4_445)
 
 
 def test_only_a_balise_leads_out_of_delocalized() -> None:

@@ -68,7 +68,7 @@ def test_each_check_of_an_echo_is_needed(dropped: Lit, broken: str, monkeypatch:
     monkeypatch.setattr(echo, "first_of", lenient)
     made = model()
     if broken == "tolerance":
-        assert "range of own_over_nm" in not_kept(made.machine, named(made, broken))
+        assert "range of own_margin_above_nm" in not_kept(made.machine, named(made, broken))
     else:
         assert broken in not_kept(made.machine, named(made, broken))
 
@@ -76,7 +76,7 @@ def test_each_check_of_an_echo_is_needed(dropped: Lit, broken: str, monkeypatch:
 @pytest.mark.parametrize(
     "name", ["reflector tracked", "reflector found", "self-test passed", "next reflector takes over"]
 )
-@pytest.mark.parametrize("side", ["over", "under"])
+@pytest.mark.parametrize("side", ["above", "below"])
 def test_an_optimistic_measurement_is_noticed(name: str, side: str) -> None:
     """A measured interval that is one nanometre too narrow does not hold the truth."""
     made = model()

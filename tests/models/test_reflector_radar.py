@@ -110,13 +110,13 @@ def test_the_truth_is_held(run: list[Cycle]) -> None:
     valid = [cycle for cycle in run if cycle.outputs["valid"]]
     assert len(valid) > 100
     for cycle in valid:
-        position, over, under = (cycle.outputs[name] for name in ("position_mm", "over_mm", "under_mm"))
-        assert position - under <= cycle.truth_mm <= position + over
+        position, above, below = (cycle.outputs[name] for name in ("position_mm", "margin_above_mm", "margin_below_mm"))
+        assert position - below <= cycle.truth_mm <= position + above
 
 
 def test_in_view_the_position_is_that_of_the_radar(run: list[Cycle]) -> None:
     """Both reflectors are measured, at 25 m/s to a quarter of a metre; between them odometry has metres."""
     precise = [cycle.outputs for cycle in run if cycle.outputs["precise"]]
     assert len(precise) > 40
-    assert max(out["over_mm"] for out in precise) < 250
-    assert max(cycle.outputs["over_mm"] for cycle in run if cycle.outputs["valid"]) > 5_000
+    assert max(out["margin_above_mm"] for out in precise) < 250
+    assert max(cycle.outputs["margin_above_mm"] for cycle in run if cycle.outputs["valid"]) > 5_000

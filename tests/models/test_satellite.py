@@ -8,21 +8,24 @@ from typing import Any, Literal
 
 import pytest
 
-from safeloc.language.expr import TRUE, Bool, Num, floor_div
+from safeloc.language.expr import TRUE, Bool, Lit, Num, as_num, exact_to, floor_div
 from safeloc.language.interpret import run
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
+from safeloc.language.units import MS, NM, UM_S
 from safeloc.language.verdict import Proved, word
 from safeloc.models.satellite import Satellite, build, compose_machines
-from safeloc.models.satellite.law import Trusted
+from safeloc.models.satellite.anchor import Anchor
 from safeloc.models.satellite.simulate import STREET, first_of, simulate
 from safeloc.models.satellite.variables import FIX, MISSING, REASON, Parts, Redundancy, SatelliteConfig, State, parts
+from safeloc.models.satellite.world import Trusted
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
+from tests.models.wrong_edits import lost_by
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
 MACHINE = build(parts(CONFIG))
@@ -62,15 +65,17 @@ def test_only_a_reference_starts_it() -> None:
     trace = driven(cycle(fix_mm=1_000_000), START)
     assert ["UNLOCATED", "LOCATED"] == [mode(trace, 0), mode(trace, 1)]
     assert "UNLOCATED" == verdict(trace, 0)
-    assert 3_000 == trace.steps[1].outputs["under_mm"]
+    assert 3_000 == trace.steps[1].outputs["margin_below_mm"]
 
 
 def test_a_solution_narrows() -> None:
     """A solution that counts bounds the place; the estimate goes a quarter of the way to it."""
     trace = driven(START, cycle(fix_mm=1_001_000, fix_protection_mm=2_000, fix_speed_um_s=10_000_000))
     assert ("ACCEPTED", "LOCATED") == (verdict(trace), mode(trace))
-    position, under, over = (trace.steps[-1].outputs[f"{name}_mm"] for name in ("position", "under", "over"))
-    assert (999_000, 1_003_001) == (position - under, position + over)
+    position, below, above = (
+        trace.steps[-1].outputs[f"{name}_mm"] for name in ("position", "margin_below", "margin_above")
+    )
+    assert (999_000, 1_003_001) == (position - below, position + above)
     assert 1_000_250 == position
 
 
@@ -88,14 +93,14 @@ def test_what_does_not_count(change: dict[str, int | bool], expected: str) -> No
     """A solution with an unusable satellite, too few, far from the prediction or too coarse leaves the state coasting."""
     trace = driven(START, {**cycle(fix_mm=1_000_000), **change})
     assert (expected, "COASTING") == (verdict(trace), mode(trace))
-    assert trace.steps[-1].outputs["under_mm"] > 3_000
+    assert trace.steps[-1].outputs["margin_below_mm"] > 3_000
 
 
 def test_coasting_ends() -> None:
     """Without solutions the margin grows with speed and acceleration, and after the limit nothing is reported."""
     good = cycle(fix_mm=1_000_000, fix_protection_mm=1_000, fix_speed_protection_um_s=100_000)
     trace = driven(START, good, good, *[cycle()] * 15)
-    margins = [int(step.outputs["under_mm"]) for step in trace.steps[2:12]]
+    margins = [int(step.outputs["margin_below_mm"]) for step in trace.steps[2:12]]
     assert sorted(margins) == margins
     assert ["COASTING"] * 10 == [mode(trace, n) for n in range(3, 13)]
     assert "UNLOCATED" == mode(trace, 13)
@@ -154,7 +159,7 @@ def test_a_reference_may_know_the_speed() -> None:
     slow = driven(START, cycle())
     known = driven({**START, "reference_speed_um_s": 20_000_000, "reference_speed_accuracy_um_s": 100_000}, cycle())
     assert 1_004_000 == known.steps[-1].outputs["position_mm"]
-    assert int(known.steps[-1].outputs["under_mm"]) + 8_000 < int(slow.steps[-1].outputs["under_mm"])
+    assert int(known.steps[-1].outputs["margin_below_mm"]) + 8_000 < int(slow.steps[-1].outputs["margin_below_mm"])
 
 
 def drifting(cycles: int, **every: int | bool) -> list[dict[str, int | bool]]:
@@ -304,7 +309,7 @@ def test_a_wrong_judgement_is_noticed(weaker: dict[str, bool], noticed: str, mon
 
 
 def _halved(state: State) -> State:
-    return replace(state, low=state.low + floor_div(state.under, 2), high=state.high - floor_div(state.over, 2))
+    return replace(state, low=state.low + floor_div(state.below, 2), high=state.high - floor_div(state.above, 2))
 
 
 @pytest.mark.parametrize(
@@ -351,3 +356,62 @@ def test_the_threshold_rule_is_sharp(name: str) -> None:
         return _unproved(compose_machines(CONFIG.model_copy(update={"selection": selection})), rule)
 
     assert [[], [f"satellite/property/{rule}"]] == [unproved(least + 1), unproved(least)]
+
+
+def _with(field: str, value: Num) -> Callable[[Any], Any]:
+    """A state variable that is set to one value in every row."""
+    return lambda right: lambda own, state: {**right(own, state), getattr(own, field): value}
+
+
+def _beside(right: Callable[[Parts, State], Anchor]) -> Callable[[Parts, State], Anchor]:
+    """Odometry that counts from beside the reference."""
+    return lambda own, state: replace(right(own, state), offset=right(own, state).offset + 1)
+
+
+def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], State]:
+    """A prediction without acceleration, in place and in speed."""
+
+    def predicted(own: Parts) -> State:
+        period = Lit(own.config.period_ms, MS)
+        return replace(right(own), position=own.position + exact_to(own.speed * period, NM), speed=own.speed)
+
+    return predicted
+
+
+@pytest.mark.parametrize(
+    ("name", "broken", "noticed"),
+    [
+        ("predicted", _at_constant_speed, "the prediction is the state before"),
+        ("predicted", lambda right: lambda own: replace(right(own), fastest=own.fastest), "containment"),
+        ("_become", _with("change", as_num(0, UM_S)), "the prediction goes on with the change of speed"),
+        ("_at_reference", _beside, "a position begins with nothing of what was before"),
+        ("referred", lambda right: lambda own: replace(right(own), low=right(own).low - 1), "a reference bounds the position"),
+        ("reportable", lambda right: lambda own, state: right(own, state) & own.anchored, "a good reference begins a position"),
+    ],
+)  # fmt: skip
+def test_a_wrong_edit_of_prediction_or_restart_is_noticed(
+    name: str, broken: Callable[[Any], Any], noticed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SAT-1, SAT-D1: constant acceleration from the state before alone, and a beginning without anything before it."""
+    from safeloc.models import satellite
+
+    monkeypatch.setattr(satellite, name, broken(getattr(satellite, name)))
+    model = compose_machines(CONFIG)
+    assert lost_by(model.composition.system, properties(model), noticed)
+
+
+@pytest.mark.parametrize("noticed", ["containment", "what violates the criterion never counts"])
+def test_a_selection_that_accepts_every_satellite_is_noticed(noticed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """SAT-1: that usable signals keep their bounds follows from the criterion, and from nothing that is assumed of them."""
+    from safeloc.models import satellite_selection
+
+    monkeypatch.setattr(satellite_selection, "accepts", lambda *_: TRUE)
+    model = compose_machines(CONFIG)
+    assert lost_by(model.composition.system, properties(model), noticed)
+
+
+def test_the_lax_criterion_bounds_no_signal() -> None:
+    """Where both violations are needed to remove a satellite, nothing follows for its error, nor for the position."""
+    lax = CONFIG.model_copy(update={"selection": CONFIG.selection.model_copy(update={"removal": "both"})})
+    model = compose_machines(lax)
+    assert lost_by(model.composition.system, properties(model), "containment")

@@ -84,10 +84,12 @@ def changed(epoch: Epoch, **by_m: float) -> Epoch:
 def test_a_healthy_drive_is_located_throughout() -> None:
     """Every report holds the truth, within the tolerance; from the third epoch on solutions count."""
     for outcome, truth in zip(outcomes(), driven_run().truth, strict=True):
-        position, under, over = (int(outcome.outputs[f"position.{name}_mm"]) for name in ("position", "under", "over"))
+        position, below, above = (
+            int(outcome.outputs[f"position.{name}_mm"]) for name in ("position", "margin_below", "margin_above")
+        )
         assert outcome.outputs["position.valid"]
-        assert position - under <= truth.place_m * 1_000 <= position + over
-        assert under <= 30_000 >= over
+        assert position - below <= truth.place_m * 1_000 <= position + above
+        assert below <= 30_000 >= above
     assert {"ACCEPTED"} == {fix(one) for one in outcomes()[4:]}
 
 
@@ -141,7 +143,10 @@ def test_without_an_epoch_it_coasts_on_the_prediction() -> None:
     for outcome in found[20:30]:
         assert outcome.ahead is not None and "NO_EPOCH" == missing(outcome)
         assert outcome.ahead.position_nm // 10**6 == outcome.outputs["position.position_mm"]
-        assert -((outcome.ahead.low_nm - outcome.ahead.position_nm) // 10**6) == outcome.outputs["position.under_mm"]
+        assert (
+            -((outcome.ahead.low_nm - outcome.ahead.position_nm) // 10**6)
+            == outcome.outputs["position.margin_below_mm"]
+        )
     assert [True, False] == [found[29].outputs["position.valid"], found[31].outputs["position.valid"]]
 
 
@@ -293,9 +298,11 @@ def test_along_the_valley() -> None:
     found = driven(EpochChain(CONFIG, sky(), track.portions), sim.epochs, start(sim))
     assert sim.truth[-1].place_m > 800 and portion.bend_per_m(790.0, 810.0) > 1 / 850
     for outcome, truth in zip(found, sim.truth, strict=True):
-        position, under, over = (int(outcome.outputs[f"position.{name}_mm"]) for name in ("position", "under", "over"))
+        position, below, above = (
+            int(outcome.outputs[f"position.{name}_mm"]) for name in ("position", "margin_below", "margin_above")
+        )
         assert outcome.outputs["position.valid"]
-        assert position - under <= truth.place_m * 1_000 <= position + over
+        assert position - below <= truth.place_m * 1_000 <= position + above
     assert {"ACCEPTED"} == {fix(one) for one in found[-20:]}
     assert not [name for one in found for name, standing in one.standings.items() if standing == "EXCLUDED"]
 

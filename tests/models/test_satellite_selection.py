@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import get_args
 
 import pytest
 
-from safeloc.language.expr import FALSE
+from safeloc.language.expr import FALSE, TRUE, Expr, as_num, ite
 from safeloc.language.interpret import run
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved
 from safeloc.models import satellite_selection as selection
-from safeloc.models.satellite_selection import Compared, Removal, SelectionConfig, build, parts
+from safeloc.models.satellite_selection import Channel, Compared, Parts, Removal, SelectionConfig, build, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.satellite_selection import properties
 from tests.models.one_step import not_kept
 from tests.models.spoilt import rebuilt
+from tests.models.wrong_edits import lost
 
 CONFIG = SelectionConfig(channels=2)
 LIMIT, SPEED = CONFIG.range_threshold_mm, CONFIG.speed_threshold_mm_s
@@ -171,3 +174,39 @@ def test_a_duplicate_that_counts_twice_is_noticed(monkeypatch: pytest.MonkeyPatc
     wrong = build(parts(SelectionConfig(channels=2)))
     (asked,) = [one for one in properties(wrong) if one.name == "channel 2: no satellite twice"]
     assert not_kept(wrong.machine, asked)
+
+
+def _excluded_for_good(own: Parts, one: Channel) -> Expr:
+    return ite(one.standing.eq(selection.EXCLUDED), selection.EXCLUDED, JUDGES(own, one))
+
+
+JUDGES = selection.standing
+EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
+    "every satellite is accepted": ("accepts", lambda *_: TRUE, "channel 1: a violation is not usable"),
+    "so its error has no bound": ("accepts", lambda *_: TRUE, "channel 1: a usable range is bounded"),
+    "no satellite is accepted": ("accepts", lambda *_: FALSE, "channel 1: exclusion leaves no trace"),
+    "excluded for good": ("standing", _excluded_for_good, "channel 1: exclusion leaves no trace"),
+    "no quantity need be measured": ("_heard", lambda *_: TRUE, "channel 1: what is not usable is told as what it is"),
+    "no covariance is needed": ("_spread", lambda *_: TRUE, "channel 1: no covariance, not usable"),
+    "warm at once": ("warm", lambda *_: as_num(2, COUNT), "channel 1: a window counts one satellite's measurements"),
+    "one usable satellite more": ("_count", lambda _: as_num(1, COUNT), "usable ones are told and counted"),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """SAT-1, SAT-3, SAT-4, SAT-D1: each part of what the selection judges by."""
+    name, term, broken = EDITS[edit]
+    monkeypatch.setattr(selection, name, term)
+    wrong = build(parts(CONFIG))
+    assert lost(wrong.machine, properties(wrong), broken)
+
+
+@pytest.mark.parametrize("removal", get_args(Removal))
+def test_the_other_criterion_in_its_place_is_noticed(removal: Removal, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that judges by the criterion that was not configured."""
+    other: Removal = "both" if removal == "either" else "either"
+    accepts = selection.accepts
+    monkeypatch.setattr(selection, "accepts", lambda one, config, _: accepts(one, config, other))
+    wrong = build(parts(SelectionConfig(channels=2, removal=removal)))
+    assert lost(wrong.machine, properties(wrong), "channel 1: exclusion leaves no trace")

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.config import figures
 from safeloc.models.area import AreaConfig
 from safeloc.models.area.separation import Following, headway_ms, separation_mm
 from safeloc.models.sections import SectionsConfig
-from safeloc.report.machines import figures
 
 AREA = AreaConfig()
 BARE = Following(section_mm=0, accuracy_mm=0, delivery_ms=0, reaction_ms=0)

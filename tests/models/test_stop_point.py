@@ -36,8 +36,8 @@ def step(position_mm: int, speed_mm_s: int = 0, *, margin: int = 200, **fields: 
         "position_valid": True,
         "position_precise": True,
         "position_mm": position_mm,
-        "over_mm": margin,
-        "under_mm": margin,
+        "margin_above_mm": margin,
+        "margin_below_mm": margin,
         "speed_mm_s": speed_mm_s,
         "selected_stop": 1,
         "reposition_permitted": False,
@@ -122,6 +122,13 @@ def test_without_a_measurement_the_far_end_counts() -> None:
     assert modes(driven(APPROACH, far))[-1] == "BRAKING"
 
 
+def test_the_far_end_of_a_coarse_interval_counts() -> None:
+    """A measured interval of 2 m reaches 1.5 m farther than the window of 0.5 m: braking begins 1.5 m earlier."""
+    far, near = step(100_000 - 54_700, 8_000, margin=2_000), step(100_000 - 54_600, 8_000, margin=2_000)
+    assert modes(driven(APPROACH, far)) == ["APPROACH", "APPROACH"]
+    assert modes(driven(APPROACH, near)) == ["APPROACH", "BRAKING"]
+
+
 @pytest.mark.parametrize(
     ("position", "margin", "mode"),
     [
@@ -160,6 +167,13 @@ def test_repositioning() -> None:
     trace = driven(APPROACH, BRAKING, step(102_000, 1_000), BEYOND, *back, step(100_000))
     assert modes(trace)[2:] == ["OVERRUN", "REPOSITIONING", "REPOSITIONING", "BRAKING", "STOPPED"]
     assert (order(trace, 3), trace.steps[3].outputs["speed_limit_mm_s"]) == ("REVERSE", 833)
+
+
+def test_reversing_ends_where_the_interval_reaches_before_the_window() -> None:
+    """Measured so coarsely that the vehicle may stand before the window and beyond it: the order to reverse is taken back."""
+    coarse = step(100_200, -500, margin=5_000, reposition_permitted=True)
+    trace = driven(APPROACH, BRAKING, step(102_000, 1_000), BEYOND, coarse)
+    assert (modes(trace)[-2:], order(trace)) == (["REPOSITIONING", "BRAKING"], "BRAKE")
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved
 from safeloc.models import transmission
 from safeloc.models.transmission import Transmission, TransmissionConfig
+from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
@@ -33,8 +34,8 @@ def step(sent: int | None = None, *, arrived: bool = False, revokes: bool = Fals
     """One cycle: a position in mm that is sent, within 50 mm behind and 70 mm ahead; or a report that revokes."""
     told = {"sent_valid": sent is not None, "sent_position_mm": sent or 0}
     return {
-        "sent": sent is not None or revokes, "arrived": arrived, **told, "sent_under_mm": 50 if sent else 0,
-        "sent_over_mm": 70 if sent else 0,
+        "sent": sent is not None or revokes, "arrived": arrived, **told, "sent_margin_below_mm": 50 if sent else 0,
+        "sent_margin_above_mm": 70 if sent else 0,
     }  # fmt: skip
 
 
@@ -45,7 +46,7 @@ def ran(*steps: dict[str, int | bool]) -> Trace:
 
 def told(trace: Trace) -> list[tuple[object, ...]]:
     """Per cycle: valid, position, under, over, age."""
-    names = ("valid", "position_mm", "under_mm", "over_mm", "age_ms")
+    names = ("valid", "position_mm", "margin_below_mm", "margin_above_mm", "age_ms")
     return [tuple(one.outputs[name] for name in names) for one in trace.steps]
 
 
@@ -80,7 +81,7 @@ def test_a_newer_report_takes_the_place_of_an_older_one() -> None:
 def test_a_report_that_is_sent_while_another_arrives_follows_it() -> None:
     """Arriving comes first: the one sent in that cycle is on its way."""
     trace = ran(step(5_000), step(6_000, arrived=True), step(arrived=True))
-    assert [one[1] for one in told(trace)] == [0, 5_000, 6_000]
+    assert [one[1] for one in told(trace)] == [NO_POSITION_MM, 5_000, 6_000]
 
 
 def test_revocation_takes_the_position_away() -> None:

@@ -103,6 +103,12 @@ def test_the_next_switch() -> None:
     assert [course for course, _ in seen(trace)][-4:] == ["LEFT", "UNDECIDED", "UNDECIDED", "RIGHT"]
 
 
+def test_another_reflector_is_no_turn() -> None:
+    """Over a switch, the reflector behind the next one comes into view: its lateral place is no motion of the first one's."""
+    stream = [step(30_000), step(55_000), step(60_000, 600, switch_position_mm=90_000)]
+    assert seen(run(ON_BOARD, stream))[-1] == ("UNDECIDED", False)
+
+
 @pytest.mark.parametrize(
     ("fields", "message"),
     [

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import pytest
 
-from safeloc.language.expr import FALSE, TRUE, any_of
+from safeloc.language.expr import FALSE, TRUE, Lit, Num, any_of
 from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
+from safeloc.language.units import MM_S2
 from safeloc.language.verdict import Violated, word
 from safeloc.models.fibre.simulate import Stay, simulate_stay
-from safeloc.models.verification import Verification, VerificationConfig, build, parts
+from safeloc.models.verification import Verification, VerificationConfig, build, judgement, parts
+from safeloc.models.verification.judgement import Judged
+from safeloc.models.verification.variables import Parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.verification import properties
+from safeloc.properties.verification.mismatch import NAMED
 from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept
@@ -192,6 +197,7 @@ def test_everything_is_proved() -> None:
     [
         VerificationConfig(needs_control_data=True),
         VerificationConfig(needs_emitter=False, currency_cycles=0),
+        VerificationConfig(needs_control_data=True, traction_mm_s2=1_000, brake_mm_s2=2_500),
     ],
 )
 def test_other_configurations_are_proved(config: VerificationConfig) -> None:
@@ -224,24 +230,92 @@ def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: st
     assert not_kept(wrong.machine, prop)
 
 
-@pytest.mark.parametrize(
-    ("reason", "broken"),
-    [
-        ("REFERENCE_CONTRADICTS", "another record of the same stay is withheld"),
-        ("LENGTH", "another length is withheld"),
-        ("ENDS_APART", "ends too far apart are withheld"),
-        ("SPEED_AT_ENTRY", "another speed at the counter is withheld"),
-        ("PLACE_AT_ENTRY", "another place at the counter is withheld"),
-        ("CONTROL_COUNT", "control data do not repair"),
-        ("CONTROL_LENGTH", "another length by train control is withheld"),
-        ("LENGTH_CHANGED", "a length that changes withholds"),
-        ("SPEED_CHANGED", "a speed that no train changes withholds"),
-        ("JUMP", "a jump withholds"),
-    ],
-)
-def test_a_comparison_that_is_left_out_is_noticed(reason: str, broken: str) -> None:
-    """A mismatch that does not count loses the proof of what it is there for."""
+NAMES = {
+    "REFERENCE_LOST": "a lost hand-over is untrusted",
+    "FIBRE_ERROR": "fibre error withholds",
+    "CHAIN_FAILED": "chain failed withholds",
+    "REFERENCE_REFUSED": "only sound references",
+} | {reason.label: name for name, (reason, *_) in NAMED.items()}
+
+
+@pytest.mark.parametrize("reason", [why.label for _, why in made().judged.flaws])
+def test_a_comparison_that_is_left_out_is_noticed(reason: str) -> None:
+    """A mismatch that does not count loses the proof of what it is there for, and that every mismatch is latched."""
     known, flaws = made().judged.known, made().judged.flaws
     counted = any_of(flaw for flaw, why in flaws if why.label != reason)
     wrong = replace(made(), machine=changed(made().machine, "mismatch", when=(made().own.due | known) & counted))
-    assert not_kept(wrong.machine, next(one for one in properties(wrong) if one.name == broken))
+    named = {one.name: one for one in properties(wrong)}
+    assert not_kept(wrong.machine, named["mismatch withholds in the same cycle"])
+    assert not_kept(wrong.machine, named[NAMES[reason]])
+
+
+def _own_brake(own: Parts) -> Num:
+    """The configured brakes, whatever train control tells."""
+    return Lit(own.config.brake_mm_s2, MM_S2)
+
+
+RIGHT_ABILITIES: Callable[[Judged], tuple[Num, Num]] = Judged.__dict__["abilities"].func
+
+
+def _either(judged: Judged) -> tuple[Num, Num]:
+    """Brake and traction taken for one another."""
+    slower, faster = RIGHT_ABILITIES(judged)
+    return faster, slower
+
+
+EDITS: list[tuple[str, Callable[[Judged], object], str]] = [
+    ("count_matches", lambda j: j.own.associated & j.own.seen_count.present, "mismatch withholds in the same cycle"),
+    ("length_matches", lambda j: j.own.associated & j.own.seen_length.present, "another length is withheld"),
+    ("verified", lambda j: j.count_matches, "the age of a verification is counted"),
+    ("controlled", lambda j: j.own.control_count.present, "train control is listed where it agreed"),
+    ("age", lambda j: j.own.age, "the age of a verification is counted"),
+    ("reach", lambda j: j.own.reach, "reach grows by the fastest run"),
+    ("placed", lambda j: j.own.associated & j.own.place.present, "not located withholds"),
+    ("missing", lambda j: ~j.own.associated, "containment"),
+    ("whole", lambda j: j.own.sound & (j.own.record_count > 0), "only sound references"),
+    (
+        "speed_fits",
+        lambda j: j.own.record_speed_low <= j.own.seen_speed.value,
+        "another speed at the counter is withheld",
+    ),
+    ("place_fits", lambda j: j.own.place.value <= j.own.record_place_high, "another place at the counter is withheld"),
+    (
+        "length_changed",
+        lambda j: j.own.seen_length.value > j.own.last_length + 80_000,
+        "a length that changes withholds",
+    ),
+    ("abilities", _either, "speed is bounded by the train's abilities"),
+]
+
+
+@pytest.mark.parametrize(("name", "wrong", "broken"), EDITS, ids=[name for name, *_ in EDITS])
+def test_a_wrong_term_is_noticed(
+    name: str, wrong: Callable[[Judged], object], broken: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A term that is shared by several rows and wrong in all of them loses a proof."""
+    monkeypatch.setattr(Judged, name, property(wrong))
+    assert lacking(broken)
+
+
+def test_brakes_that_train_control_tells_are_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A braking ability told by train control and ignored loses a proof, over one cycle and over several."""
+    monkeypatch.setattr(judgement, "_braking", _own_brake)
+    assert lacking("a speed that no train changes withholds")
+    assert lacking("speed is bounded by the train's abilities")
+
+
+def lacking(claim: str) -> set[str]:
+    """What the machine, as it is at present, does not keep of a claim."""
+    model = made_for(CONFIG)
+    return not_kept(model.machine, next(one for one in properties(model) if one.name == claim))
+
+
+@pytest.mark.parametrize("claim", sorted({broken for *_, broken in EDITS} | set(NAMES.values())))
+def test_the_right_machine_keeps_it(claim: str) -> None:
+    """What wrong edits lose, the machine as it ships has."""
+    assert set() == lacking(claim)
+
+
+def test_traction_and_brake_differ() -> None:
+    """What is proved with the shipped figures tells them apart."""
+    assert CONFIG.traction_mm_s2 != CONFIG.brake_mm_s2

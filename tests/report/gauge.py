@@ -13,7 +13,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT, MM
 from safeloc.railway.pictures import Deviation, Things
 from safeloc.report.told import Broken, Told
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 
 MODEL = members("gauge_model", "NONE", "A", "B")
 SILENT, TELLING = modes("SILENT", "TELLING")
@@ -23,9 +23,9 @@ TOLERANCE_MM = 30_000
 
 @cache
 def system() -> TransitionSystem:
-    """Reports position, under and over as they were given, while `told` is true."""
+    """Reports the position and its margins below and above as they were given, while `told` is true."""
     told = boolean("told")
-    given = {name: number(f"given_{name}", MM, -FAR, FAR) for name in ("position", "under", "over")}
+    given = {name: number(f"given_{name}", MM, -FAR, FAR) for name in ("position", "margin_below", "margin_above")}
     kept = {name: number(f"kept_{name}", MM, -FAR, FAR) for name in given}
     keep: dict[Var, Expr | Value] = {kept[name]: given[name] for name in given}
     beside = [optional("balise", COUNT, 1, 999), optional("balise_at", MM, 0, FAR), optional("next_at", MM, 0, FAR)]
@@ -57,7 +57,7 @@ PICTURE = Deviation(
     ),
 )
 QUIET: Mapping[str, Value | str] = {
-    "told": True, "given_position": 0, "given_under": 1_000, "given_over": 2_000,
+    "told": True, "given_position": 0, "given_margin_below": 1_000, "given_margin_above": 2_000,
     "next_model": "NONE", "zone_from": 0, "zone_to": 0,
 }  # fmt: skip
 

@@ -11,6 +11,7 @@ from safeloc.language.spec import Property, always, never
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Unknown
+from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.results import Finding
@@ -29,7 +30,7 @@ machine = Machine(
         Transition("burnt out", LIT, DARK, wear >= 3, requirements=("MRK-1", "MRK-D1"), rank=0),
         Transition("switch off", LIT, DARK, ~press, rank=1),
     ],
-    assumption=wear < 100,
+    world=World(clauses={"assumption": wear < 100}, reads_machine="the test asks it"),
     doc=DOC,
 )
 PROPERTIES = (

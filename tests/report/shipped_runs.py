@@ -42,7 +42,7 @@ def told(machine: str, stem: str) -> Told:
 def changed(machine: str, stem: str, folder: Path, change: Change) -> Path:
     """A copy of a recording with every step (numbered from 1 on) changed; without ghosts, as a vehicle records."""
     target = shipped(machine)
-    ghosts = {var.name for one in target.machines for var in one.ghost_inputs}
+    ghosts = {var.name for one in target.machines for var in one.world.choices}
     steps = read_steps(recording(machine, stem)).steps
     kept: Sequence[dict[str, Cell]] = [{k: v for k, v in step.items() if k not in ghosts} for step in steps]
     path = folder / f"{stem}.jsonl"

@@ -78,7 +78,7 @@ def test_braking_is_due_on_the_dashed_curves(overrun: Told) -> None:
     step = orders(overrun).index("BRAKE")
     for number, above in ((step, True), (step - 1, False)):
         given = overrun.given[number]
-        to_go = 350_000 - given["position_mm"] - (0 if given["position_precise"] else given["over_mm"])
+        to_go = 350_000 - given["position_mm"] - (0 if given["position_precise"] else given["margin_above_mm"])
         assert (given["speed_mm_s"] >= due_mm_s(one, to_go)) is above
     assert len(kinds(drawn(overrun), "due")) == 2
 
@@ -150,7 +150,7 @@ def test_the_reported_interval_at_the_end(overrun: Told) -> None:
     of = drawn(overrun)
     (bar,) = kinds(of, "standing")
     last = overrun.given[-2]  # in the last step the vehicle is told to leave
-    low, high = (last["position_mm"] + off - 350_000 for off in (-last["under_mm"], last["over_mm"]))
+    low, high = (last["position_mm"] + off - 350_000 for off in (-last["margin_below_mm"], last["margin_above_mm"]))
     first, second, *_ = points(bar)
     assert [across(of, 1)(first[0]), across(of, 1)(second[0])] == pytest.approx([low / 1_000, high / 1_000], abs=0.02)
 

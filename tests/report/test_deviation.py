@@ -33,7 +33,7 @@ def test_the_curve_is_reported_less_true_position() -> None:
 
 
 def test_the_interval_is_what_the_deviation_must_keep_to() -> None:
-    """From over below to under above: that is where the true position lies within the reported interval."""
+    """From the margin above, downwards, to the margin below, upwards: that is where the true position lies within the reported interval."""
     of = drawn(level())
     deviation = upright(of)
     (band, *_) = kinds(of, "interval")
@@ -56,7 +56,7 @@ def test_an_enlarged_panel_shows_small_deviations() -> None:
     assert len(lines) == 2
     assert round(upright(of, 1)(points(lines[1])[0][1]), 2) == 0.5
     assert len(of.findall(".//{*}clipPath")) == 1
-    wide = drawn(level(given_under=20_000, given_over=20_000))
+    wide = drawn(level(given_margin_below=20_000, given_margin_above=20_000))
     assert len(kinds(wide, "deviation")) == 1
 
 
@@ -129,7 +129,7 @@ def test_a_spike_of_one_step_in_a_long_run_is_seen() -> None:
     """10 000 steps are thinned to the width of the page, and the one that is 25 m off is still there."""
     places = range(0, 1_000_000, 100)
     off = {543_200: 25_000}
-    wide = {"given_under": 29_000, "given_over": 29_000}
+    wide = {"given_margin_below": 29_000, "given_margin_above": 29_000}
     of = drawn(drive([{"given_position": place + off.get(place, 0), **wide} for place in places], places))
     (line,) = kinds(of, "deviation")
     assert len(points(line)) < 4 * 840

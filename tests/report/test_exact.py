@@ -69,7 +69,8 @@ def test_shipped_machines_are_written_in_full(name: str) -> None:
             assert set(re.findall(r"#\d+", line["text"])) <= known
             known.add(line["name"])
         updates = [row["term"] for row in part["updates"]]
-        texts = [*part["assumption"], *updates, *(row["guard"] for row in part["table"])]
+        laws = [term for law in part["clauses"] for term in law["terms"]]
+        texts = [*laws, *updates, *(row["guard"] for row in part["table"])]
         texts += [row["term"] for row in part["variables"]]
         assert all(set(re.findall(r"#\d+", text)) <= known for text in texts)
         assert not any("…" in text for text in [*texts, *(line["text"] for line in part["definitions"])])

@@ -20,9 +20,9 @@ from tests.report.lamp import findings, target
 @pytest.mark.parametrize(
     ("found", "expected"),
     [
-        ([], "nothing was asked, so nothing is shown"),
-        ([("property", "not asked")], "nothing was asked, so nothing is shown"),
-        ([("obligation", "proved"), ("property", "not asked")], "not everything was asked"),
+        ([], "not asked: there was no property to check"),
+        ([("property", "not asked")], "not asked: there was no property to check"),
+        ([("obligation", "proved"), ("property", "not asked")], "not asked: at least one machine had no property"),
         ([("property", "proved"), ("test", "held")], "all holds"),
         ([("replay", "held")], "held on recordings: 1 check; nothing was proved"),
         ([("replay", "held")] * 3, "held on recordings: 3 checks; nothing was proved"),

@@ -63,9 +63,11 @@ def data() -> dict[str, Any]:
 def test_headline_is_the_worst_verdict() -> None:
     """One violation makes the report violated; without it and the open question, all holds."""
     assert '<span class="verdict">violated</span>' in to_html(data())
-    assert '<span class="verdict">undecided: something is' in to_html(report_data(findings()[2:], [door()]))
+    assert '<span class="verdict">undecided: at least one' in to_html(report_data(findings()[2:], [door()]))
     assert '<span class="verdict">all holds</span>' in to_html(report_data(findings()[:1], [door()]))
-    assert '<span class="verdict">nothing was asked, so nothing is shown</span>' in to_html(report_data([], [door()]))
+    assert '<span class="verdict">not asked: there was no property to check</span>' in to_html(
+        report_data([], [door()])
+    )
 
 
 def test_a_long_witness_is_in_its_file_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,7 +98,7 @@ def test_chart_of_a_reported_interval() -> None:
     """A machine with an interval gets truth and margins; gaps where nothing is reported, and without a ghost."""
     target = load_target("delocalized")
     machine = report_data([], [target])["machines"][0]
-    outputs = {"restrictive": False, "position_mm": 100, "under_mm": 5, "over_mm": 7, "reason": 0}
+    outputs = {"restrictive": False, "position_mm": 100, "margin_below_mm": 5, "margin_above_mm": 7, "reason": 0}
     step = {"inputs": {}, "fired": {}, "state": {"truth_nm": 110_000_000}, "outputs": outputs}
     lost = {**step, "outputs": {**outputs, "restrictive": True}}
     trace = {"first": {"truth_nm": 100_000_000}, "steps": [step, step, lost, step], "truth_mm": []}
@@ -146,11 +148,11 @@ def test_old_evidence_goes(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("{", "cannot be read as a report"),
-        ("[]", "not a report of schema safeloc-report/3"),
-        (json.dumps({"schema": "safeloc-report/2"}), "not a report of schema safeloc-report/3; write it with"),
+        ("[]", "not a report of schema safeloc-report/4"),
+        (json.dumps({"schema": "safeloc-report/2"}), "not a report of schema safeloc-report/4; write it with"),
         (
-            json.dumps({"schema": "safeloc-report/3"}),
-            "does not keep to schema safeloc-report/3: KeyError: 'certificates'",
+            json.dumps({"schema": "safeloc-report/4"}),
+            "does not keep to schema safeloc-report/4: KeyError: 'certificates'",
         ),
     ],
 )

@@ -150,7 +150,7 @@ def test_declared_pictures_can_be_read(machine: str) -> None:
 def test_a_wrong_name_is_told_before_anything_runs() -> None:
     """Also an input that may be absent where one is needed at every step."""
     target, one = shipped("stop_point"), picture("stop_point", Approach)
-    wrong = replace(one, speed="sped", over="selected_stop", order="ordr")
+    wrong = replace(one, speed="sped", above="selected_stop", order="ordr")
     assert unreadable(wrong, target.system) == [
         "no input 'sped'",
         "input 'selected_stop' may be absent",
@@ -158,11 +158,21 @@ def test_a_wrong_name_is_told_before_anything_runs() -> None:
     ]
 
 
+def test_an_old_name_is_told_the_new_one() -> None:
+    """Of inputs, and of outputs."""
+    approach, deviation = picture("stop_point", Approach), picture("reflector", Deviation)
+    wrong = replace(approach, above="over_mm")
+    assert unreadable(wrong, shipped("stop_point").system) == ["no input 'over_mm'; 'over_mm' is now 'margin_above_mm'"]
+    wrong_too = replace(deviation, reported=replace(deviation.reported, below="under_mm"))
+    told = unreadable(wrong_too, shipped("reflector").system)
+    assert told == ["no output or state 'under_mm'; 'under_mm' is now 'margin_below_mm'"]
+
+
 OWN = """
 from safeloc.language.expr import number
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.railway.pictures import Deviation
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.language.units import MM
 
 (ON,) = modes("ON")

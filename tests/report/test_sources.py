@@ -13,12 +13,12 @@ from safeloc.railway.pictures import Interval, Refusals, Sources, unreadable
 from safeloc.report.refusals import refusals_table
 from safeloc.report.sources import sources_picture
 from safeloc.report.told import Told
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from tests.report.reading import drawing, kinds, words
 
 VERDICT = members("verdict", "NONE", "TOO_LATE", "CONTRADICTION")
 WHO = members("who", "NONE", "RADAR", "BALISE")
-ONLY_INTERVAL = Reported(position="place_mm", under="margin_mm", over="margin_mm", valid="valid", truth="")
+ONLY_INTERVAL = Reported(position="place_mm", below="margin_mm", above="margin_mm", valid="valid", truth="")
 PICTURE = Sources(
     "Sources", 100, ONLY_INTERVAL, "lead", (Interval("radar", ONLY_INTERVAL),),
     refusals=(Refusals("radar", "verdict", ("NONE",), ("lead",)),),

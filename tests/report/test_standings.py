@@ -14,12 +14,12 @@ from safeloc.language.units import COUNT
 from safeloc.railway.pictures import Standing, Standings, unreadable
 from safeloc.report.standings import standings_picture
 from safeloc.report.told import Broken, Told
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from tests.report.reading import across, begin, drawing, end, kinds, words
 
 STATE = members("seat", "FREE", "TAKEN", "BROKEN")
 PICTURE = Standings(
-    "Seats", Reported(position="place", under="place", over="place", valid="always", truth=""),
+    "Seats", Reported(position="place", below="place", above="place", valid="always", truth=""),
     tuple(Standing(f"seat_{n}", f"whose_{n}") for n in (1, 2)), lambda number: f"P{number}",
 )  # fmt: skip
 

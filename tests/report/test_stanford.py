@@ -7,7 +7,7 @@ import pytest
 from safeloc.railway.pictures import Stanford, unreadable
 from safeloc.report.stanford import REGIONS, Region, region, stanford_picture
 from safeloc.report.told import Broken, Told
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from tests.report.gauge import drive, system
 from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 
@@ -15,9 +15,9 @@ PICTURE = Stanford("Error against margin", Reported(), 10_000)
 PLACES = range(0, 40_000, 1_000)
 
 
-def told(error_mm: int, under_mm: int = 4_000, over_mm: int = 6_000) -> Told:
+def told(error_mm: int, margin_below_mm: int = 4_000, margin_above_mm: int = 6_000) -> Told:
     """Every step with the same error and margins."""
-    return drive([{"given_position": p + error_mm, "given_under": under_mm, "given_over": over_mm} for p in PLACES], PLACES)  # fmt: skip
+    return drive([{"given_position": p + error_mm, "given_margin_below": margin_below_mm, "given_margin_above": margin_above_mm} for p in PLACES], PLACES)  # fmt: skip
 
 
 def drawn(run: Told) -> Drawing:
@@ -39,7 +39,7 @@ def test_regions(error: float, margin: float, expected: Region) -> None:
 
 @pytest.mark.parametrize(("error", "margin"), [(3_000, 4_000), (-3_000, 6_000)])
 def test_the_margin_is_that_of_the_truth_s_side(error: int, margin: int) -> None:
-    """Reported too far: the truth lies below, where `under` guards; too near: `over`."""
+    """Reported too far: the truth lies below, where `below` guards; too near: `above`."""
     of = drawn(told(error))
     (mark,) = kinds(of, "step")
     assert abs(error) / 1_000 == pytest.approx(across(of)(float(str(mark.get("x"))) + 3), abs=0.1)

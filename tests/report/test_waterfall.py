@@ -13,7 +13,7 @@ from safeloc.railway.pictures import Interval, LoudFibre, Stretch, TrueEnds, Wat
 from safeloc.report.png import SIGNATURE
 from safeloc.report.told import Told
 from safeloc.report.waterfall import described, waterfall_picture, waterfall_table
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from tests.report.gauge import drive, system
 from tests.report.reading import Drawing, across, drawing, kinds, points, upright, words
 from tests.report.shipped_runs import picture
@@ -42,7 +42,12 @@ def run(silent: range = range(0)) -> Told:
     """The front 200 m ahead of the step's place, with 50 m below and 80 m above; silent in some steps."""
     places = [200_000 + 50_000 * number for number in range(STEPS)]
     steps = [
-        {"given_position": place, "given_under": 50_000, "given_over": 80_000, "told": number not in silent}
+        {
+            "given_position": place,
+            "given_margin_below": 50_000,
+            "given_margin_above": 80_000,
+            "told": number not in silent,
+        }
         for number, place in enumerate(places)
     ]
     return drive(steps, places)

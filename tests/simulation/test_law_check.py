@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from safeloc.errors import InputError
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.law_check import Breach, first_breach
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
-from safeloc.simulation.sensors import Fault, FaultKind, Law, check_faults, measure
+from safeloc.simulation.sensors import KINDS, Law, measure
 
 VEHICLE = VehicleConfig()
 LAWS = [
@@ -40,12 +41,12 @@ def test_no_seed_breaks_the_law(law: Law, severity: float) -> None:
 
 
 @pytest.mark.parametrize("kind", ["stuck", "runaway", "jump", "slip", "slide", "freeze"])
-def test_every_fault_breaks_the_law_where_it_begins(kind: FaultKind) -> None:
+def test_every_fault_breaks_the_law_where_it_begins(kind: str) -> None:
     """The check sees the fault, not before it begins, and within a second."""
     law, begin = Law(200, 1_000), 60
     sound = measure("wheel", RUNNING, law, np.random.default_rng(1))
     assert first_breach(RUNNING, law, sound) is None
-    broken = measure("wheel", RUNNING, law, np.random.default_rng(1), faults=[Fault("wheel", kind, begin, 200)])
+    broken = measure("wheel", RUNNING, law, np.random.default_rng(1), faults=[Fault(kind, "wheel", begin, 200)])
     breach = first_breach(RUNNING, law, broken)
     assert breach is not None
     assert begin <= breach.cycle < begin + 10
@@ -55,7 +56,7 @@ def test_every_fault_breaks_the_law_where_it_begins(kind: FaultKind) -> None:
 def test_a_drop_out_is_no_breach_but_an_absence() -> None:
     """A unit that is silent says nothing wrong."""
     unit = measure(
-        "wheel", RUNNING, Law(200, 1_000), np.random.default_rng(1), faults=[Fault("wheel", "drop-out", 5, 9)]
+        "wheel", RUNNING, Law(200, 1_000), np.random.default_rng(1), faults=[Fault("drop-out", "wheel", 5, 9)]
     )
     assert np.flatnonzero(~unit.present).tolist() == [5, 6, 7, 8]
 
@@ -98,13 +99,16 @@ def test_a_constant_that_cannot_hold_the_rounding_is_refused() -> None:
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        (Fault("whel", "stuck", 0, 9), r"no such sensor; there are \['wheel'\]\.$"),
-        (Fault("wheel", "stuck", 9, 9), r"needs 0 <= begin < end"),
-        (Fault("wheel", "stuck", 50, 60), r"within the run's 50 cycles\.$"),
-        (Fault("wheel", "stuck", -1, 60), r"needs 0 <= begin < end"),
+        (
+            Fault("stuck", "whel", 0, 9),
+            r"^stuck of whel, 0 to 9: no such place; of a distance sensor there are wheel\.$",
+        ),
+        (Fault("stuck", "wheel", 9, 9), r"needs 0 <= begin < end\.$"),
+        (Fault("stuck", "wheel", 50, 60), r"begins after the run, which is 50 long\.$"),
+        (Fault("stuck", "wheel", -1, 60), r"needs 0 <= begin < end\.$"),
     ],
 )
 def test_a_fault_that_would_test_nothing_is_refused(fault: Fault, message: str) -> None:
     """A misspelt sensor or an empty span is an error, not a sound run."""
     with pytest.raises(InputError, match=message):
-        check_faults([fault], ["wheel"], 50)
+        KINDS.require([fault], places=["wheel"], length=50)

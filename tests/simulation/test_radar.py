@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from safeloc.sensing.figures import RadarConfig, Sensor
-from safeloc.simulation.radar import Bias, Disturbance, Points, Weather, image, points, rain_cdb_per_km
+from safeloc.simulation.radar import Bias, Interference, Points, Weather, image, points, rain_cdb_per_km
 
 QUIET = RadarConfig(sensor=Sensor(ground_reflection_percent=0, scale_error_ppm=1_000))
 CELL = float(QUIET.sensor.cell_mm)
@@ -92,7 +92,7 @@ def test_the_ground_moves_the_echo() -> None:
 
 def test_a_strange_chirp_is_heard_everywhere() -> None:
     """Its power spreads over all ranges, most of it in its direction."""
-    power = image(one(500), QUIET, rng(), disturbance=Disturbance(sine=0.25))
+    power = image(one(500), QUIET, rng(), interference=Interference(sine=0.25))
     columns = np.median(power, axis=0)
     assert np.argmax(columns) == QUIET.sensor.side_cells + 4
     assert columns.max() > 1e3

@@ -11,8 +11,9 @@ from safeloc.language.trace import Trace, shown
 from safeloc.models import odometry
 from safeloc.models.odometry.simulate import Steps, simulate
 from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
-from safeloc.simulation.reader_faults import ReaderFault, ReaderFaultKind, with_faults
+from safeloc.simulation.reader_faults import with_faults
 from safeloc.simulation.sensors import FOREIGN, Reading
 
 MARKERS = [(number, number * 100_000) for number in range(1, 9)]
@@ -22,9 +23,9 @@ READINGS = [
 CONFIG = OdometryConfig(trust_first_marker=True)
 
 
-def struck(kind: ReaderFaultKind, begin: int = 15, end: int = 30, reach: int = 2) -> list[tuple[int, int, int | None]]:
+def struck(kind: str, **figures: int) -> list[tuple[int, int, int | None]]:
     """Cycle, identity and place of every reading with the fault in it."""
-    found = with_faults("front_marker", READINGS, MARKERS, [ReaderFault("front_marker", kind, begin, end, reach)])
+    found = with_faults("front_marker", READINGS, MARKERS, [Fault(kind, "front_marker", 15, 30, figures)])
     return [(one.cycle, one.marker, one.place_mm) for one in found]
 
 
@@ -55,26 +56,32 @@ def test_a_foreign_marker_has_no_place() -> None:
 def test_a_foreign_reading_is_not_misplaced() -> None:
     """It stands nowhere on this line already."""
     foreign = [Reading(20, 0, FOREIGN, None, 200, 0)]
-    assert with_faults("a", foreign, MARKERS, [ReaderFault("a", "misplaced", 0, 30)]) == foreign
+    assert with_faults("a", foreign, MARKERS, [Fault("misplaced", "a", 0, 30)]) == foreign
 
 
 def test_another_reader_is_left_alone() -> None:
     """A fault strikes the reader that it names."""
-    assert with_faults("rear_marker", READINGS, MARKERS, [ReaderFault("front_marker", "missed", 0, 99)]) == READINGS
+    assert with_faults("rear_marker", READINGS, MARKERS, [Fault("missed", "front_marker", 0, 99)]) == READINGS
 
 
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
         (
-            ReaderFault("front_marker", "missed", 30, 40),
+            Fault("missed", "front_marker", 30, 40),
             r"hits no reading; readings are in cycles \[10, 20, 21, 40\]\.$",
         ),
-        (ReaderFault("front_marker", "misplaced", 0, 99, 7), r"marker 2 has no other one 7 further on this line\.$"),
-        (ReaderFault("front_marker", "misplaced", 0, 99, 0), r"marker 1 has no other one 0 further on this line\.$"),
+        (
+            Fault("misplaced", "front_marker", 0, 99, {"reach": 7}),
+            r"marker 2 has no other one 7 further on this line\.$",
+        ),
+        (
+            Fault("misplaced", "front_marker", 0, 99, {"reach": 0}),
+            r"marker 1 has no other one 0 further on this line\.$",
+        ),
     ],
 )
-def test_a_fault_that_would_test_nothing_is_refused(fault: ReaderFault, message: str) -> None:
+def test_a_fault_that_would_test_nothing_is_refused(fault: Fault, message: str) -> None:
     """No reading in its time, or no marker to take its place."""
     with pytest.raises(InputError, match=message):
         with_faults("front_marker", READINGS, MARKERS, [fault])
@@ -83,7 +90,7 @@ def test_a_fault_that_would_test_nothing_is_refused(fault: ReaderFault, message:
 # ------------------------------------------------------------------ in the streams of the odometry machine
 
 
-def stream(*faults: ReaderFault) -> Steps:
+def stream(*faults: Fault) -> Steps:
     """Forty-five seconds past a marker every hundred metres, with perfect readers but for the faults."""
     places = [(number + 1, (number - 9) * 100_000) for number in range(40)]
     legs = [Leg(30_000, 45)]
@@ -100,17 +107,17 @@ def verdicts(steps: Steps) -> tuple[Trace, list[str]]:
 
 
 @pytest.mark.parametrize(
-    ("kind", "reach", "verdict"),
+    ("kind", "figures", "verdict"),
     [
-        ("repeated", 0, {"REPEATED"}),
-        ("misplaced", 2, {"OUT_OF_WINDOW"}),
-        ("misplaced", -2, {"OUT_OF_ORDER", "OUT_OF_WINDOW", "REPEATED"}),
-        ("foreign", 0, {"FOREIGN"}),
+        ("repeated", {}, {"REPEATED"}),
+        ("misplaced", {"reach": 2}, {"OUT_OF_WINDOW"}),
+        ("misplaced", {"reach": -2}, {"OUT_OF_ORDER", "OUT_OF_WINDOW", "REPEATED"}),
+        ("foreign", {}, {"FOREIGN"}),
     ],
 )
-def test_the_machine_rejects_it_and_stays_right(kind: ReaderFaultKind, reach: int, verdict: set[str]) -> None:
+def test_the_machine_rejects_it_and_stays_right(kind: str, figures: dict[str, int], verdict: set[str]) -> None:
     """With the reason that fits, and while anything is reported the interval holds the truth."""
-    steps = stream(ReaderFault("front_marker", kind, 250, 350, reach))
+    steps = stream(Fault(kind, "front_marker", 250, 350, figures))
     trace, said = verdicts(steps)
     sound = verdicts(stream())[1]
     new = {one for one, other in zip(said, sound, strict=True) if one != other and one not in ("NONE", "ACCEPTED")}
@@ -118,14 +125,16 @@ def test_the_machine_rejects_it_and_stays_right(kind: ReaderFaultKind, reach: in
     assert new <= verdict
     for step, out in zip(steps, (one.outputs for one in trace.steps), strict=True):
         if out["valid"]:
-            assert out["position_mm"] - out["under_mm"] <= step["truth_mm"] + 1
-            assert step["truth_mm"] <= out["position_mm"] + out["over_mm"]
+            assert out["position_mm"] - out["margin_below_mm"] <= step["truth_mm"] + 1
+            assert step["truth_mm"] <= out["position_mm"] + out["margin_above_mm"]
 
 
 def test_a_reader_that_is_not_there_is_refused() -> None:
-    """Also one that is no marker reader."""
-    with pytest.raises(InputError, match=r"no such sensor; there are \['front_marker', 'rear_marker'\]\.$"):
-        stream(ReaderFault("front_wheel", "missed", 0, 9))
+    """A wheel misses no marker, and there are two readers."""
+    with pytest.raises(InputError, match=r"a distance sensor has no such fault; it has stuck, "):
+        stream(Fault("missed", "front_wheel", 0, 9))
+    with pytest.raises(InputError, match=r"a marker reader has no such fault; it has missed, repeated, "):
+        stream(Fault("slide", "rear_marker", 0, 9))
 
 
 def test_a_reading_repeated_after_the_end_is_lost() -> None:
@@ -133,7 +142,7 @@ def test_a_reading_repeated_after_the_end_is_lost() -> None:
     legs = [Leg(10_000, 3.0)]
     bare = simulate(CONFIG, seed=1, legs=legs, markers=[], missed=0.0, foreign=0.0)
     last = [(7, int(bare[-1]["truth_mm"]))]
-    fault = ReaderFault("front_marker", "repeated", len(bare) - 1, len(bare))
+    fault = Fault("repeated", "front_marker", len(bare) - 1, len(bare))
     steps = simulate(CONFIG, seed=1, legs=legs, markers=last, missed=0.0, foreign=0.0, faults=[fault])
     assert len(steps) == len(bare)
     assert [number for number, step in enumerate(steps) if step.get("front_marker") == 7] == [len(bare) - 1]

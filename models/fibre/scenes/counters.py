@@ -10,13 +10,12 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import MM_PER_M, UM_PER_MM
 from safeloc.models.axle_counter import AxleCounterConfig, machine
 from safeloc.models.axle_counter.simulate import Passage, passed
-from safeloc.models.fibre.scenes.scene import MM_PER_M
 from safeloc.simulation.fibre.trains import Train
 
 BEYOND_MM = 60_000
-UM_PER_MM = 1_000
 AXLES = AxleCounterConfig()
 
 

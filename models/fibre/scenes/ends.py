@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import MM_PER_M, NM_PER_MM
 from safeloc.models.fibre.scenes.map_host import MapHost
-from safeloc.models.fibre.scenes.scene import MM_PER_M, Moment, Scene
+from safeloc.models.fibre.scenes.scene import Moment, Scene
 from safeloc.models.fibre.simulate import on_board
-from safeloc.models.fibre.variables import NM_PER_MM, FibreConfig
+from safeloc.models.fibre.variables import FibreConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.fibre.features import End, TrainSeen
 from safeloc.sensing.fibre.run_meter import RunMeter

@@ -8,14 +8,14 @@ from functools import cache
 
 from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import MM_PER_M, UM_PER_MM
 from safeloc.models.fibre.scenes.counters import Ends, events
-from safeloc.models.fibre.scenes.scene import MM_PER_M, Moment
+from safeloc.models.fibre.scenes.scene import Moment
 from safeloc.models.train_order import TrainOrderConfig, machine
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.fibre.features import TrainSeen
 
 Steps = list[dict[str, Cell]]
-UM_PER_MM = 1_000
 ORDER = TrainOrderConfig()
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.fibre.scenes.ends import Steps, steps_of
 from safeloc.models.fibre.scenes.figures import END_SCENES, QUIET_S, EndScene
 from safeloc.models.fibre.scenes.order import order_of, places_of, truth_of
@@ -16,7 +17,6 @@ from safeloc.models.fibre.scenes.scenarios import AREA_SCENES, ORDER_SCENES, Are
 from safeloc.models.fibre.scenes.scene import listen
 from safeloc.models.fibre.scenes.stay import first_state, stayed
 from safeloc.models.fibre.scenes.waterfall import waterfall
-from safeloc.models.fibre.variables import NM_PER_MM
 from safeloc.runtime.streams.steps import write_steps
 
 BLOCKS_PER_S = 2

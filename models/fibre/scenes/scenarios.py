@@ -10,13 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+from safeloc.language.units import MM_PER_M
 from safeloc.models.fibre.code import make_code
 from safeloc.models.fibre.scenes.counters import Ends
 from safeloc.models.fibre.scenes.figures import CONFIG, QUIET_S, SPEED_M_S, section
-from safeloc.models.fibre.scenes.scene import MM_PER_M, Scene
+from safeloc.models.fibre.scenes.scene import Scene
 from safeloc.models.fibre.scenes.stay import Stay
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.fibre.emitters import Sounding
-from safeloc.simulation.fibre.scene import Fault
 from safeloc.simulation.fibre.trains import COACH, Course, Train
 
 EMITTER_MM, EMITTER_BITS = 1_000_000, "1011001011100011"
@@ -124,7 +125,7 @@ SCENARIOS = (
         "emitter's pattern is overdue (CHAIN_FAILED), and the trust does not come back without a new reference. The "
         "train's interval grows at the line's top speed: sections become UNKNOWN, none becomes FREE before it is "
         "counted out.",
-        replace(STAY, scene=_with(faults=(Fault("missing", 190, 215),), seed=3)),
+        replace(STAY, scene=_with(faults=(Fault("missing", "", 190, 215),), seed=3)),
     ),
     AreaScene(
         "split-train",

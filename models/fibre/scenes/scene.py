@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.language.units import MM_PER_M
 from safeloc.models.fibre.code import Symbol
 from safeloc.sensing.fibre.emitters import Heard
 from safeloc.sensing.fibre.energy import Analyser
@@ -26,17 +27,17 @@ from safeloc.sensing.fibre.figures import (
     PointPlace,
 )
 from safeloc.sensing.fibre.front_end import FrontEnd
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.fibre import cable as laid
 from safeloc.simulation.fibre.emitters import Sounding
 from safeloc.simulation.fibre.ground import Car
 from safeloc.simulation.fibre.optics import Drift
-from safeloc.simulation.fibre.scene import Fault, Shot, TrainTruth, World, shots
+from safeloc.simulation.fibre.scene import Shot, TrainTruth, World, shots
 from safeloc.simulation.fibre.trains import Train
 
 Numbers = NDArray[np.float64]
 PULSE_HZ, WINDOW_FRAMES, CELL_MM = 500, 25, 5_000
 MAX_AGE_MS = 1_000
-MM_PER_M = 1_000
 RAISED, LOWERED = 8.0, 0.25
 """What a section makes of the strain: 18 dB more, or 12 dB less, which leaves the train to be heard."""
 NO_DRIFT = Drift()

@@ -10,11 +10,11 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
 from safeloc.language.system import without_ghosts
 from safeloc.language.trace import shown
+from safeloc.language.units import MM_PER_M, NM_PER_MM, UM_PER_MM
 from safeloc.models.fibre.scenes.counters import Ends, Record, events, record_of
 from safeloc.models.fibre.scenes.ends import EndHost, Followed, Side
 from safeloc.models.fibre.scenes.order import order_of
-from safeloc.models.fibre.scenes.scene import MM_PER_M, Moment, Scene
-from safeloc.models.fibre.variables import NM_PER_MM
+from safeloc.models.fibre.scenes.scene import Moment, Scene
 from safeloc.models.fibre_area import FibreAreaConfig, compose_machines
 from safeloc.models.sections import SectionsConfig
 from safeloc.runtime.streams.steps import Cell
@@ -22,7 +22,6 @@ from safeloc.sensing.fibre.features import TrainSeen
 from safeloc.simulation.fibre.trains import Train
 
 Steps = list[dict[str, Cell]]
-UM_PER_MM = 1_000
 ENDS: Mapping[str, Side] = {"front": "high", "rear": "low"}
 OVERHANG_MM = 4_500
 

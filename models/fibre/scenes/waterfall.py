@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.models.fibre.scenes.scene import MM_PER_M, Moment, Scene
+from safeloc.language.units import MM_PER_M
+from safeloc.models.fibre.scenes.scene import Moment, Scene
 
 Numbers = NDArray[np.float64]
 SCHEMA = "safeloc-waterfall/1"

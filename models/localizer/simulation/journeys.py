@@ -8,8 +8,9 @@ from itertools import combinations
 
 from safeloc.models.balise.groups import Group
 from safeloc.models.localizer.simulation.junction import Junction
-from safeloc.models.localizer.simulation.simulate import Journey, Stretch, Trouble, TroubleKind
+from safeloc.models.localizer.simulation.simulate import Journey, Stretch
 from safeloc.models.reflector.simulate import Balise, Reflector, Route
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
 METRO = Journey(
@@ -71,7 +72,7 @@ class Case:
     """
 
     journey: str
-    trouble: Trouble
+    trouble: Fault
     fires: tuple[str, ...]
     outcome: str
     undetectable: str = ""
@@ -103,16 +104,16 @@ _SILENT = ("motion: silent too long", "balise: sensors failed")
 _SLIDES = ("motion: units disagree", "balise: sensors failed")
 
 
-def _metro(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
-    return Case("metro", Trouble(kind, 380, 480, group), fires, outcome, undetectable)
+def _metro(kind: str, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
+    return Case("metro", Fault(kind, group or "", 380, 480), fires, outcome, undetectable)
 
 
-def _main(kind: TroubleKind, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
-    return Case("main-line", Trouble(kind, 800, 900, group), fires, outcome, undetectable)
+def _main(kind: str, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
+    return Case("main-line", Fault(kind, group or "", 800, 900), fires, outcome, undetectable)
 
 
 def _freight(
-    kind: TroubleKind,
+    kind: str,
     fires: tuple[str, ...],
     outcome: str,
     *,
@@ -120,7 +121,7 @@ def _freight(
     undetectable: str = "",
     remains: str = "",
 ) -> Case:
-    return Case("freight", Trouble(kind, 800, 1_000, group), fires, outcome, undetectable, remains)
+    return Case("freight", Fault(kind, group or "", 800, 1_000), fires, outcome, undetectable, remains)
 
 
 CASES: tuple[Case, ...] = (

@@ -12,8 +12,9 @@ from pathlib import Path
 from safeloc.models.balise.groups import Group
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.journeys import METRO
-from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch, Trouble, first_state, simulate
+from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch, first_state, simulate
 from safeloc.runtime.streams.steps import write_steps
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
 FOLDER, SEED = Path(__file__).parents[2] / "streams", 3
@@ -48,8 +49,8 @@ FREIGHT = Journey(
     length_mm=205_000,
     acceleration_mm_s2=700,
 )
-SILENT_BALISE = [Trouble("odometer silent", 320, 332), Trouble("balise corrupted", group=3)]
-REVOKED = [Trouble("fibre error", 300, 310), Trouble("satellites lost", 270, 400)]
+SILENT_BALISE = [Fault("odometer silent", "", 320, 332), Fault("balise corrupted", 3)]
+REVOKED = [Fault("fibre error", "", 300, 310), Fault("satellites lost", "", 270, 400)]
 RUNS: Mapping[str, Run] = {
     "metro": Run(
         STATION, "Into a station in a tunnel: the radar leads after its self-test, then odometry; balises confirm."

@@ -9,64 +9,63 @@ stream without ghosts, on which nothing can be said of the truth but what the re
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise import simulate as balise_streams
 from safeloc.models.balise.groups import Group
-from safeloc.models.balise.simulate import GroupFault, GroupFaultKind, RouteSet
+from safeloc.models.balise.simulate import RouteSet
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer.simulation.junction import Junction
 from safeloc.models.localizer.simulation.sky import signals, solution
 from safeloc.models.motion.simulate import Measured, measured_by
-from safeloc.models.motion.unit_check import ODOMETER_LAWFUL
+from safeloc.models.motion.world import ODOMETER_LAWFUL
 from safeloc.models.odometry import simulate as odometry_streams
 from safeloc.models.reflector import simulate as reflector_streams
-from safeloc.models.reflector.simulate import Disturbance, Scene
+from safeloc.models.reflector.simulate import Scene
 from safeloc.models.verification import VerificationConfig
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
-from safeloc.simulation.reader_faults import ReaderFault
-from safeloc.simulation.sensors import Fault, FaultKind
 
 Steps = list[dict[str, Cell]]
-NM_PER_MM = 1_000_000
 WIRED = (
     "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
 )  # fmt: skip
 CHECKED = ("odometer_next_wander_nm", "next_wander_nm")
 """Wired as well, or shared, where a check unit makes the odometer's law owed."""
-TroubleKind = Literal[
-    "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
-    "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
-    "balise missed", "balise displaced", "other branch taken", "linking not replaced",
-]  # fmt: skip
-UNLAWFUL: tuple[TroubleKind, ...] = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
+KINDS = Kinds(
+    "a journey",
+    plain(
+        "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
+        "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
+        "balise missed", "balise displaced", "other branch taken", "linking not replaced",
+    ),
+)  # fmt: skip
+"""In cycles; of balises with the group's identity. A miscount, and what goes wrong at the junction, are there once on a
+journey, and what goes wrong with a group is there for good, whatever the cycles."""
+UNLAWFUL = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
 """These break what a source assumes of its sensors; the others are noticed, or change nothing that is assumed."""
 SPOOFED_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 5
 """Spoofing draws all solutions away by so much a cycle; a radar is off by so much; a block of the fibre."""
 
 
-@dataclass(frozen=True)
-class Trouble:
-    """What goes wrong in cycles `begin` up to, not including, `end`; for balises `group` tells which one.
-
-    A miscount, and what goes wrong at the junction, are there once on a journey, whatever the cycles.
-    """
-
-    kind: TroubleKind
-    begin: int = 0
-    end: int = 0
-    group: int = 0
-
-    def active(self, cycle: int) -> bool:
-        """Whether it acts in a cycle."""
-        return self.begin <= cycle < self.end
+PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
+    "motion": {"odometer silent": Fault("drop-out", "wheel"), "odometer slides": Fault("slide", "wheel")},
+    "odometry": {"marker misplaced": Fault("misplaced", "front_marker", figures={"reach": 1})},
+    "balise": {
+        "balise corrupted": Fault("corrupted"),
+        "balise missed": Fault("missed"),
+        "balise displaced": Fault("late"),
+    },
+    "reflector": {"radar blind": Fault("blind"), "radar shifted": Fault("shift", figures={"by_mm": SHIFTED_MM})},
+}
+"""Machine -> what goes wrong on a journey -> what its own simulation makes of that."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ class Journey:
     axles: int = 16
     length_mm: int = 60_000
     acceleration_mm_s2: int = 700
-    troubles: Sequence[Trouble] = ()
+    troubles: Sequence[Fault] = ()
 
     @property
     def lawful(self) -> bool:
@@ -129,13 +128,14 @@ class Journey:
         """Whether the vehicle may be on either branch there, so that no satellite is predicted along either."""
         return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
 
-    def trouble(self, kind: TroubleKind, cycle: int) -> Trouble | None:
+    def trouble(self, kind: str, cycle: int) -> Fault | None:
         """The trouble of a kind that acts in a cycle."""
         return next((one for one in self.troubles if one.kind == kind and one.active(cycle)), None)
 
 
 def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
     """The journey as steps: inputs, and where nothing breaks the law the ghosts; and the remark `truth_mm`."""
+    KINDS.require(journey.troubles)
     rng = np.random.default_rng(seed)
     motion = motion_of(config, journey)
     measured = _measured(config, journey, motion, rng)
@@ -160,7 +160,9 @@ def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
     motion = motion_of(config, journey)
     used: dict[str, Value] = {"truth_nm": motion.start_nm}
     if config.motion.check is not None:
-        used |= {"odometer_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value}
+        used |= {
+            "odometer_wander_nm": 0, "motion.lawful_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value
+        }  # fmt: skip
     open_: dict[str, dict[str, Value]] = {
         "odometry": {"odometry.faulty_unit": 0} if config.odometry.single_fault_safe else {},
         "satellite": {"position.true_speed_um_s": int(_speeds_um_s(motion)[0])},
@@ -184,9 +186,13 @@ def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
 
 
 def _measured(config: LocalizerConfig, journey: Journey, motion: Motion, rng: np.random.Generator) -> Measured:
-    kinds: dict[TroubleKind, FaultKind] = {"odometer silent": "drop-out", "odometer slides": "slide"}
-    faults = [Fault("wheel", kinds[one.kind], one.begin, one.end) for one in journey.troubles if one.kind in kinds]
-    return measured_by("wheel", config.motion, motion, rng, faults)
+    return measured_by("wheel", config.motion, motion, rng, _passed_on("motion", journey))
+
+
+def _passed_on(machine: str, journey: Journey) -> list[Fault]:
+    """What goes wrong on the journey, in the words of the machine's own simulation."""
+    known = PASSED_ON[machine]
+    return [replace(known[one.kind], begin=one.begin, end=one.end) for one in journey.troubles if one.kind in known]
 
 
 def _common(motion: Motion, measured: Measured) -> Steps:
@@ -197,6 +203,7 @@ def _common(motion: Motion, measured: Measured) -> Steps:
         step |= {name: int(one.step_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
         if measured.check is not None:
             step["odometer_next_wander_nm"] = int(measured.odometer.wander_nm[cycle])
+            step["motion.lawful_next_wander_nm"] = int(measured.odometer.wander_nm[cycle])
         steps.append(step)
     return steps
 
@@ -236,26 +243,21 @@ def _owed(measured: Measured) -> tuple[str, ...]:
 
 
 def _odometry(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
-    wrong = [one for one in journey.troubles if one.kind == "marker misplaced"]
-    faults = [ReaderFault("front_marker", "misplaced", one.begin, one.end, reach=1) for one in wrong]
     return _named(
         "odometry",
         odometry_streams.simulate(
             config.odometry, seed=seed, motion=motion, markers=journey.markers, dropout=0, missed=0, foreign=0,
-            faults=faults, first_unit=measured.odometer, second_unit=measured.check,
+            faults=_passed_on("odometry", journey), first_unit=measured.odometer, second_unit=measured.check,
         ),
         _units_heard(config),
     )  # fmt: skip
 
 
 def _balise(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
-    kinds: dict[TroubleKind, GroupFaultKind] = {
-        "balise corrupted": "corrupted", "balise missed": "missed", "balise displaced": "late"
-    }  # fmt: skip
-    passed = journey.passed
+    passed, known = journey.passed, PASSED_ON["balise"]
     met = {group.identity for group in passed}
     faults = [
-        GroupFault(one.group, kinds[one.kind]) for one in journey.troubles if one.kind in kinds and one.group in met
+        replace(known[one.kind], where=one.where) for one in journey.troubles if one.kind in known and one.where in met
     ]
     return _named(
         "balise",
@@ -279,9 +281,7 @@ def _routes(journey: Journey, motion: Motion) -> list[RouteSet]:
 
 
 def _reflector(config: LocalizerConfig, journey: Journey, motion: Motion, measured: Measured, seed: int) -> Steps:
-    kinds: dict[TroubleKind, str] = {"radar blind": "blind", "radar shifted": "shift"}
-    wrong = [one for one in journey.troubles if one.kind in kinds]
-    disturbed = tuple(Disturbance(kinds[one.kind], one.begin, one.end, by_mm=SHIFTED_MM) for one in wrong)
+    disturbed = tuple(_passed_on("reflector", journey))
     scene = Scene(journey.reflectors, pauses=0, dropout=0, disturbances=disturbed)
     return _named(
         "reflector",
@@ -360,7 +360,7 @@ def _pattern(
     """What the fibre determines in a block, every fifth cycle; nothing between them."""
     told = inside and cycle % BLOCK_CYCLES == 0
     step: dict[str, Cell] = {
-        "associated": told, "fibre_located": told, "fibre_over_mm": 12_000, "fibre_under_mm": 12_000,
+        "associated": told, "fibre_located": told, "fibre_margin_above_mm": 12_000, "fibre_margin_below_mm": 12_000,
         "fibre_error": inside and journey.trouble("fibre error", cycle) is not None,
         "chain_tested": inside, "chain_failed": False,
     }  # fmt: skip

@@ -1,10 +1,10 @@
-"""What enters the core is validated here and nowhere else: tables of rules, each with what it keeps out.
+"""All validation of declarations, in one place: tables of rules, each with the harm that it prevents.
 
-    machine.py       what a machine declares                            MACHINE
-    composition.py   what a composition is asked to join, and gives     JOINING, JOINED
-    system.py        what every prover and back end is handed           SYSTEM
+    machine.py       the declaration of a machine                       MACHINE
+    composition.py   the machines to compose, and the result             JOINING, JOINED
+    system.py        the system handed to provers and back ends          SYSTEM
     properties.py    a property by itself, and on a system              PROPERTY, READING, WATCHING
-    table.py         all of them, for whoever wants to see them at once
+    table.py         all rules in one list
 
-What needs a solver (overlap, dead transitions, ranges) is an obligation, not a rule.
+A check that needs a solver (overlap, dead transitions, ranges) is an obligation, not a rule.
 """

@@ -1,4 +1,4 @@
-"""What a composition is asked to join, and what came of it."""
+"""Rules for the machines of a composition and for the composed system."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What somebody wants to join; `systems` are the machines, lowered; `src` is where it is said."""
+    """The arguments of `compose`; `systems` are the lowered machines, `src` is the place of the call."""
 
     name: str
     machines: Sequence[Machine]
@@ -75,7 +75,7 @@ def _machines_have_distinct_names(plan: Plan) -> Iterator[str]:
 
 
 def _joined_names_are_distinct(plan: Plan) -> Iterator[str]:
-    """Names of the whole are made of two: "a" with "b: c" and "a: b" with "c" would be one lemma."""
+    """Names in the composition join two names: "a" with "b: c" and "a: b" with "c" would give the same lemma."""
     from safeloc.language.composition import contract_text, lemma_name
 
     groups: dict[str, list[str]] = {
@@ -121,13 +121,13 @@ def _role(var: Var, system: TransitionSystem) -> str:
 
 
 def _wires_tell_no_ghosts(plan: Plan) -> Iterator[str]:
-    """What is heard on board comes from what is on board."""
+    """An on-board input is wired to on-board variables only."""
     ghosts: set[Var] = set()
     for system in plan.systems:
         for var in system.inputs:
             told = [read.name for read in variables([plan.wires[var]]) if read in ghosts] if var in plan.wires else []
             if told and var not in system.ghosts:
-                yield f"the wire to {var.name!r}, which is heard on board, reads the ghost {', '.join(map(repr, told))}."
+                yield f"the wire to {var.name!r}, an on-board input, reads the ghost {', '.join(map(repr, told))}."
         ghosts |= system.ghosts
 
 
@@ -179,9 +179,9 @@ def _owed_is_assumed(plan: Plan) -> Iterator[str]:
     for one in plan.discharge:
         machine = one if isinstance(one, Machine) else one.machine
         if machine not in plan.machines:
-            yield f"{machine.name!r} is owed something and is not part of it."
-        elif not isinstance(one, Machine) and one.name not in machine.clauses:
-            yield f"{machine.name!r} has no clause {one.name!r}; it has {list(machine.clauses)}."
+            yield f"{machine.name!r} is named in `discharge` and is no machine of it."
+        elif not isinstance(one, Machine) and one.name not in machine.world.clauses:
+            yield f"{machine.name!r} has no clause {one.name!r}; it has {list(machine.world.clauses)}."
 
 
 JOINING: tuple[Rule[Plan], ...] = (

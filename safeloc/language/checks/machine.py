@@ -1,4 +1,4 @@
-"""What a machine's declaration must satisfy before anything else looks at it: one small function per rule.
+"""Rules for the declaration of a machine, checked before anything else reads it: one small function per rule.
 
 `check` raises ModelError with all complaints, so that one run shows every mistake.
 """
@@ -13,7 +13,7 @@ from safeloc.language.checks.terms import malformed
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Optional, Var
 from safeloc.language.machine import ANY, STAY_NAME, Initial, Machine, Transition
 from safeloc.language.nodes import Compare, Past
-from safeloc.language.terms import in_order
+from safeloc.language.terms import in_order, variables
 from safeloc.language.units import Enumeration
 
 RESERVED = ("mode", "fired")
@@ -36,7 +36,7 @@ def _refuse(machine: Machine, found: list[str]) -> None:
 
 
 def input_variables(machine: Machine) -> list[Var]:
-    """All input variables, presence flags included."""
+    """Return all input variables, presence flags included."""
     result: list[Var] = []
     for item in machine.inputs:
         result += [item.present, item.value] if isinstance(item, Optional) else [item]
@@ -48,7 +48,11 @@ def _variables_are_variables(machine: Machine) -> Iterator[str]:
     for item in machine.inputs:
         if not isinstance(item, (NumVar, BoolVar, Optional)):
             yield f"input {item!r} is no variable; {wanted}."
-    for what, declared in (("state", machine.state), ("ghost", machine.ghosts), ("ghost input", machine.ghost_inputs)):
+    for what, declared in (
+        ("state", machine.state),
+        ("ghost", machine.world.ghosts),
+        ("choice", machine.world.choices),
+    ):
         for var in declared:
             if not isinstance(var, (NumVar, BoolVar)):
                 yield f"{what} {var!r} is no variable; {wanted}."
@@ -64,8 +68,8 @@ def _variables_are_variables(machine: Machine) -> Iterator[str]:
 
 def _terms_are_terms(machine: Machine) -> Iterator[str]:
     guards = {f"guard of {t.name!r} ({t.src})": t.when for t in machine.transitions}
-    truths: dict[str, object] = {**guards, "assumption": machine.assumption, "initially": machine.initially}
-    truths |= {f"clause {name!r}": clause for name, clause in machine.clauses.items()}
+    truths: dict[str, object] = {**guards, "initially": machine.initially}
+    truths |= {f"clause {name!r}": clause for name, clause in machine.world.terms.items()}
     truths |= {f"lemma {name!r}": lemma for name, lemma in machine.lemmas.items()}
     for what, term in truths.items():
         if not isinstance(term, Bool):
@@ -73,23 +77,25 @@ def _terms_are_terms(machine: Machine) -> Iterator[str]:
     for name, output in machine.outputs.items():
         if not isinstance(output, (Num, Bool)):
             yield f"output {name!r}: {output!r} is no term; make it of state variables."
-    for var, move in machine.ghost_moves.items():
+    for var, move in machine.world.moves.items():
         if not isinstance(move, (Num, Bool)):
-            yield f"ghost move of {var.name!r}: {move!r} is no term; a ghost that rests moves to itself."
+            yield f"move of ghost {var.name!r}: {move!r} is no term; a ghost that rests moves to itself."
 
 
 def _terms_are_well_formed(machine: Machine) -> Iterator[str]:
-    """Also those that somebody built without the functions of the language."""
+    """Every term is well formed, also one built without the functions of the language."""
     values = [value for t in machine.transitions for value in t.set.values() if isinstance(value, (Num, Bool))]
-    yield from malformed([*_terms(machine), *values, *input_variables(machine), *machine.state, *machine.ghosts])
+    yield from malformed(
+        [*_terms(machine), *values, *input_variables(machine), *machine.state, *machine.world.variables]
+    )
 
 
 def _terms(machine: Machine) -> list[Expr]:
     guards = [t.when for t in machine.transitions]
-    terms: list[Expr] = [*machine.outputs.values(), *machine.ghost_moves.values(), *machine.definitions.values()]
-    terms += [*machine.clauses.values(), *machine.lemmas.values()]
+    terms: list[Expr] = [*machine.outputs.values(), *machine.world.moves.values(), *machine.definitions.values()]
+    terms += [*machine.world.terms.values(), *machine.lemmas.values()]
     ends = [mode for t in machine.transitions for mode in (*t.sources, t.target)]
-    return [*guards, *terms, *ends, *machine.modes, machine.assumption, machine.initially, *machine.ghost_inputs]
+    return [*guards, *terms, *ends, *machine.modes, machine.initially]
 
 
 def _modes_are_one_enumeration(machine: Machine) -> Iterator[str]:
@@ -106,7 +112,7 @@ def _members(mode: Lit) -> tuple[str, ...]:
 
 
 def _names_are_distinct(machine: Machine) -> Iterator[str]:
-    owned = [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]
+    owned = [*input_variables(machine), *machine.state, *machine.world.variables]
     yield from _repeated("variable", (var.name for var in owned))
     own_value = {var.name for var in owned if machine.outputs.get(var.name) is var}
     yield from _repeated("variable or output", {var.name for var in owned} - own_value | set(RESERVED), machine.outputs)
@@ -127,7 +133,7 @@ def _mode_variable_is_the_modes(machine: Machine) -> Iterator[str]:
         yield f"the mode variable is called {mode.name!r} ({mode.src}); make it with current_mode(...)."
     if mode.unit is not unit or (mode.low, mode.high) != (0, len(machine.modes) - 1):
         yield f"the mode variable ({mode.src}) is not of this machine's modes; make it with current_mode(modes)."
-    if mode in {*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs}:
+    if mode in {*input_variables(machine), *machine.state, *machine.world.variables}:
         yield "the mode variable is declared as a variable of its own as well."
 
 
@@ -137,7 +143,7 @@ def _labels_can_be_written(machine: Machine) -> Iterator[str]:
     if not machine.name.strip() or wrong or not machine.name.isprintable() or len(machine.name) > LONGEST_NAME:
         yield f"its name is {machine.name!r}; 1 to {LONGEST_NAME} printable characters, without /, | and \\."
     labels = {"mode": [mode.label for mode in machine.modes], "transition": [t.name for t in machine.transitions]}
-    labels |= {"output": list(machine.outputs), "lemma": list(machine.lemmas), "clause": list(machine.clauses)}
+    labels |= {"output": list(machine.outputs), "lemma": list(machine.lemmas), "clause": list(machine.world.clauses)}
     for what, names in labels.items():
         for name in names:
             if not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
@@ -146,7 +152,7 @@ def _labels_can_be_written(machine: Machine) -> Iterator[str]:
 
 def _names_can_be_written(machine: Machine) -> Iterator[str]:
     """Proof texts quote names in bars and number the copies of an input with @."""
-    for var in [*input_variables(machine), *machine.state, *machine.ghosts, *machine.ghost_inputs]:
+    for var in [*input_variables(machine), *machine.state, *machine.world.variables]:
         if not var.name or not var.name.isprintable() or set(var.name) & set("@|\\"):
             yield f"variable {var.name!r} ({var.src}): a name is not empty, printable, and without @, | and \\."
 
@@ -170,7 +176,7 @@ def _transitions_join_known_modes(machine: Machine) -> Iterator[str]:
 
 
 def _sources_are_named_once(machine: Machine) -> Iterator[str]:
-    """Whether a transition leaves every mode is told by how many it names."""
+    """A transition names each source mode once: the number of names decides whether it leaves every mode."""
     for t in machine.transitions:
         twice = sorted({mode.label for mode in t.sources if sum(mode is other for other in t.sources) > 1})
         if twice:
@@ -199,15 +205,15 @@ def _updates_fit(machine: Machine) -> Iterator[str]:
                 yield f"transition {t.name!r} ({t.src}) sets {var.name!r}, which is not a state variable."
             else:
                 yield from _fits(f"transition {t.name!r} ({t.src}) sets {var.name!r}", var, value)
-    for var, move in machine.ghost_moves.items():
-        if var not in machine.ghosts:
-            yield f"ghost move of {var.name!r}, which is not a ghost."
+    for var, move in machine.world.moves.items():
+        if var not in machine.world.ghosts:
+            yield f"move of ghost {var.name!r}, which is not a ghost."
         else:
-            yield from _fits(f"ghost move of {var.name!r}", var, move)
+            yield from _fits(f"move of ghost {var.name!r}", var, move)
 
 
 def _initial_values_fit(machine: Machine) -> Iterator[str]:
-    for var, value in [*machine.state.items(), *machine.ghosts.items()]:
+    for var, value in [*machine.state.items(), *machine.world.ghosts.items()]:
         if isinstance(value, (Num, Bool)) and not isinstance(value, Lit):
             yield f"initial value of {var.name!r} ({var.src}): {value!r} is a term; give a value, or ANY and `initially`."
         elif value is not ANY:
@@ -230,7 +236,7 @@ def _fits(what: str, var: Var, value: Expr | Initial) -> Iterator[str]:
 
 
 def _reads_are_declared(machine: Machine) -> Iterator[str]:
-    state, ghosts = {*machine.state, machine.mode}, {*machine.ghosts, *machine.ghost_inputs}
+    state, ghosts = {*machine.state, machine.mode}, {*machine.world.variables}
     own = {*input_variables(machine), *state}
     on_board = _Readers(own, "inputs and state")
     for t in machine.transitions:
@@ -240,15 +246,33 @@ def _reads_are_declared(machine: Machine) -> Iterator[str]:
     for name, term in machine.outputs.items():
         yield from after.complaints(f"output {name!r}", [term])
     anywhere = _Readers(own | ghosts, "declared variables", on_board)
-    for var, move in machine.ghost_moves.items():
-        yield from anywhere.complaints(f"ghost move of {var.name!r}", [move])
-    yield from anywhere.complaints("assumption", [machine.assumption])
-    for name, clause in machine.clauses.items():
+    for var, move in machine.world.moves.items():
+        yield from anywhere.complaints(f"move of ghost {var.name!r}", [move])
+    for name, clause in machine.world.terms.items():
         yield from anywhere.complaints(f"clause {name!r}", [clause])
-    at_rest = _Readers(state | set(machine.ghosts), "state and ghosts", after)
+    at_rest = _Readers(state | set(machine.world.ghosts), "state and ghosts", after)
     yield from at_rest.complaints("initially", [machine.initially])
     for name, lemma in machine.lemmas.items():
         yield from at_rest.complaints(f"lemma {name!r}", [lemma])
+
+
+def _world_is_apart(machine: Machine) -> Iterator[str]:
+    """A law that follows the machine proves any machine right."""
+    if not machine.world.reads_machine:
+        for what, read in read_of_machine(machine).items():
+            yield (
+                f"{what} reads {read[0].name!r}, which the machine computes; the world knows inputs, ghosts and choices. "
+                "Where it cannot be said otherwise, give the reason as reads_machine."
+            )
+
+
+def read_of_machine(machine: Machine) -> dict[str, list[Var]]:
+    """Return each clause and each ghost's move that reads what the machine computes, with what it reads."""
+    computed, world = {*machine.state, machine.mode, machine.fired_name}, machine.world
+    laws: dict[str, Expr] = {f"clause {name!r}": term for name, term in world.terms.items()}
+    laws |= {f"move of ghost {var.name!r}": move for var, move in world.moves.items()}
+    read = {what: [var for var in variables([term]) if var in computed] for what, term in laws.items()}
+    return {what: found for what, found in read.items() if found}
 
 
 class _Readers:
@@ -262,7 +286,7 @@ class _Readers:
         self._fine: set[Expr] = set() if narrower is None else set(narrower._fine)
 
     def complaints(self, what: str, terms: Iterable[Expr]) -> list[str]:
-        """What is wrong with these terms."""
+        """List the errors in these terms, one sentence each."""
         nodes = in_order(terms, self._fine)
         strange = [node for node in nodes if isinstance(node, (NumVar, BoolVar)) and node not in self._allowed]
         found = [f"{what} reads {var.name!r}; it may read only {self._told}." for var in strange]
@@ -274,9 +298,9 @@ class _Readers:
 
 
 def _ghosts_move(machine: Machine) -> Iterator[str]:
-    for ghost in machine.ghosts:
-        if ghost not in machine.ghost_moves:
-            yield f"ghost {ghost.name!r} ({ghost.src}) has no move; give it one in ghost_moves (itself, if it rests)."
+    for ghost in machine.world.ghosts:
+        if ghost not in machine.world.moves:
+            yield f"ghost {ghost.name!r} ({ghost.src}) has no move; give it one in moves (itself, if it rests)."
 
 
 def _guards_can_hold(machine: Machine) -> Iterator[str]:
@@ -330,5 +354,6 @@ MACHINE: tuple[Rule[Machine], ...] = (
     Rule("initial values fit", "a wrong verdict", _initial_values_fit),
     Rule("reads are declared", "a wrong verdict", _reads_are_declared),
     Rule("ghosts move", "a crash", _ghosts_move),
+    Rule("the world is apart", "a wrong verdict", _world_is_apart),
     Rule("guards can hold", "a slip", _guards_can_hold),
 )

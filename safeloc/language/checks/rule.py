@@ -1,4 +1,4 @@
-"""A rule: what it is called, what it keeps out, and what it complains of."""
+"""A rule for declarations: its name, the harm that it prevents, and its check."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Harm = Literal["a wrong verdict", "a crash", "a slip"]
 class Rule(Generic[Subject]):
     """One rule about a subject.
 
-    keeps_out   what would come of it without the rule: a verdict that is wrong, a failure without a message for the user, or
+    keeps_out   the harm without the rule: a wrong verdict, a failure without a message for the user, or
                 nothing but a declaration that does not say what its author meant
     complaints  one sentence for each offence: what, where (file and line), what to do
     """
@@ -25,7 +25,7 @@ class Rule(Generic[Subject]):
 
 
 def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
-    """All complaints of the first rule that has any: later rules may walk what earlier ones have found in order."""
+    """Return all complaints of the first rule that has any: later rules may walk what earlier ones have found in order."""
     for rule in rules:
         found = list(rule.complaints(subject))
         if found:
@@ -34,5 +34,5 @@ def complaints(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
 
 
 def every_complaint(rules: Sequence[Rule[Subject]], subject: Subject) -> list[str]:
-    """All complaints of all rules, so that one look shows every mistake."""
+    """Return all complaints of all rules, so that one look shows every mistake."""
     return [complaint for rule in rules for complaint in rule.complaints(subject)]

@@ -1,4 +1,4 @@
-"""What every prover and back end may rely on in a system, whoever made it: lowering, composition, or a user by hand."""
+"""Rules that every system obeys, whether lowered, composed or made by hand; provers and back ends rely on them."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _everything_moves(system: TransitionSystem) -> Iterator[str]:
         if move is None or var not in system.initial:
             yield f"{_where(var)} has no next value, or no first one."
         elif isinstance(var, NumVar) != isinstance(move, Num):
-            yield f"{_where(var)} moves to {move!r}, which is of another kind."
+            yield f"{_where(var)} moves to {move!r}, which is of another type."
     for var in set(system.next) - set(system.state):
         yield f"{_where(var)} has a next value and is no state variable."
 
@@ -84,7 +84,7 @@ def _reads_are_known(system: TransitionSystem) -> Iterator[str]:
 
 
 def _only(terms: Mapping[str, Expr], allowed: set[Var], text: str) -> Iterator[str]:
-    """Looks at all terms at once, and at each of them where there is something to tell: they share most of their parts."""
+    """Check all terms at once, since they share most of their parts; look at each one only if something is wrong."""
     nodes = in_order(terms.values())
     if all(node in allowed for node in nodes if isinstance(node, Var)) and not _past(nodes):
         return
@@ -101,7 +101,8 @@ def _past(nodes: Iterable[Expr]) -> bool:
 
 
 def _nothing_on_board_is_told_ghosts(system: TransitionSystem) -> Iterator[str]:
-    """What runs on board runs without its environment: by a guard, a wire or a shared variable it would hear the truth."""
+    """On-board terms read no ghosts: a guard, a wire or a shared variable must not give the machine the ground
+    truth."""
     board: dict[str, Expr] = {repr(var.name): term for var, term in system.next.items() if var not in system.ghosts}
     board |= {var.name: term for var, term in system.fired.items()} | dict(system.outputs)
     if system.ghosts.isdisjoint(variables(board.values())):
@@ -123,7 +124,7 @@ def _optionals_are_whole(system: TransitionSystem) -> Iterator[str]:
     for option in system.optionals:
         for var in (option.value, option.present):
             if var not in inputs:
-                yield f"{_where(var)} of an optional input is no input of the whole; share or wire value and presence together."
+                yield f"{_where(var)} of an optional input is no input of the composition; share or wire value and presence together."
             elif var in used:
                 yield f"{_where(var)} is part of two optional inputs; share value and presence together, or neither."
             used.add(var)

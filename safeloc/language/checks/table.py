@@ -1,4 +1,4 @@
-"""Every rule there is, for whoever wants to see at once what is kept out of the core."""
+"""All rules for declarations, in one list."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether terms are what the language's functions make: whoever builds nodes by hand is held to the same."""
+"""Rules for terms: a node built by hand obeys the same rules as one made by the language's functions."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ KINDS = frozenset(get_args(Node))
 
 
 def malformed(roots: Iterable[object]) -> Iterator[str]:
-    """What is wrong with any node below `roots`, one sentence each; nothing for what the language's functions made."""
+    """List the errors of all nodes below `roots`, one sentence each; none if the language's functions made them."""
     seen: set[int] = set()
     stack: list[object] = list(roots)
     while stack:
@@ -56,12 +56,12 @@ def malformed(roots: Iterable[object]) -> Iterator[str]:
 
 
 def _is_node(found: object) -> TypeGuard[Node]:
-    """Whether it is of one of the language's kinds; asking for its own class first saves asking for all of them in turn."""
+    """Return whether it is one of the language's nodes; the lookup of its own class is the fast path."""
     return type(found) in KINDS or isinstance(found, Node)
 
 
 def _wrong(node: Node) -> str:
-    """What is wrong with one node; the kinds that are most of a machine come first."""
+    """Return the error of one node, or ""; the most frequent kinds come first."""
     match node:
         case Choose(c, a, b):
             return _no_truth(c) or _no_number(a) or _no_number(b) or _other_unit(a, b)
@@ -139,7 +139,7 @@ def _other_unit(left: Num, right: Num) -> str:
 
 
 def _wrong_arithmetic(left: Num, right: Num) -> str:
-    """Units of sums are checked; a sum with zero of another unit is how `with_unit` says a conversion."""
+    """Check the units of sums; a sum with zero of another unit is allowed, since `with_unit` converts that way."""
     wrong = _no_number(left) or _no_number(right) or _enumerated(left) or _enumerated(right)
     converts = isinstance(right, Lit) and right.value == 0
     return wrong or ("" if converts else _other_unit(left, right))

@@ -1,7 +1,7 @@
-"""What solvers have answered before: that every goal of a query is proved, and never anything else.
+"""The cache of solver answers: only the answer that every goal of a query is proved.
 
-The key is the text of the query (hypotheses and goals), who answered, and the engine; a machine that was edited asks anew
-only what the edit is about.
+The key is the text of the query (hypotheses and goals), the solver, and the engine; after an edit of a machine only the
+affected queries are solved again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BEGINS = "(set-logic "
 
 @dataclass(frozen=True)
 class _Place:
-    """Where answers are kept, and since when they count (UTC)."""
+    """The store of answers, and the earliest valid date (UTC)."""
 
     store: Store
     since: str
@@ -51,12 +51,12 @@ def kept_in(store: Store | None, *, fresh: bool = False) -> Iterator[None]:
 
 
 def keeping() -> bool:
-    """Whether answers are kept at all."""
+    """Return whether answers are cached at all."""
     return bool(_PLACES)
 
 
 def proved_before(solver: Solver, text: str) -> bool:
-    """Whether this solver has proved every goal of this text."""
+    """Return whether this solver has proved every goal of this text before."""
     if not _PLACES:
         return False
     place = _PLACES[-1]

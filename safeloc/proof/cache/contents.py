@@ -30,7 +30,7 @@ NOT_READ = {Target: {"simulate", "pictures", "doc", "spec"}, Part: {"into"}, Pro
 
 
 def target_digest(target: Target) -> str:
-    """SHA-256, in hexadecimal, of a target with the recordings that ship with it."""
+    """Return the SHA-256, in hexadecimal, of a target with the recordings that ship with it."""
     reading = _Reading()
     for one in (target, *(_Stream(path.name, path.read_bytes()) for path in target.streams)):
         reading.add(one)
@@ -118,7 +118,7 @@ class _Reading:
         return id(node) in self._met
 
     def _is_met(self, thing: object) -> bool:
-        """Whether it was met before; from now on it was."""
+        """Return whether the object was visited before, and mark it as visited."""
         if id(thing) in self._met:
             return True
         self._met[id(thing)] = len(self._met)
@@ -134,10 +134,10 @@ def _names(kind: Any) -> tuple[str, ...]:
 
 
 def _waiting(prop: Property) -> NumVar:
-    """What its helper speaks of."""
+    """Return the variable that the property's helper reads: the number of steps waited."""
     waiting = waiting_for(prop)
     if waiting is None:
-        raise TypeError(f"{prop.name!r} has a helper, and nothing that it waits for.")
+        raise TypeError(f"{prop.name!r} has a helper, but is no `within`.")
     return waiting
 
 

@@ -15,7 +15,7 @@ DECLARING = ("models", "properties", "shipped")
 """Folders that declare what is decided: a target's own digest covers what comes of them."""
 SHOWING = (
     "cli",
-    "proof/checker",
+    "checker",
     "railway/audit",
     "railway/guard",
     "railway/map",
@@ -30,7 +30,7 @@ DECIDE_WITH = ("cvc5", "hypothesis", "networkx", "numpy", "pydantic", "transitio
 
 @cache
 def engine_digest() -> str:
-    """SHA-256 over the files of the engine, and the versions of Python and of the packages that it decides with."""
+    """Return the SHA-256 over the files of the engine, and the versions of Python and of the packages that it decides with."""
     total = hashlib.sha256(f"{platform.python_implementation()} {platform.python_version()}\0".encode())
     total.update("".join(f"{name} {metadata.version(name)}\0" for name in DECIDE_WITH).encode())
     return _over(total.hexdigest(), _engine_files())
@@ -38,14 +38,14 @@ def engine_digest() -> str:
 
 @cache
 def source_digest() -> str:
-    """SHA-256 over all files of the package: two reports with the same digest were made by the same safeloc."""
+    """Return the SHA-256 over all files of the package: two reports with the same digest were made by the same safeloc."""
     return _over("", _files(PACKAGE, ()))
 
 
 def undisturbed() -> bool:
-    """Whether no file of the package was written since this process began.
+    """Return whether no file of the package was written since this process began.
 
-    Else what was loaded may not be what is digested, and nothing that comes of it may be kept.
+    Otherwise the loaded code may differ from the digested files, and no result may enter the cache.
     """
     try:
         return all(path.stat().st_ctime <= _BEGAN for path in _files(PACKAGE, ()))
@@ -54,7 +54,7 @@ def undisturbed() -> bool:
 
 
 def _began() -> float:
-    """When this process began, as the file system tells times; where the system does not say, somewhat before now."""
+    """Return the start time of this process, on the file system's clock; if unknown, a time shortly before now."""
     try:
         ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
         age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")

@@ -37,7 +37,7 @@ class KeptReport:
 
 
 def report_key(machines: Sequence[str], config: Path | None, *question: object) -> str | None:
-    """The key of a run of shipped machines; None where one is a user's own, or the configuration cannot be read."""
+    """Return the key of a run of shipped machines; None where one is a user's own, or the configuration cannot be read."""
     if any(":" in name for name in machines):
         return None
     try:
@@ -49,7 +49,7 @@ def report_key(machines: Sequence[str], config: Path | None, *question: object) 
 
 
 def kept_report(store: Store, key: str | None) -> KeptReport | None:
-    """The report of the same run, if one is kept."""
+    """Return the report of the same run, if one is kept."""
     entry = None if key is None else store.get(KIND, key)
     if entry is None:
         return None

@@ -22,18 +22,18 @@ MOST_BYTES = 1_000_000_000
 
 
 def usual_folder() -> Path:
-    """The user's own folder for what can be made again."""
+    """Return the user's own folder for what can be made again."""
     return user_cache_path("safeloc")
 
 
 def utc_now() -> str:
-    """The time of day as entries tell it; later is greater."""
+    """Return the time of day as entries tell it; later is greater."""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What is kept, and since when (UTC)."""
+    """A cached item, with its date (UTC)."""
 
     data: bytes
     since: str
@@ -46,7 +46,7 @@ class Store:
     folder: Path
 
     def get(self, kind: str, key: str) -> Entry | None:
-        """The entry; None where there is none, or none that can be trusted to be what was put there."""
+        """Return the entry; None where there is none, or none that can be trusted to be what was put there."""
         path = self._path(kind, key)
         try:
             head, _, data = path.read_bytes().partition(b"\n")
@@ -68,7 +68,7 @@ class Store:
             _put_in_place(path, head.encode() + b"\n" + data)
 
     def entries(self) -> Iterator[tuple[Path, os.stat_result]]:
-        """The files, each with what the system knows of it."""
+        """Return the files, each with what the system knows of it."""
         for folder, _, names in os.walk(self._own):
             for path in (Path(folder, name) for name in names):
                 with contextlib.suppress(OSError):  # another process may have taken it away
@@ -76,7 +76,7 @@ class Store:
 
     @property
     def bytes(self) -> int:
-        """How much is kept in all."""
+        """The total size of all cached files."""
         return sum(found.st_size for _, found in self.entries())
 
     def trim(self, most_bytes: int = MOST_BYTES) -> None:
@@ -115,6 +115,6 @@ def _put_in_place(path: Path, content: bytes) -> None:
 
 
 def _head(kind: str, key: str, since: str, data: bytes) -> dict[str, str]:
-    """What stands before the data: for what it is, and a checksum of it all."""
+    """Make the header of a file: its kind and key, and a checksum over everything."""
     total = hashlib.sha256("\0".join([FORMAT, kind, key, since, ""]).encode() + data)
     return {"format": FORMAT, "kind": kind, "key": key, "since": since, "sha256": total.hexdigest()}

@@ -25,20 +25,20 @@ QUICKLY = 3  # of gzip's levels: a third more than the smallest, in a fifth of t
 
 @dataclass(frozen=True)
 class Asked:
-    """What was asked of a target: a key of its own for each question."""
+    """A request about a target, with its key."""
 
     target: Target
     key: str
 
 
 def asked(target: Target, *question: object) -> Asked:
-    """A question to a target, such as the plan of its verification; `question` is told by its repr."""
+    """Return a question to a target, such as the plan of its verification; `question` is told by its repr."""
     told = "\0".join([engine_digest(), target_digest(target), *map(repr, question)])
     return Asked(target, hashlib.sha256(told.encode()).hexdigest())
 
 
 def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
-    """The findings, each with the time since when it is kept; None where the question has to be asked."""
+    """Return the findings, each with the time since when it is kept; None where the question has to be asked."""
     entry = None if store is None else store.get(KIND, one.key)
     if entry is None:
         return None

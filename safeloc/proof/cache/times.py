@@ -1,4 +1,4 @@
-"""How long a target took the last time, to say how long it will take: a guess, found by name, on which nothing rests."""
+"""The last running time of each target, by name: an estimate only, on which no result depends."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def keep_seconds(store: Store, target: str, question: object, seconds: float) ->
 
 
 def seconds_before(store: Store, targets: Iterable[str], question: object) -> dict[str, float]:
-    """The seconds that each took, of those of which it is known."""
+    """Return the seconds that each took, of those of which it is known."""
     found = {name: store.get(KIND, _key(name, question)) for name in targets}
     return {name: float(entry.data) for name, entry in found.items() if entry is not None}
 

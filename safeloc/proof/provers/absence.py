@@ -35,7 +35,7 @@ Reading = tuple[str, str]
 
 @dataclass
 class _Found:
-    """What the looks at all machines gave: terms that hold a value, questions asked of solvers, answers."""
+    """The results for all machines: the number of readings, the number of solver queries, and the answers."""
 
     held: int = 0
     asked: int = 0
@@ -45,7 +45,7 @@ class _Found:
 
 
 def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """One obligation for all optional inputs; none where there are no optional inputs."""
+    """Return one obligation for all optional inputs; none where there are no optional inputs."""
     if not system.optionals and not any(part.alone.optionals for part in system.parts):
         return
     found = _Found()
@@ -105,7 +105,7 @@ def _look_for_runs(
     limits: Limits,
     found: _Found,
 ) -> None:
-    """What one step allows has to happen in a run: the copies may differ only in states that none comes to."""
+    """Search for runs that reach a difference between the copies: a single step may start in an unreachable state."""
     both = replace(system, inputs=(*system.inputs, other), optionals=())
     goals = {
         without_assumption(happens(both, f"reading {number}", term & ~option.present)): key
@@ -123,13 +123,13 @@ def _look_for_runs(
 
 
 def _on_board(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
-    """What is computed on board in a step: next states and fired transitions."""
+    """List the on-board terms of a step: next states and fired transitions."""
     yield from ((var.name, term) for var, term in system.next.items() if var not in system.ghosts)
     yield from ((var.name, term) for var, term in system.fired.items())
 
 
 def _through_wires(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
-    """What each wire tells; where it leads to an input that may be absent, only while that is present."""
+    """List the term of each wire; a wire to an optional input counts only while that input is present."""
     for part in system.parts:
         present: dict[Var, BoolVar] = {option.value: option.present for option in part.alone.optionals}
         for var in part.alone.inputs:

@@ -1,7 +1,7 @@
-"""Whether the cases that properties speak of occur at all: a property of what never happens is proved, and says nothing.
+"""Vacuity check: do the cases of properties occur at all? A property whose case never occurs is true but worthless.
 
-All cases of a system are looked for together: in recordings, by one bounded search, and, of what a machine keeps by
-itself, in runs of that machine. What is not found is excluded by induction where that can be; the rest stays open.
+All cases of a system are searched together: in recordings, by one bounded search, and, for an inherited property, in runs
+of its machine. A case that is not found is excluded by induction if possible; otherwise it stays open.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from safeloc.proof.provers.workers import Lost, Task
 __all__ = ["Case", "Found", "antecedents", "found", "remember", "search_task"]
 
 REMEDY = (
-    "what is said of it is required of nothing. Drop it or mend it; where it was meant the other way round, write the "
+    "so the property requires nothing. Remove it or mend it; if you meant it the other way round, write the "
     "condition first, with implies."
 )
 PATIENCE = 3  # how often the time limit of one property, for all cases of a system together
@@ -76,13 +76,13 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What was found of the cases of some properties."""
+    """The results of the search for the cases of some properties."""
 
     system: TransitionSystem
     cases: tuple[Case, ...]
 
     def judged(self, prop: Property, verdict: Verdict) -> Verdict:
-        """The verdict on a property; Vacuous in the place of Proved where a case of it never occurs."""
+        """Return the verdict on a property; Vacuous in the place of Proved where a case of it never occurs."""
         never = [case for case in self.cases if case.antecedent.prop is prop and isinstance(case.outcome, Never)]
         if not isinstance(verdict, Proved) or not never:
             return verdict
@@ -90,7 +90,7 @@ class Found:
         return Vacuous(f"{told}: {REMEDY}")
 
     def runs(self) -> list[Trace]:
-        """The runs of the system that a search found, as the interpreter makes them; recorded ones are known already.
+        """Return the runs of the system that a search found, as the interpreter makes them; recorded ones are known already.
 
         A case of an unconditional property may have been found from a first state that the environment excludes.
         """
@@ -98,7 +98,7 @@ class Found:
         return [run(self._anyhow, one.stream, first=one.initial) for one in packed.values()]
 
     def obligation(self) -> Iterator[Obligation]:
-        """That all cases occur, as one obligation of the system; none where no property speaks of cases."""
+        """Make one obligation of the system: all cases occur. None if no property has a case."""
         if self.cases:
             seen = [case.outcome.where for case in self.cases if isinstance(case.outcome, Seen)]
             counts = ", ".join(f"{seen.count(where)} {where}" for where in dict.fromkeys(seen))
@@ -163,7 +163,7 @@ class _Known:
     recordings: int
 
     def serves(self, limits: Limits, recordings: int) -> bool:
-        """Whether looking again could give no more."""
+        """Return whether another search could find no more."""
         tried = self.seconds >= limits.seconds and self.recordings >= recordings
         return tried or not any(isinstance(outcome, Open) for outcome in self.outcomes)
 
@@ -174,7 +174,7 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, dict[Property, _Known]] = we
 def search_task(
     system: TransitionSystem, properties: Sequence[Property], limits: Limits, recordings: Sequence[Recording]
 ) -> Task | None:
-    """The search for whatever is not known yet, as a task whose data go to `remember`; None where all is known."""
+    """Return the search for whatever is not known yet, as a task whose data go to `remember`; None where all is known."""
     known = _KNOWN.get(system, {})
     if all(prop in known and known[prop].serves(limits, len(recordings)) for prop in properties if antecedents(prop)):
         return None
@@ -190,7 +190,7 @@ def remember(
     recordings: int,
     outcomes: Sequence[Outcome] | Lost,
 ) -> None:
-    """Keeps what `search` found in another process, in the order of the cases; a lost process leaves all open."""
+    """Store the results of `search` in another process, in the order of the cases; after a lost process all stay open."""
     mine = _KNOWN.setdefault(system, {})
     asked = _asked(properties)
     if isinstance(outcomes, Lost):
@@ -201,7 +201,7 @@ def remember(
 
 
 def found(system: TransitionSystem, properties: Sequence[Property]) -> Found:
-    """What is known of the cases of these properties; open where nobody looked."""
+    """Return the known results for the cases of these properties; open if they were not searched."""
     known = _KNOWN.get(system, {})
     made: list[Case] = []
     for prop in properties:
@@ -221,7 +221,7 @@ def _asked(properties: Sequence[Property]) -> list[Antecedent]:
 def search(
     system: TransitionSystem, asked: Sequence[Antecedent], limits: Limits, recordings: Sequence[Recording] = ()
 ) -> list[Outcome]:
-    """The outcome of each case, in order. Cases that rely on the same are looked for together."""
+    """Return the outcome of each case, in order. Cases that rely on the same are looked for together."""
     ends = deadline(PATIENCE * limits.seconds)
     goals = {number: occurs(system, one, f"case {number}") for number, one in enumerate(asked)}
     outcomes: dict[int, Outcome] = dict.fromkeys(come_to(system, goals, recordings, ends), Seen("in recordings"))
@@ -308,7 +308,7 @@ class _Together:
                 self._found[number] = Never(verdict.engine)
 
     def _alone(self, number: int) -> None:
-        """Of what a machine keeps by itself, or of a case that speaks of one machine only: a run of that machine."""
+        """Find a run of one machine alone, for an inherited property or a case that reads one machine only."""
         if self._ends.passed:
             return
         prop = self._asked[number].prop

@@ -27,7 +27,7 @@ from safeloc.proof.provers.settle import settled, settled_but
 
 
 def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """All ranges that are inductive, as one obligation; each of the others on its own."""
+    """Return all ranges that are inductive, as one obligation; each of the others on its own."""
     known = base(system, seconds=limits.seconds)
     numeric = [var for var in system.state if isinstance(var, NumVar)]
     kept = [var for var in numeric if range_of(var) not in known.refuted]
@@ -73,7 +73,7 @@ def overflow(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
 
 
 def computed(system: TransitionSystem) -> list[Expr]:
-    """What runs on board: next states, fired transitions and outputs, ghosts apart."""
+    """List the on-board terms: next states, fired transitions and outputs, without ghosts."""
     own = [term for var, term in system.next.items() if var not in system.ghosts]
     return [*own, *system.fired.values(), *system.outputs.values()]
 
@@ -123,7 +123,7 @@ def _within(wide: Mapping[int, Num]) -> dict[int, Bool]:
 
 
 def _overflow_at_first(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """`initially` is asked of whatever first values somebody chooses, so that only their ranges are known."""
+    """Check `initially` for overflow: it is evaluated on any chosen first values, of which only the ranges are known."""
     wide = dict(enumerate(beyond_int64([system.init]), 1))
     if not wide:
         return
@@ -143,7 +143,7 @@ def _overflow_at_first(system: TransitionSystem, limits: Limits) -> Iterator[Obl
 
 
 def division(system: TransitionSystem, _: Limits) -> Iterator[Obligation]:
-    """Divisors are positive constants by construction; products of two variables are counted for the reader."""
+    """Check that divisors are positive constants by construction; products of two variables are counted for the reader."""
     nodes = in_order(computed(system))
     divisors = [node.divisor for node in nodes if isinstance(node, FloorDiv)]
     products = [node for node in nodes if isinstance(node, Mul) and not _by_constant(node)]

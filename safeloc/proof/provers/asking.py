@@ -30,7 +30,7 @@ def _seeded(solver: z3.Solver, seed: int) -> z3.Solver:
 
 
 def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResult:
-    """Answer within so many seconds of effort, and count them; `unknown` where none are left."""
+    """Ask the solver within the given seconds of effort, and count them; `unknown` if none are left."""
     if seconds <= 0:
         return z3.unknown
     solver.set("rlimit", units(seconds))
@@ -42,12 +42,12 @@ def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResu
 
 
 def units(seconds: float) -> int:
-    """The same as a limit for z3, to which 0 means `no limit`."""
+    """Return the same as a limit for z3, to which 0 means `no limit`."""
     return min(MOST_UNITS, max(1, int(seconds * UNITS_PER_SECOND)))
 
 
 def why_unknown(solver: z3.Solver) -> str:
-    """The reason in words; z3 calls it `canceled` where the limit was reached."""
+    """Return the reason in words; z3 calls it `canceled` where the limit was reached."""
     return str(solver.reason_unknown()).replace("canceled", "limit reached")
 
 

@@ -1,7 +1,7 @@
-"""Whether the environment's assumption can be kept: not by standing still, for ever, and from every state.
+"""Check that the assumption can be satisfied: by a moving run, for ever, and from every reachable state.
 
 assumption        a run in which as many inputs and ghosts as possible take different values
-assumption lasts  it can be kept for ever: no dead end at all, or at least one run that comes round to where it was; it
+assumption lasts  it can be satisfied for ever: no dead end at all, or at least one run that returns to an earlier state; it
                   cannot where no run has so many steps. One run into a dead end says neither
 dead ends         every state that a run comes to has a lawful next step (safeloc.proof.provers.dead_ends)
 """
@@ -37,7 +37,8 @@ NO_DEAD_END = "every state that a run comes to has a lawful next step"
 def assumption_kept(
     system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()
 ) -> Iterator[Obligation]:
-    """A run under the assumption that moves, that it can be kept for ever, and that no run comes to a dead end."""
+    """Check three facts: a moving run under the assumption exists, it can be satisfied for ever, no run reaches a dead
+    end."""
     yield _moves(system, limits, recordings)
     verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
     yield Obligation("assumption lasts", LASTS, *_for_ever(system, limits, verdict))
@@ -45,7 +46,7 @@ def assumption_kept(
 
 
 def how(verdict: Verdict) -> str:
-    """How it was shown, or what was tried."""
+    """Return in words the method of the proof, or the methods tried."""
     match verdict:
         case Proved(engine=engine, rechecked=rechecked):
             return f"{engine}, re-checked by {' and '.join(rechecked)}"
@@ -108,7 +109,7 @@ def _all_moving(solver: z3.Solver, wanted: Iterable[z3.BoolRef | z3.Probe], ends
 
 
 def _moved(run: Trace) -> int:
-    """How many inputs take different values in the steps of a run."""
+    """Count the inputs that take different values in the steps of a run."""
     first = run.steps[0].inputs
     return sum(any(step.inputs[name] != value for step in run.steps) for name, value in first.items())
 
@@ -154,7 +155,7 @@ class Ended:
 
 
 def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -> tuple[Verdict, str]:
-    """Whether some run goes on for ever, and how that was shown."""
+    """Decide whether some run continues for ever; return the verdict and the method."""
     match of_dead_ends:
         case Proved() | Violated(trace=None):  # every run goes on; there is none
             return of_dead_ends, how(of_dead_ends)
@@ -172,7 +173,7 @@ def _for_ever(system: TransitionSystem, limits: Limits, of_dead_ends: Verdict) -
 
 
 def comes_round(system: TransitionSystem, limits: Limits) -> Trace | Ended | Unknown:
-    """A lawful run whose last state is one that it has been in before, so that it can go on without end."""
+    """Find an admissible run whose last state equals an earlier one, so that it can be repeated for ever."""
     unrolling, solver, ends = Unrolling(system), new_solver(limits.seed), deadline(limits.seconds)
     solver.add(unrolling.initially())
     for steps in range(1, ROUND_STEPS + 1):
@@ -191,7 +192,7 @@ def comes_round(system: TransitionSystem, limits: Limits) -> Trace | Ended | Unk
 
 
 def _worth_asking(steps: int) -> bool:
-    """Whether to ask if there is a run at all: each time it has doubled, and in the end."""
+    """Return whether to check now that a run exists at all: whenever the length has doubled, and at the end."""
     return steps.bit_count() == 1 or steps == ROUND_STEPS
 
 

@@ -37,7 +37,7 @@ def bmc(goal: Goal, limits: Limits) -> Verdict:
 
 
 def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
-    """The shortest run after which `good` fails.
+    """Return the shortest run after which `good` fails.
 
     What z3 does not come to with one seed in a third of the limit, it is asked once more with another one: a question of
     half a second can take a hundred times as long with the wrong one.

@@ -16,9 +16,8 @@ from safeloc.language.expr import Bool, NumVar, Var, all_of, any_of
 from safeloc.language.interpret import holds
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
-from safeloc.language.terms import Substitution, variables
+from safeloc.language.terms import Substitution, conjuncts, variables
 from safeloc.proof.provers.asking import ask, new_solver
-from safeloc.proof.provers.implication import conjuncts
 from safeloc.proof.provers.limits import Deadline, deadline
 from safeloc.proof.provers.witness_functions import Generalisation, Witness, at_rest, constants
 
@@ -27,7 +26,7 @@ State = Mapping[Var, Value]
 
 
 class Learned(Enum):
-    """What came of a state that was not covered."""
+    """The result for a state that was not covered."""
 
     COVERED = "more witness functions: it is covered now"
     DEAD = "no inputs are lawful in it"
@@ -98,7 +97,7 @@ def _lawful(
 
 
 def value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
-    """The model's value of a term."""
+    """Return the model's value of a term."""
     value = model.eval(term, model_completion=True)
     return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
 
@@ -123,7 +122,7 @@ class Cover:
         return Learned.COVERED
 
     def goals(self) -> dict[str, Bool]:
-        """One goal a group: some witness function meets its conditions."""
+        """Return one goal a group: some witness function meets its conditions."""
         many = len(self.groups) > 1
         return {
             f"a lawful step, group {number} of inputs" if many else "a lawful step": group.covered
@@ -179,7 +178,7 @@ class _Asked:
         self._solver.add(*(self._terms.bool(fact) for fact in self._facts))
 
     def uncovered(self, ends: Deadline) -> z3.CheckSatResult:
-        """Whether there is a state with the facts that no known witness function covers."""
+        """Search for a state that satisfies the facts and that no known witness function covers."""
         while not ends.passed:
             new = self._group.met[self._told :]
             self._solver.add(*(z3.Not(self._terms.bool(met)) for met in new))

@@ -1,4 +1,4 @@
-"""That every state a run comes to has a lawful next step: proved by rules that find one, or refuted by a run into a dead end.
+"""Proof that every reachable state has an admissible next step, by witness functions; or a run into a dead end.
 
 covered    some known witness function finds lawful inputs (safeloc.proof.provers.cover); a term over state
 proved     every state with the proved facts is covered; or `covered` is kept by every step, as a property is proved
@@ -53,10 +53,10 @@ def lasts(
     *,
     of: Property | None = None,
 ) -> Verdict:
-    """Whether every state that a run comes to, the first ones included, has inputs that keep the system's assumption.
+    """Decide whether every reachable state, the first ones included, has inputs that satisfy the system's assumption.
 
     Proved: with certificates. Violated: with a run into a dead end, or without one where no run begins. Unknown: neither.
-    `of` is the property whose further assumption is part of it, where it is.
+    `of` is the property whose further assumption is included, if any.
     """
     search = _Search(system, base(system, seconds=limits.seconds), limits, of, tuple(recordings))
     for look in search.engines():
@@ -67,7 +67,7 @@ def lasts(
 
 @dataclass(eq=False)
 class _Search:
-    """What is known so far of a system's dead ends."""
+    """The state of the search for a system's dead ends."""
 
     system: TransitionSystem
     known: Base
@@ -100,7 +100,7 @@ class _Search:
 
     @property
     def name(self) -> str:
-        """What is to be shown, as certificates are called."""
+        """The claim, as it appears in the names of certificates."""
         return f"{self.of.name}: its further assumption can be kept for ever" if self.of else LASTS
 
     def _share(self, part: float) -> Deadline:
@@ -113,14 +113,15 @@ class _Search:
         return self.cover.learn(state, max(LEAST_SECONDS, self.ends.left))
 
     def _goal(self) -> Goal:
-        """That what is not settled yet is covered in every state. Such terms carry no units: nobody could declare them."""
+        """Make the goal that the open conditions are covered in every state. Its terms have no units, as no one declared
+        them."""
         return replace(observe(self.system, always(self.name, TRUE)), good=self._covered())
 
     def _covered(self) -> Bool:
         return all_of(group.covered for group in self.open)
 
     def _beginning(self) -> Verdict | None:
-        """Some first state there is, and from some first state a lawful step."""
+        """Check that a first state exists, and an admissible step from some first state."""
         unrolling, solver = Unrolling(self.system), new_solver()
         solver.add(unrolling.initially(), unrolling.transition(0))
         answer = ask(solver, self.ends.left)
@@ -158,7 +159,7 @@ class _Search:
         return {"property": self.of.name} if self.of else {}
 
     def _confirm(self, groups: Sequence[Group]) -> list[Group]:
-        """Keeps the certificate of those groups that cvc5 confirms; the others."""
+        """Store the certificates of the groups that cvc5 confirms; return the other groups."""
         if not groups:
             return []
         named = {f"a lawful step, inputs {number}": group for number, group in enumerate(groups, 1)}
@@ -175,7 +176,7 @@ class _Search:
     # -------------------------------------------------------------- every state that runs come to
 
     def _induction(self, ends: Deadline) -> Verdict | None:
-        """That what is not settled is covered, by induction over some steps."""
+        """Prove by induction over several steps that the open conditions are covered."""
         for k in range(1, self.limits.induction + 1):
             learned = self._inductive(k, ends)
             if learned is Learned.COVERED:
@@ -186,7 +187,7 @@ class _Search:
         return None
 
     def _inductive(self, k: int, ends: Deadline) -> Learned:
-        """Whether after k covered states comes a covered one; learns as long as that helps."""
+        """Check that k covered states are followed by a covered one; learn more witness functions as long as that helps."""
         unrolling = Unrolling(self.system)
         given = [all_of([*self.known.everything, *self.known.kept.values()])] * k
         steps = [part for at, term in enumerate(given) for part in (unrolling.at(term, at), unrolling.transition(at))]
@@ -215,7 +216,7 @@ class _Search:
     # -------------------------------------------------------------- a run into a dead end
 
     def _bounded(self, steps: _Steps, depth: int, ends: Deadline) -> Verdict | None:
-        """The shortest run into a dead end of at most so many steps."""
+        """Find the shortest run into a dead end, up to the depth limit."""
         while steps.depth < depth and not ends.passed:
             model = steps.uncovered(self._covered(), ends)
             if model is None:
@@ -232,7 +233,7 @@ class _Search:
         return None
 
     def _recorded(self) -> Verdict | None:
-        """A recorded run whose last lawful state is a dead end."""
+        """Find a recorded run whose last admissible state is a dead end."""
         for recording in self.recordings:
             first, stream = lawful_part(self.system, recording)
             if self.ends.passed:
@@ -242,7 +243,7 @@ class _Search:
         return None
 
     def _runs(self) -> Verdict | None:
-        """Long lawful runs, as the falsifier makes them."""
+        """Search in long admissible runs, as the falsifier makes them."""
         while not self.ends.passed:
             try:
                 found = falsify(self._goal(), self._some())
@@ -262,7 +263,7 @@ class _Search:
 
     def _dead_end(self, first: Inputs, stream: Sequence[Inputs], engine: str) -> Verdict:
         after = f"after these {len(stream)} steps" if stream else "in this first state"
-        why = f"{after} no inputs keep the assumption: what comes later is proved of nothing"
+        why = f"{after} no inputs satisfy the assumption, so no proof covers any later step"
         return Violated(admissible_run(self.system, first, stream), engine, why)
 
 
@@ -313,7 +314,7 @@ def _after(system: TransitionSystem, first: Inputs, stream: Sequence[Inputs]) ->
 
 
 def further_assumption_lasts(goal: Goal, proved: Proved, limits: Limits) -> Verdict:
-    """A proof under a further assumption, if that can be kept for ever; else Vacuous, or Unknown where it is not decided."""
+    """Return the proof if its further assumption can be satisfied for ever; else Vacuous, or Unknown if undecided."""
     if goal.prop.further_assumption is TRUE:
         return proved
     known = base(goal.original, seconds=limits.seconds)

@@ -1,4 +1,4 @@
-"""What is known to happen, because a drawn run shows it: most of what a machine does comes in a few steps of any stream.
+"""Reachability by random runs: most modes and transitions of a machine occur within a few steps of any stream.
 
 Runs are drawn as the property tests draw them (safeloc.proof.runs.profiles), on generated code; each that comes to something new
 is replayed in the interpreter. Drawing goes on as long as it pays.
@@ -29,7 +29,7 @@ IDLE = 5
 
 
 def drawn(goals: Sequence[Goal], seed: int = 0) -> dict[Goal, Trace]:
-    """A run to each goal that some drawn run comes to; all goals are of one system and one assumption.
+    """Return a run for each goal that some random run reaches; all goals are of one system and one assumption.
 
     Where the goals rely on no assumption, half of the runs keep that of the system until a fault is thrown in.
     """

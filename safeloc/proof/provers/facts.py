@@ -1,7 +1,6 @@
-"""What is proved of a system before any property is asked, and how each piece of it is called.
+"""The facts that are proved of a system before any property, and their keys.
 
-Pieces are told apart by kind and by the object that they are about, never by what they are called: a lemma that somebody
-names "range of x" is a lemma all the same.
+A fact is identified by its kind and its object, never by a name: a lemma with the name "range of x" is still a lemma.
 """
 
 from __future__ import annotations
@@ -20,8 +19,8 @@ class Fact:
 
     range  a state variable stays in its declared range
     lemma  a declared lemma
-    heard  what a machine of a composition hears is in range
-    owed   what a machine of a composition assumes of those before it
+    heard  the wired inputs of a machine of a composition are in range
+    owed   the discharged assumption of a machine of a composition holds
     """
 
     kind: Literal["range", "lemma", "heard", "owed"]
@@ -40,22 +39,22 @@ class Fact:
 
 
 def range_of(var: NumVar) -> Fact:
-    """That a state variable stays in its range."""
+    """Return the key of the fact that a state variable stays in its range."""
     return Fact("range", var.name)
 
 
 def heard_by(part: Part) -> Fact:
-    """That a machine of a composition hears no more than it may hear."""
+    """Return the key of the fact that the wired inputs of a machine stay in their ranges."""
     return Fact("heard", part.name)
 
 
 def owed_to(part: Part) -> Fact:
-    """That the machines before it keep what a machine of a composition assumes of them."""
+    """Return the key of the fact that earlier machines guarantee the discharged assumption of a machine."""
     return Fact("owed", part.name)
 
 
 def about(system: TransitionSystem, rule: str, **more: object) -> dict[str, str]:
-    """The head of a certificate: the system it speaks of, the rule that it is a part of, and what that rule needs."""
+    """Return the head of a certificate: the system it speaks of, the rule that it is a part of, and what that rule needs."""
     where = {"system": system.whole or system.name}
     if system.whole:
         where["part"] = system.machines[0].name

@@ -55,7 +55,7 @@ def falsify(goal: Goal, limits: Limits, seed: int = 0) -> Verdict:
         spend(search.drawn / DRAWN_A_SECOND)
         if found is not None:
             return Violated(shortened(goal, search.first, found), "falsifier")
-    return Unknown(f"falsify: nothing in {runs} runs of up to {LONGEST} steps")
+    return Unknown(f"falsify: no violation in {runs} runs of up to {LONGEST} steps")
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class _Near:
 
 @dataclass(frozen=True)
 class _Reached:
-    """Where a run came to some combination of modes and flags."""
+    """The point of a run at which a combination of modes and flags first occurred."""
 
     first: Mapping[str, Value]
     stream: tuple[Record, ...]
@@ -97,7 +97,7 @@ class _Search:
         self._labels = [n for n, var in enumerate(goal.system.state) if not _is_quantity(var)]
 
     def begins(self, ends: Deadline) -> bool:
-        """Whether there is a first state to start from: one met by chance, or else one that the solver knows."""
+        """Find a first state, at random or else by the solver; return whether there is one."""
         try:
             self._known = first_state(self.goal.system, self._draw)
         except InputError:

@@ -1,4 +1,5 @@
-"""That a proof under a further assumption is a proof of something: the first thing to look at, for every engine by itself."""
+"""Check that a run exists under a property's further assumption, so that its proof is not empty; each engine does so
+first."""
 
 from __future__ import annotations
 
@@ -10,11 +11,11 @@ from safeloc.language.spec import Goal
 from safeloc.language.verdict import Unknown, Vacuous
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
 
-EMPTY = "empty: no run keeps the further assumption, so that nothing is said by its proof"
+EMPTY = "no run satisfies the further assumption, so the proof would be empty"
 
 
 def nothing_begins(goal: Goal, seconds: float) -> Vacuous | Unknown | None:
-    """Vacuous where no run begins under the further assumption, Unknown where that is not decided, else None.
+    """Return Vacuous if no run begins under the further assumption, Unknown if undecided, else None.
 
     Whether such a run can go on is another question (safeloc.proof.provers.dead_ends).
     """

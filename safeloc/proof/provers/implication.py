@@ -1,8 +1,8 @@
-"""Whether goals follow from hypotheses: one z3 solver, one question a goal, and what speaks against it if not."""
+"""Check that goals follow from hypotheses: one z3 solver, one query per goal, and a countermodel if a goal fails."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,7 @@ import z3
 
 from safeloc.codegen.smt import Terms, constant
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
-from safeloc.language.expr import Bool
-from safeloc.language.nodes import And, Value
+from safeloc.language.nodes import Value
 from safeloc.language.terms import variables
 from safeloc.language.trace import shown
 from safeloc.proof.cache.answers import keep_proved, keeping, proved_before
@@ -48,7 +47,7 @@ Failure = Refuted | Undecided
 
 
 def unproved(query: Query[Key], seconds: float, seed: int = 0) -> dict[Key, Failure]:
-    """The goals, by their keys, that do not follow, or are not decided within `seconds` for all of them together."""
+    """Return the goals, by their keys, that do not follow, or are not decided within `seconds` for all of them together."""
     text = to_smtlib(query) if keeping() else ""
     if text and proved_before("z3", text):
         return {}
@@ -121,14 +120,3 @@ class _Asked:
 def _value(model: z3.ModelRef, term: z3.ExprRef) -> Value:
     value = model.eval(term, model_completion=True)
     return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
-
-
-def conjuncts(term: Bool) -> Iterable[Bool]:
-    """The parts of a conjunction, of its conjunctions, and so on; the term itself if it is none."""
-    stack = [term]
-    while stack:
-        part = stack.pop()
-        if isinstance(part, And):
-            stack.extend(reversed(part.parts))
-        else:
-            yield part

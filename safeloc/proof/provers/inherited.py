@@ -1,13 +1,13 @@
-"""Assume-guarantee: what a machine keeps alone it keeps in a composition, wherever the others keep what it assumes.
+"""Assume-guarantee: facts of a machine alone hold in a composition if the other machines guarantee its assumption.
 
 Machine by machine, in the order of the step:
 
-    heard  what comes through its wires is in range: proved of the whole; then what the machine keeps for all inputs holds
-    owed   what it assumes, where the machines before it owe that: proved of the whole, from what is known of those
-           machines before AND after the step; then what the machine keeps under its assumption holds
+    heard  its wired inputs are in range: proved of the composition; then the machine's facts for all inputs hold
+    owed   its discharged assumption: proved of the composition, from facts about the machines before it, before AND after
+           the step; then the machine's facts under its assumption hold
 
-Nothing is used of a machine before it is proved, and a machine's own proof never uses a later machine. What a whole owes
-and does not keep leaves the machine's facts to be proved jointly, as if nothing were known of it.
+No fact of a machine is used before it is proved, and a machine's own proof never uses a later machine. If a discharged
+assumption is not proved, the facts of that machine are proved jointly, as if nothing were known of it.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from safeloc.language.composition import lemma_name
 from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before, was
 from safeloc.language.spec import Property, always
 from safeloc.language.system import Part, TransitionSystem, environment
-from safeloc.language.terms import Substitution
+from safeloc.language.terms import Substitution, conjuncts
 from safeloc.proof.provers.facts import Fact, about, heard_by, owed_to, range_of
-from safeloc.proof.provers.implication import Failure, Undecided, conjuncts, unproved
+from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.limits import deadline
 from safeloc.proof.provers.recheck import certify
 from safeloc.proof.provers.relevance import Relevance
@@ -32,7 +32,7 @@ PATIENCE = 3  # a contract speaks of several machines at once, and without it no
 
 @dataclass(frozen=True, eq=False)
 class Alone:
-    """What a machine keeps by itself, over its own state: for all inputs, and under its assumption."""
+    """Facts proved of a machine alone, over its own state: for all inputs, and under its assumption."""
 
     always: Mapping[Fact, Bool]
     facts: Mapping[Fact, Bool]
@@ -41,9 +41,9 @@ class Alone:
 
 @dataclass(eq=False)
 class Inherited:
-    """What the whole has from its machines; `kept` is what they assume, over state before the step and inputs.
+    """Facts that a composition has from its machines; `kept` are the discharged assumptions, over state before and inputs.
 
-    `heard` names the machines that were shown to hear no more than they may hear.
+    `heard` names the machines whose wired inputs are proved to be in range.
     """
 
     always: dict[Fact, Bool] = field(default_factory=dict)
@@ -55,12 +55,12 @@ class Inherited:
 
 
 def contracts(system: TransitionSystem) -> dict[Fact, Bool]:
-    """What the machines of a composition owe each other; over the state before a step and its inputs."""
+    """Return the discharged assumptions of a composition, over the state before a step and its inputs."""
     return {owed_to(part): part.owed for part in system.parts if part.owed is not TRUE}
 
 
 def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]:
-    """The same as properties of the whole."""
+    """Return the same contracts as properties of the composition."""
     return [(key, always(str(key), _before_the_step(system, term))) for key, term in contracts(system).items()]
 
 
@@ -70,7 +70,7 @@ def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
 
 
 def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) -> Inherited:
-    """What the whole has from its machines, in order; each may take so many seconds, its contract some times that."""
+    """Collect the facts of the machines in order; `seconds` limits each proof, and a multiple of it each contract."""
     found, proof = Inherited(), _Proof(system)
     for part, own in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
@@ -102,7 +102,7 @@ def _twin(part: Part, var: NumVar) -> NumVar:
 
 
 class _Proof:
-    """Proves terms over a step of the whole, each from what is known of the machines it speaks of."""
+    """Proves terms over a step of the composition, each from the facts of the machines that it reads."""
 
     def __init__(self, system: TransitionSystem) -> None:
         self._system, self.ends = system, deadline(0)
@@ -110,7 +110,7 @@ class _Proof:
         self._free, self._lawful = environment(system, assume=False), environment(system)
 
     def confirm(self, fact: Fact, term: Bool, found: Inherited, *, always: bool) -> bool:
-        """Whether the term holds in every step, by z3 and cvc5; what speaks against it goes into `refuted`."""
+        """Prove by z3 and cvc5 that the term holds in every step; a failure goes into `refuted`."""
         known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
         states = [] if always else list(found.facts.values())
         given = [self._free if always else self._lawful, *known]

@@ -13,11 +13,11 @@ from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import Bool, BoolVar, Expr, NumVar, Var, all_of
 from safeloc.language.spec import Goal
 from safeloc.language.system import environment, in_range
-from safeloc.language.terms import Substitution
+from safeloc.language.terms import Substitution, conjuncts
 from safeloc.language.verdict import Proved, Unknown, Verdict
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.further_assumption import nothing_begins
-from safeloc.proof.provers.implication import Undecided, conjuncts, unproved
+from safeloc.proof.provers.implication import Undecided, unproved
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recheck import ENGINE, certify
@@ -65,7 +65,7 @@ def _proved(goal: Goal, known: Base, k: int, texts_of: tuple[Query[str], ...], s
 
 
 def given_facts(goal: Goal, known: Base) -> list[Bool]:
-    """What may be used of the base: all of it, or only what needs no assumption if the property allows none."""
+    """Return the usable facts of the base: all, or only those without assumption for an unconditional property."""
     return list(known.always.values()) if goal.prop.unconditional else known.everything
 
 

@@ -1,4 +1,4 @@
-"""What is proved to last on board: it holds in the first state, and after each step from ANY state in which it holds."""
+"""On-board invariants: they hold in the first state, and after each step from ANY state in which they hold."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SECONDS = 120.0
 
 
 def lasting(system: TransitionSystem, *, seconds: float = SECONDS) -> Mapping[str, Bool] | None:
-    """Lemmas that last together with the ranges of all state variables, for all inputs in range. They read no ghost.
+    """Return lemmas that last together with the ranges of all state variables, for all inputs in range. They read no ghost.
 
     None where that is not proved of a range, for then no lemma helps.
     """

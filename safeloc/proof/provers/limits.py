@@ -1,4 +1,4 @@
-"""How far a prover may go, in what solvers count: the same on a busy machine as on an idle one.
+"""Limits of provers, in units that solvers count, so that results are the same on a busy computer as on an idle one.
 
 A second of effort is what a solver does in about a second of an idle machine, by the resources that it counts itself. The
 clock ends work only after several times as long.
@@ -52,12 +52,12 @@ class Deadline:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is left."""
+        """True if no effort is left."""
         return self.left == 0.0
 
 
 def deadline(seconds: float) -> Deadline:
-    """So many seconds of effort from now."""
+    """Make a deadline of the given seconds of effort from now."""
     return Deadline(effort() + seconds, time.monotonic() + CLOCK * seconds)
 
 
@@ -67,7 +67,7 @@ def spend(seconds: float) -> None:
 
 
 def effort() -> float:
-    """Seconds of effort that this process has counted so far."""
+    """Return seconds of effort that this process has counted so far."""
     return _spent[0]
 
 
@@ -75,5 +75,5 @@ _spent = [0.0]
 
 
 def milliseconds(seconds: float) -> int:
-    """Seconds as a solver's time limit: at least 1 ms, since 0 means `no limit` to solvers."""
+    """Return seconds as a solver's time limit: at least 1 ms, since 0 means `no limit` to solvers."""
     return max(1, int(seconds * 1000))

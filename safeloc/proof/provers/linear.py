@@ -15,7 +15,7 @@ MOST_PAIRS = 400  # of bounds that are set against each other when one input is 
 
 
 def constant_of(var: Var, value: Value) -> Expr:
-    """A constant of the variable's kind."""
+    """Return a constant of the variable's kind."""
     return Lit(int(value), var.unit) if isinstance(var, NumVar) else Truth(bool(value))
 
 
@@ -27,13 +27,13 @@ class Linear:
     rest: Num
 
     def times(self, factor: int) -> Linear:
-        """The multiple."""
+        """Return the multiple."""
         if factor == 0:
             return Linear({}, Lit(0, ONE))
         return Linear({var: one * factor for var, one in self.of.items()}, scaled(self.rest, factor))
 
     def plus(self, value: int) -> Linear:
-        """A constant more."""
+        """Return a constant more."""
         return Linear(self.of, added(self.rest, Lit(value, ONE)))
 
     def sum(self, other: Linear) -> Linear:
@@ -42,7 +42,7 @@ class Linear:
         return Linear({var: one for var, one in of.items() if one}, added(self.rest, other.rest))
 
     def minus(self, other: Linear) -> Linear:
-        """The difference."""
+        """Return the difference."""
         return self.sum(other.times(-1))
 
     def without(self, var: NumVar, value: Linear) -> Linear:
@@ -78,7 +78,7 @@ def added(left: Num, right: Num) -> Num:
 
 
 def solved(numbers: Sequence[NumVar], zeros: Sequence[Linear], bounds: Sequence[Linear]) -> dict[Var, Num]:
-    """Each number as a term over state: by equations (= 0) where there are some, else within the bounds (<= 0)."""
+    """Return each number as a term over state: by equations (= 0) where there are some, else within the bounds (<= 0)."""
     rules: list[tuple[NumVar, Num]] = []
     left, zeros, bounds = list(numbers), list(zeros), list(bounds)
     while left:
@@ -149,7 +149,7 @@ def _by_bounds(var: NumVar, bounds: Sequence[Linear]) -> Num:
 
 
 def _bound(var: NumVar, one: Linear) -> Num:
-    """What the number must not exceed (a positive factor) or go below (a negative one)."""
+    """Return the upper bound of the variable (for a positive factor) or its lower bound (for a negative one)."""
     factor = one.of[var]
     others = Linear({each: f for each, f in one.of.items() if each is not var}, one.rest)
     if factor > 0:
@@ -166,7 +166,7 @@ def _negated(term: Num) -> Num:
 
 
 def _projected(var: NumVar, bounds: Sequence[Linear]) -> list[Linear]:
-    """What the bounds demand of the other numbers: that every lower bound is below every upper one."""
+    """Eliminate the variable: every lower bound must be below every upper bound."""
     lower, upper, others = _split(var, bounds)
     crossed = [
         high.without(var, Linear({}, Lit(0, ONE)))

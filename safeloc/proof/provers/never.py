@@ -1,4 +1,4 @@
-"""That something happens in no run, where one look at a step did not show it: a run of it, a proof, or neither."""
+"""Decide whether an event occurs in no run, if a single step query did not: gives a run, a proof, or neither."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def never(goal: Goal, why: str, limits: Limits) -> Verdict:
 
 
 def none_happens(goals: Mapping[Goal, str], limits: Limits) -> dict[Goal, Verdict]:
-    """The same for several goals of one system and one assumption, whose runs are searched together."""
+    """Return the same for several goals of one system and one assumption, whose runs are searched together."""
     runs = first_runs(list(goals), limits)
     return {
         goal: Violated(runs.found[goal], "bmc", why) if goal in runs.found else _excluded(goal, why, runs.depth, limits)

@@ -1,4 +1,4 @@
-"""What every machine owes, without anybody writing a property.
+"""Proof obligations of every machine, checked without any declared property.
 
 ranges       every state variable stays in its declared range, for ALL inputs in range
 overflow     no intermediate term leaves 64 bits
@@ -57,7 +57,7 @@ def obligations(
     recordings: Sequence[Recording] = (),
     properties: Sequence[Property] = (),
 ) -> list[Finding]:
-    """All free obligations of a system, one Finding each; checks run in `jobs` processes that the clock ends.
+    """Return all free obligations of a system, one Finding each; checks run in `jobs` processes that the clock ends.
 
     What `recordings` show to happen need not be found by search. Of `properties` the cases that they speak of have to
     occur.

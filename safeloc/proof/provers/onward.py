@@ -1,4 +1,4 @@
-"""What lies a few steps beside a recording: exact search from where a recorded run comes to something new.
+"""Exact search for a few steps from the states in which a recorded run reaches something new.
 
 Some cases are too deep for a search from the first state, and no recording shows them, though one comes near: a fault in
 a mode that takes minutes to reach. From a known state one or two steps are a small question.
@@ -30,7 +30,7 @@ SECONDS_EACH = 2.0
 
 @dataclass(frozen=True)
 class _Start:
-    """The state after so many steps of a recording."""
+    """The state after a number of steps of a recording."""
 
     recording: Recording
     steps: int
@@ -40,7 +40,7 @@ class _Start:
 def onward(
     system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
 ) -> dict[int, Trace]:
-    """Runs to goals, by number, that follow a recording and go on for a few steps; all goals rely on the same."""
+    """Return runs to goals, by number, that follow a recording and go on for a few steps; all goals rely on the same."""
     found: dict[int, Trace] = {}
     if not goals or not recordings:
         return found
@@ -83,7 +83,7 @@ def _is_label(var: Var) -> bool:
 
 @dataclass(frozen=True)
 class _Suffix:
-    """What a solver found: so many steps."""
+    """The steps that a solver found."""
 
     model: z3.ModelRef
     stream: list[dict[str, Value]]

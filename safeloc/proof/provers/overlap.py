@@ -1,4 +1,4 @@
-"""Rows of one rank exclude each other: otherwise their order in the table would decide, and nobody said so."""
+"""Check that transitions of one rank exclude each other: otherwise their order in the table would decide unnoticed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Rows = tuple[int, int]
 
 
 def overlap(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
-    """Transitions of one rank and mode are never enabled together, for all inputs; machines of a composition apart."""
+    """Check that transitions of one rank and mode are never enabled together, for all inputs; each machine separately."""
     for one in [part.alone for part in system.parts] or [system]:
         yield from _overlap(one, one.machines[0], limits)
 
@@ -61,7 +61,7 @@ def _overlapping(system: TransitionSystem, rows: Rows, both: Bool, why: Failure,
 
 
 def _of_a_part(verdict: Violated | Proved, system: TransitionSystem) -> Verdict:
-    """A machine's own verdict as one of the whole, whose variables it does not speak of."""
+    """Turn a machine's own verdict into one of the composition; its evidence reads the machine's variables."""
     if isinstance(verdict, Proved):
         return Proved(
             None,

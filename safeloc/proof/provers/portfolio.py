@@ -44,7 +44,7 @@ OnFinding = Callable[[Finding], None]
 
 
 def prove_one(goal: Goal, limits: Limits) -> Verdict:
-    """The verdict of the first engine that decides; Unknown with the greatest depth any of them reached."""
+    """Return the verdict of the first engine that decides; Unknown with the greatest depth any of them reached."""
     if goal.prop.kind == "reachable":
         return _reach(goal, limits)
     ends, said, depth = deadline(limits.seconds), list[str](), -1
@@ -90,7 +90,7 @@ def prove(
     on_finding: OnFinding | None = None,
     recordings: Sequence[Recording] = (),
 ) -> list[Finding]:
-    """A Finding for every declared lemma and every property, in order; `on_finding` is told of each as it comes.
+    """Return a Finding for every declared lemma and every property, in order; `on_finding` gets each at once.
 
     The base (ranges, lemmas) is proved first and shared. `jobs` processes work on the properties. What `recordings`
     show to happen need not be found by search. PropertyError if two properties share a name.
@@ -108,7 +108,7 @@ def prove(
 
 
 def _check_names(properties: Sequence[Property]) -> None:
-    """A report tells properties apart by name."""
+    """Refuse two properties of one name: a report identifies properties by name."""
     seen: dict[str, Property] = {}
     for prop in properties:
         other = seen.setdefault(prop.name, prop)
@@ -122,7 +122,7 @@ def _check_names(properties: Sequence[Property]) -> None:
 
 
 def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
-    """The system's base, proved in a process that the clock ends; and the seconds it took."""
+    """Return the system's base, proved in a process that the clock ends; and the seconds it took."""
     known = known_base(system, limits.seconds)
     if known is not None:
         return known, 0.0
@@ -160,7 +160,8 @@ def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
 
 
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
-    """What a machine keeps by itself, where it hears what it may hear and is owed what it assumes; else as of the whole."""
+    """Prove a property on the machine alone if its inputs are in range and its assumption discharged; else on the
+    composition."""
     inherited = _inherited(goal)
     if inherited is None:
         return prove_one(goal, limits)
@@ -179,7 +180,7 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
 
 
 def _inherited(goal: Goal) -> tuple[Part, Property] | None:
-    """The machine and its own property, where what is claimed of the whole is what that says of it, and nothing else."""
+    """Return the machine and its own property if the claim about the composition is exactly that property."""
     if goal.prop.kept_by is None:
         return None
     machine, own = goal.prop.kept_by
@@ -214,7 +215,7 @@ def _lemma_claims(system: TransitionSystem, known: Base, seconds: float) -> Iter
 
 
 def _contract_claims(system: TransitionSystem, known: Base, seconds: float) -> Iterator[_Claim]:
-    """What machines of a composition owe each other; for what was not shown, a run that breaks it is searched."""
+    """Report the contracts between machines of a composition; search a violating run for each unproved one."""
     for key, prop in contract_properties(system):
         goal = observe(system, prop)
         if key in known.kept:
@@ -222,7 +223,7 @@ def _contract_claims(system: TransitionSystem, known: Base, seconds: float) -> I
             method = f"assume-guarantee: what is known of the machines before it, re-checked by {ENGINE}"
             yield _Claim(goal, "lemma", bmc, _finding(goal, "lemma", verdict, method, seconds))
         else:
-            why = known.refuted.get(key, "a machine before it does not keep what it should")
+            why = known.refuted.get(key, "the machines before it do not guarantee this assumption")
             yield _Claim(goal, "lemma", _breaking(f"not shown: {why}"))
 
 
@@ -236,7 +237,7 @@ def _breaking(why: str) -> Callable[[Goal, Limits], Verdict]:
 
 @dataclass(frozen=True, eq=False)
 class _Cases:
-    """What the search for the cases that properties speak of has to know."""
+    """The inputs of the search for cases of properties."""
 
     system: TransitionSystem
     properties: Sequence[Property]
@@ -248,7 +249,7 @@ class _Cases:
         return antecedents.search_task(self.system, self.properties, self.limits, self.recordings)
 
     def remember(self, packed: Sequence[antecedents.Outcome] | Lost) -> None:
-        """Keeps what the search found."""
+        """Store the results of the search."""
         antecedents.remember(self.system, self.properties, self.limits, len(self.recordings), packed)
 
     def judged(self, prop: Property, verdict: Verdict) -> Verdict:
@@ -279,7 +280,7 @@ def _findings(claims: Sequence[_Claim], cases: _Cases, jobs: int) -> Iterator[tu
 
 
 def _waits(claim: _Claim, verdict: Verdict) -> bool:
-    """Whether the verdict depends on what occurs."""
+    """Return whether the verdict depends on the occurrence of a case."""
     return isinstance(verdict, Proved) and bool(antecedents.antecedents(claim.goal.prop))
 
 
@@ -296,7 +297,7 @@ def _task(claim: _Claim, limits: Limits) -> Task:
 
 
 def _received(packed: Packed | Lost, goal: Goal) -> Verdict:
-    """The verdict of another process; its trace is judged once more in this one."""
+    """Receive the verdict of another process; its trace is checked again in this one."""
     if isinstance(packed, Lost):
         return Unknown(packed.reason)
     verdict = unpack(packed, goal.plain, goal.system)
@@ -330,7 +331,7 @@ def _method(verdict: Verdict) -> str:
         case Violated(engine=engine):
             return f"{engine}, replayed in the interpreter"
         case Vacuous():
-            return "proved, and nothing by it"
+            return "proved, but vacuously"
         case Unknown():
             return "k-induction, bounded search, Spacer, falsifiers"
         case _:

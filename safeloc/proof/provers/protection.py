@@ -18,7 +18,7 @@ from safeloc.proof.provers.asking import ask, new_solver, why_unknown
 
 
 def protected(shares: Mapping[str, Fraction], bounds: Mapping[str, int], level: int, seconds: float = 10) -> Verdict:
-    """Whether every error within its bound (|error_i| <= bounds[i]) leaves |sum shares[i] error_i| <= level.
+    """Prove that errors within their bounds (|error_i| <= bounds[i]) give |sum shares[i] error_i| <= level.
 
     Violated names the errors that lead beyond it. InputError for a share without a bound; EngineError where z3 and the
     sum of the worst errors contradict each other.

@@ -1,14 +1,14 @@
-"""What holds of a system before any property is asked: ranges of its variables and its declared lemmas.
+"""The proved base of a system, before any property: ranges of its variables and its declared lemmas.
 
 Both are PROVED, once per system, and then serve every property as hypotheses:
 
     always  ranges of the machine's own variables, and every lemma that needs no assumption: for ALL inputs in range
     facts   the other lemmas, and ranges of ghosts, under the assumption
-    kept    of a composition: what a machine assumes of those before it, in every step (safeloc.proof.provers.inherited)
-    heard   of a composition: the machines that hear no more than they may hear
+    kept    of a composition: the discharged assumptions, in every step (safeloc.proof.provers.inherited)
+    heard   of a composition: the machines whose wired inputs stay in range
 
-What a machine of a composition was proved to keep alone is not proved again. What is not inductive together with the rest, or not confirmed by cvc5, is dropped and named in `refuted`; it is
-never assumed.
+Facts proved of one machine of a composition are not proved again. A fact that is not inductive together with the others, or
+not confirmed by cvc5, is dropped and named in `refuted`; it is never assumed.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Base:
         return [*self.always.values(), *self.facts.values()]
 
     def serves(self, seconds: float) -> bool:
-        """Whether trying again for so long could give no more."""
+        """Return whether another attempt of that length could prove no more."""
         return seconds <= self.seconds or not any(isinstance(why, Undecided) for why in self.refuted.values())
 
 
@@ -85,7 +85,7 @@ _KNOWN: weakref.WeakKeyDictionary[TransitionSystem, Base] = weakref.WeakKeyDicti
 
 
 def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
-    """The system's proved base; computed once per system, and again only if more time could give more.
+    """Return the system's proved base; computed once per system, and again only if more time could give more.
 
     seconds  for the system, and of a composition for each of its machines as well
     """
@@ -96,13 +96,13 @@ def base(system: TransitionSystem, *, seconds: float = 30.0) -> Base:
 
 
 def known_base(system: TransitionSystem, seconds: float) -> Base | None:
-    """The base, if it is known and trying for so long could give no more."""
+    """Return the base, if it is known and trying for so long could give no more."""
     known = _KNOWN.get(system)
     return known if known is not None and known.serves(seconds) else None
 
 
 def remember(system: TransitionSystem, known: Base) -> None:
-    """Keeps a base that another process has proved."""
+    """Store a base that another process has proved."""
     _KNOWN[system] = known
 
 
@@ -133,7 +133,7 @@ def _without(terms: Mapping[Fact, Bool], known: Mapping[Fact, Bool]) -> dict[Fac
 
 
 def ranges_and_lemmas(system: TransitionSystem) -> dict[Fact, Bool]:
-    """All that is to be proved."""
+    """Return all that is to be proved."""
     ranges = {**_ranges(system, ghosts=False), **_ranges(system, ghosts=True)}
     return {**ranges, **{Fact("lemma", name): term for name, term in system.lemmas.items()}}
 

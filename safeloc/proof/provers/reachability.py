@@ -1,4 +1,4 @@
-"""What can happen at all: every mode and every transition.
+"""Reachability: can every mode and every transition occur?
 
 One incremental search serves all targets; a target found is a stream, replayed in the interpreter.
 """
@@ -47,7 +47,7 @@ class Runs:
 
 
 def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = ()) -> Runs:
-    """Shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
+    """Return the shortest runs to as many targets as the limits allow; all goals are of one system and one assumption.
 
     The search ends where all that is left is `known` to be reached.
     """
@@ -88,13 +88,13 @@ def _search_depth(
 
 
 def happens(system: TransitionSystem, name: str, term: Bool) -> Goal:
-    """The goal that some step meets `term`, which is over the state before the step and its inputs."""
+    """Return the goal that some step meets `term`, which is over the state before the step and its inputs."""
     twins = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
     return observe(system, reachable(name, Substitution(dict(twins)).bool(term)))
 
 
 def without_assumption(goal: Goal) -> Goal:
-    """The same for all inputs in range."""
+    """Return the same for all inputs in range."""
     return observe(goal.original, replace(goal.prop, unconditional=True))
 
 
@@ -113,7 +113,7 @@ class _Target:
 
 
 def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recording] = ()) -> Iterator[Obligation]:
-    """Modes and transitions: first under the assumption, drawn, recorded or searched; what is none of these, without it."""
+    """Check that modes and transitions occur: under the assumption in random, recorded or searched runs, else without it."""
     targets = _targets(system)
     known = base(system, seconds=limits.seconds)
     kept = _looked_for([one.goal for one in targets], known.everything, limits, recordings)
@@ -128,7 +128,7 @@ def reached(system: TransitionSystem, limits: Limits, recordings: Sequence[Recor
         elif one.free in free.runs:
             yield Obligation(one.name, one.statement, *_shown(free.runs[one.free], _defence(kept.depth, excluded)))
         elif one in dead:
-            why = f"the machine by itself comes there ({alone[one].words}), the whole never, whatever its inputs: dead in it"
+            why = f"the machine by itself gets there ({alone[one].words}), but no run of the composition does, for any inputs: dead in it"
             yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
         elif one in alone:
             yield _only_alone(one, alone[one], kept.depth, excluded)
@@ -175,7 +175,7 @@ class _Looked:
 def _looked_for(
     goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, recordings: Sequence[Recording] = ()
 ) -> _Looked:
-    """What drawn runs come to, or recorded ones; the rest is excluded in one step from `facts`, or searched."""
+    """Find the goals that random or recorded runs reach; exclude the others in one step from `facts`, or search them."""
     runs = {goal: _Run(run, "drawn", "a drawn run") for goal, run in drawn(goals, limits.seed).items()}
     recorded = shown([goal for goal in goals if goal not in runs], recordings)
     runs |= {goal: _Run(run, "recorded", "a recorded run") for goal, run in recorded.items()}
@@ -221,7 +221,7 @@ class _Alone:
 
 
 def _only_alone(target: _Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
-    """Of the whole no run was found: what is claimed is of the machine by itself, and what is known of the whole is told."""
+    """Report a target that only the machine by itself reaches, with the result for the composition."""
     whole = "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_whole(depth)
     verdict = Proved(None, "bmc", len(alone.run.steps), ("interpreter",), witness=alone.run)
     method = f"of the machine by itself, {alone.words}; {whole}"
@@ -235,7 +235,7 @@ def _none_of_the_whole(depth: int) -> str:
 def _by_itself(
     system: TransitionSystem, targets: Sequence[_Target], open_: Container[_Target], limits: Limits
 ) -> dict[_Target, _Alone]:
-    """Of a composition, what no run of the whole was found for, but one of the machine alone; and what that run is."""
+    """Find targets that no known run of the composition reaches, but a run of one machine alone; return these runs."""
     found: dict[_Target, _Alone] = {}
     for number, part in enumerate(system.parts):
         own = [target for target in targets if target.part == number]
@@ -248,7 +248,7 @@ def _by_itself(
 def _runs_alone(
     alone: TransitionSystem, pairs: Sequence[tuple[_Target, _Target]], limits: Limits
 ) -> Iterator[tuple[_Target, tuple[str, Trace]]]:
-    """The targets of the whole that the machine comes to by itself, each with the words for it and the run."""
+    """Return the targets that the machine reaches alone, each with its description and the run."""
     known = base(alone, seconds=limits.seconds)
     lawful = _looked_for([mine.goal for mine, _ in pairs], known.everything, limits).runs
     free = [mine.free for mine, _ in pairs if mine.goal not in lawful]
@@ -297,7 +297,7 @@ def _targets_of(
 
 
 def _dead_in_the_whole(targets: Sequence[_Target], known: Base, limits: Limits) -> set[_Target]:
-    """Targets that no run of the whole comes to, for all inputs in range, from what is known without the assumption."""
+    """Return the targets that no run of the composition reaches for any inputs in range, proved without the assumption."""
     dead = _never([target.free for target in targets], list(known.always.values()), limits)
     return {target for target in targets if target.free in dead}
 

@@ -39,7 +39,7 @@ class Certificate(Generic[Key]):
 
 
 def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ()) -> Certificate[Key]:
-    """The query's text, each goal decided by cvc5. EngineError if cvc5 contradicts a goal or cannot read the text.
+    """Return the query's text, each goal decided by cvc5. EngineError if cvc5 contradicts a goal or cannot read the text.
 
     `relies_on` names the files of the proofs whose results are hypotheses here.
     """
@@ -57,7 +57,7 @@ def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ())
 
 
 def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
-    """Whether cvc5 confirms one goal from the same hypotheses, in what is left of the time."""
+    """Return whether cvc5 confirms one goal from the same hypotheses in the remaining time."""
     if ends.passed:
         return False
     one = Query(query.name, query.hypotheses, {goal: query.goals[goal]})
@@ -66,7 +66,7 @@ def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
 
 
 def file_name(name: str, text: str) -> str:
-    """The file of a certificate: its name for people, and a digest of its text, so that one file has one content."""
+    """Return the file of a certificate: its name for people, and a digest of its text, so that one file has one content."""
     plain = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.") else "-" for letter in name)
     return f"{plain[:LONGEST_NAME]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.smt2"
 

@@ -1,4 +1,4 @@
-"""What is known to happen, because a recorded run shows it: a witness that no solver has to look for.
+"""Witnesses from recordings: goals that a recorded run reaches need no search by a solver.
 
 Deep events of a composition (a word of five sections read, a reference that does not come for minutes) are beyond what
 a bounded search reaches, and are in the streams that ship with the machine. A recording counts as far as it keeps the
@@ -7,22 +7,20 @@ assumption, replayed in the interpreter.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
 
 from safeloc.errors import EngineError, InputError
 from safeloc.language.expr import Bool, Var
-from safeloc.language.interpret import Program, fired_names, holds, outputs, read_inputs, start, step
+from safeloc.language.interpret import Program, Values, named, read_inputs, start, taken
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal, Watch, watch
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.trace import Step, Trace
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.runs.allowed import compiled_terms
-
-Values = Mapping[Var, Value]
 
 
 @dataclass(frozen=True)
@@ -34,9 +32,9 @@ class Recording:
 
 
 def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, Trace]:
-    """The shortest recorded run to each goal that some recording comes to; all goals are of one system.
+    """Return the shortest recorded run for each goal that some recording reaches; all goals are of one system.
 
-    Generated code tells where to look, the interpreter makes the runs. EngineError where the two differ.
+    Generated code finds the steps, the interpreter makes the runs. EngineError if the two differ.
     """
     found: dict[Goal, Trace] = {}
     if not goals or not recordings:
@@ -70,18 +68,15 @@ def _interpreted(wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal,
 
 
 def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: int) -> Trace | None:
-    """The beginning of a recorded run that keeps the assumption for so many steps; None if there is none."""
+    """Return the beginning of a recorded run that keeps the assumption for so many steps; None if there is none."""
     for recording in recordings:
-        taken: list[Step] = []
         try:
             state = start(system, _known(system, recording.first))
-            initial = _named(state, frozenset())
-            for one, _ in _admissible(system, state, recording, frozenset()):
-                taken.append(one)
         except InputError:
             continue
-        if len(taken) >= steps:
-            return Trace(system, initial, tuple(taken[:steps]))
+        kept = [one for one, _ in _admissible(system, state, recording)]
+        if len(kept) >= steps:
+            return Trace(system, named(state), tuple(kept[:steps]))
     return None
 
 
@@ -91,48 +86,37 @@ def lawful_part(system: TransitionSystem, recording: Recording) -> tuple[dict[st
         state = start(system, _known(system, recording.first))
     except InputError:
         return {}, []
-    stream = [one.inputs for one, _ in _admissible(system, state, recording, frozenset())]
-    return dict(_named(state, frozenset())), stream
+    stream = [one.inputs for one, _ in _admissible(system, state, recording)]
+    return named(state), stream
 
 
 def _first_times(watched: Watch, recording: Recording) -> Iterator[tuple[Goal, Trace]]:
     """Each goal with the run up to the step in which the recording first comes to it."""
     system, original, hidden = watched.system, watched.goals[0].plain, frozenset(watched.observers)
     state = start(system, _known(original, recording.first))
-    initial, left, taken = _named(state, hidden), list(watched.goals), list[Step]()
+    initial, left, steps = named(state, hidden), list(watched.goals), list[Step]()
     goods = Program([goal.good for goal in watched.goals])
     for one, after in chain([(None, state)], _admissible(system, state, recording, hidden)):
-        taken += [] if one is None else [one]
+        steps += [] if one is None else [one]
         for goal, good in zip(watched.goals, goods(after), strict=True):
             if not good and goal in left:
                 left.remove(goal)
-                yield goal, Trace(original, initial, tuple(taken))
+                yield goal, Trace(original, initial, tuple(steps))
 
 
 def _admissible(
-    system: TransitionSystem, state: Values, recording: Recording, hidden: frozenset[Var]
+    system: TransitionSystem, state: Values, recording: Recording, hidden: Container[Var] = ()
 ) -> Iterator[tuple[Step, Values]]:
     """The steps as long as they are in range and keep the assumption, each with the state after it."""
-    allowed, names = environment(system), {var.name for var in system.inputs}
-    for record in recording.steps:
-        try:
-            inputs = read_inputs(system, {name: cell for name, cell in record.items() if name in names})
-        except InputError:
-            return
-        if not holds(allowed, {**state, **inputs}):
-            return
-        state, fired = step(system, state, inputs)
-        heard = {var.name: value for var, value in inputs.items()}
-        yield Step(heard, fired_names(fired), _named(state, hidden), outputs(system, state)), state
+    names = {var.name for var in system.inputs}
+    stream = ({name: cell for name, cell in record.items() if name in names} for record in recording.steps)
+    with suppress(InputError):
+        yield from taken(system, state, stream, while_=environment(system), hidden=hidden)
 
 
 def _known(system: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Value]:
     names = {var.name for var in system.state}
     return {name: value for name, value in first.items() if name in names}
-
-
-def _named(state: Values, hidden: frozenset[Var]) -> dict[str, Value]:
-    return {var.name: value for var, value in state.items() if var not in hidden}
 
 
 # ------------------------------------------------------------------ many goals, by generated code
@@ -141,7 +125,7 @@ def _named(state: Values, hidden: frozenset[Var]) -> dict[str, Value]:
 def come_to(
     system: TransitionSystem, goals: Mapping[int, Goal], recordings: Sequence[Recording], ends: Deadline
 ) -> set[int]:
-    """The goals of the system, by number, that some recording comes to while it keeps what they rely on.
+    """Return the goals of the system, by number, that some recording comes to while it keeps what they rely on.
 
     The runs are made by generated code: that something happens has to be known of many goals at little cost, and no
     proof rests on it. What the clock leaves out is not found.
@@ -155,7 +139,7 @@ def come_to(
 
 
 def known_first(system: TransitionSystem, recording: Recording) -> dict[str, Value]:
-    """The first values that a recording gives, of variables that the system has."""
+    """Return the first values that a recording gives, of variables that the system has."""
     return _known(system, recording.first)
 
 
@@ -175,7 +159,7 @@ class Replay:
         self._relied = len(relied)
 
     def first_times(self, recording: Recording) -> dict[int, int]:
-        """The goals that it comes to, each with the steps until then."""
+        """Return the goals that it comes to, each with the steps until then."""
         met: dict[int, int] = {}
         for steps, (state, kept) in enumerate(self.states(recording)):
             if not any(kept):
@@ -185,7 +169,7 @@ class Replay:
         return met
 
     def found(self, recording: Recording, ends: Deadline) -> set[int]:
-        """The goals that it comes to."""
+        """Return the goals that it comes to."""
         found = set[int]()
         for state, kept in self.states(recording):
             if ends.passed or not any(kept):

@@ -1,7 +1,7 @@
-"""Of many hypotheses about a composition those that speak of no other machines than the goals do.
+"""Selection of hypotheses about a composition: those that read no other machines than the goals do.
 
-Leaving out a hypothesis is always sound. What a machine keeps by itself follows from what is known of that machine; the
-others only cost the solver time. For a single machine nothing is left out.
+Omitting a hypothesis is always sound. Facts of one machine follow from facts about that machine; the others only cost
+solver time. For a single machine no hypothesis is omitted.
 """
 
 from __future__ import annotations
@@ -11,19 +11,18 @@ from collections.abc import Iterable, Mapping
 from safeloc.language.expr import Bool, Expr, Var
 from safeloc.language.nodes import Node
 from safeloc.language.system import TransitionSystem
-from safeloc.language.terms import children, in_order
-from safeloc.proof.provers.implication import conjuncts
+from safeloc.language.terms import children, conjuncts, in_order
 
 
 class Relevance:
-    """Which machines of a composition a term speaks of; computed once for each term."""
+    """The machines of a composition whose variables a term reads; computed once for each term."""
 
     def __init__(self, system: TransitionSystem) -> None:
         self._machine: Mapping[Var, int] = _owners(system)
         self._of: dict[Expr, frozenset[int]] = {}
 
     def machines(self, terms: Iterable[Bool]) -> frozenset[int]:
-        """The machines that the terms speak of, by number; shared variables belong to none."""
+        """Return the machines that the terms speak of, by number; shared variables belong to none."""
         found: frozenset[int] = frozenset()
         for term in terms:
             for node in in_order([term], self._of):
@@ -37,7 +36,7 @@ class Relevance:
         return frozenset().union(*(self._of[child] for child in children(node)))
 
     def select(self, hypotheses: Iterable[Bool], goals: Iterable[Bool]) -> list[Bool]:
-        """The hypotheses, part by part, that speak of the goals' machines alone."""
+        """Return the hypotheses, part by part, that speak of the goals' machines alone."""
         wanted = self.machines(goals)
         return [part for one in hypotheses for part in conjuncts(one) if self.machines([part]) <= wanted]
 

@@ -23,7 +23,7 @@ class Settled(Generic[Key]):
 
 
 def settled_but(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> tuple[Settled[Key], list[Key]]:
-    """The same, and which goals follow: where some do not, the others are settled without them, so that none is lost."""
+    """Return the same, and which goals follow: where some do not, the others are settled without them, so that none is lost."""
     first = settled(query, ends, relies_on)
     rest = {key: goal for key, goal in query.goals.items() if key not in first.failed}
     if not first.failed or not rest:
@@ -33,7 +33,7 @@ def settled_but(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()
 
 
 def settled(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> Settled[Key]:
-    """Whether every goal follows, by z3 and cvc5. EngineError if cvc5 contradicts z3."""
+    """Decide by z3 and cvc5 whether every goal follows. EngineError if cvc5 contradicts z3."""
     failed = unproved(query, ends.left)
     if failed or not query.goals:
         return Settled(failed, {})

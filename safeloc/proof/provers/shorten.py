@@ -27,7 +27,7 @@ Breaks = Callable[[Sequence[Record]], int | None]
 def shortened(
     goal: Goal, first: Mapping[str, Value], stream: Sequence[Mapping[str, Value]], seconds: float = SECONDS
 ) -> Trace:
-    """The replayed run with as much left out as the time allows; EngineError if the given run does not replay.
+    """Return the replayed run with as much left out as the time allows; EngineError if the given run does not replay.
 
     stream   values of all inputs in every step, presence flags included
     """
@@ -46,7 +46,8 @@ def shortened(
 
 
 def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
-    """How many steps a stream takes to break the property; None if it does not, or breaks the assumption before."""
+    """Make a function that counts the steps until a stream breaks the property; None if it never does, or if it breaks the
+    assumption before."""
     allowed, system = BoolVar("observer.allowed"), goal.system
     code = compile_system(
         replace(

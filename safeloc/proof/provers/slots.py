@@ -44,7 +44,7 @@ _SHARED: list[Slots] = []
 
 
 def shared() -> Slots | None:
-    """The places that this process shares with others; None where it has the machine for itself."""
+    """Return the places that this process shares with others; None where it has the machine for itself."""
     return _SHARED[-1] if _SHARED else None
 
 

@@ -32,7 +32,7 @@ class _Part:
 
 
 def pack_term(term: Expr) -> Flat:
-    """The nodes below the term; variables by name, parts by place."""
+    """Return the nodes below the term; variables by name, parts by place."""
     nodes = in_order([term])
     place: dict[Expr, _Part] = {node: _Part(index) for index, node in enumerate(nodes)}
     return tuple(node.name if isinstance(node, Var) else (type(node), _packed_fields(node, place)) for node in nodes)
@@ -51,7 +51,7 @@ def _packed_fields(node: Expr, place: Mapping[Expr, _Part]) -> tuple[Any, ...]:
 
 
 def unpack_term(flat: Flat, system: TransitionSystem) -> Bool:
-    """The term over the system's variables."""
+    """Return the term over the system's variables."""
     nodes: list[Expr] = []
     for packed in flat:
         if isinstance(packed, str):
@@ -79,7 +79,7 @@ class PackedTrace:
 
 
 def pack_trace(trace: Trace | None) -> PackedTrace | None:
-    """What is needed to run it again."""
+    """Pack the data that are needed to run the trace again."""
     if trace is None:
         return None
     part = trace.system.machines[0].name if trace.system.whole else ""
@@ -87,7 +87,7 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
 
 
 def unpack_trace(packed: PackedTrace | None, system: TransitionSystem) -> Trace | None:
-    """The run, made again by the interpreter; of a machine by itself whatever it was looked for under."""
+    """Return the run, made again by the interpreter; of a machine by itself whatever it was looked for under."""
     if packed is None:
         return None
     return run(_by_itself(packed.part, system) if packed.part else system, packed.stream, first=packed.initial)
@@ -102,7 +102,7 @@ Packed = tuple[Any, ...]
 
 
 def pack(verdict: Verdict) -> Packed:
-    """The verdict as plain data."""
+    """Return the verdict as plain data."""
     match verdict:
         case Proved(invariant, engine, depth, rechecked, certificates, witness, by_construction):
             term = None if invariant is None else pack_term(invariant)
@@ -119,7 +119,7 @@ def pack(verdict: Verdict) -> Packed:
 
 
 def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem) -> Verdict:
-    """The verdict again: traces are runs of `system`, invariants speak of the variables of `observed`."""
+    """Return the verdict again: traces are runs of `system`, invariants speak of the variables of `observed`."""
     match packed:
         case ("proved", term, engine, depth, rechecked, certificates, witness, by_construction):
             invariant = None if term is None else unpack_term(term, observed)
@@ -136,7 +136,7 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem)
 
 
 def pack_base(known: Base) -> Packed:
-    """A proved base: which facts hold, the rest as it is."""
+    """Return a proved base: which facts hold, the rest as it is."""
     always, facts = tuple(known.always), tuple(known.facts)
     return (
         always,
@@ -150,7 +150,7 @@ def pack_base(known: Base) -> Packed:
 
 
 def unpack_base(packed: Packed, terms: Mapping[Fact, Bool]) -> Base:
-    """The base again, out of the terms of its facts."""
+    """Return the base again, out of the terms of its facts."""
     always, facts, certificates = packed[0], packed[1], packed[3]
     refuted: Mapping[Fact, Failure] = packed[2]
     always_, facts_, kept = ({key: terms[key] for key in keys} for keys in (always, facts, packed[5]))

@@ -1,4 +1,4 @@
-"""Inputs as terms over state: from one state and inputs that are lawful in it, a rule that finds lawful inputs in many.
+"""Witness functions, inputs as terms over state: generalizes admissible inputs of one state to many states.
 
 The conditions on a step are followed to what makes them true in that one state: linear comparisons and truth values of
 inputs. One input after another is then solved for: where an equality gives it, that; else as near to rest as its lower and
@@ -38,12 +38,12 @@ Witness = Mapping[Var, Expr]
 
 
 def at_rest(inputs: Iterable[Var]) -> dict[Var, Value]:
-    """Nothing is told, and numbers are as near zero as their ranges allow."""
+    """Return inputs at rest: all absent or false, and numbers as near zero as their ranges allow."""
     return {var: canonical(var) if isinstance(var, NumVar) else False for var in inputs}
 
 
 def constants(values: Mapping[Var, Value]) -> Witness:
-    """The same inputs in every state."""
+    """Return the same inputs in every state."""
     return {var: constant_of(var, value) for var, value in values.items()}
 
 
@@ -65,7 +65,8 @@ class Generalisation:
                 self._reads.add(node)
 
     def witness(self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], *, eager: bool) -> Witness:
-        """A rule for the inputs that gives lawful ones in this state; eager: it also keeps what this state does not ask."""
+        """Return a rule that gives admissible inputs in this state; eager: it also satisfies conditions not active
+        there."""
         values = dict(zip(self._order, evaluate(self._order, {**state, **inputs}), strict=True))
         followed = _Followed(values, self._reads, frozenset(self.inputs), eager)
         followed.follow(self.condition, True)
@@ -77,7 +78,7 @@ class Generalisation:
 
 
 class _Followed:
-    """What makes a condition true under some values: truth values, equations (= 0) and bounds (<= 0) of inputs."""
+    """The atoms that make a condition true under some values: truth values, equations (= 0) and bounds (<= 0) of inputs."""
 
     def __init__(self, values: Mapping[Expr, Value], reads: set[Expr], inputs: frozenset[Var], eager: bool) -> None:
         self._values, self._reads, self._inputs, self._eager = values, reads, inputs, eager

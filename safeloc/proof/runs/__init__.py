@@ -1,1 +1,1 @@
-"""Drawn runs of any machine: where a condition holds, inputs that keep the assumption, stretches, and whole runs."""
+"""Random runs of any machine: segments where a condition holds, admissible inputs, input profiles, and complete runs."""

@@ -1,4 +1,4 @@
-"""Where a condition holds along one variable, and how far it is from failing: what searches steer by.
+"""Segments of one variable in which a condition holds, and the distance to its failure: guidance for searches.
 
 Condition(term).segments(var, values)   the intervals of values of `var` for which it holds, the rest held fixed
 Slack(term)(values)                     the least numeric distance to failing
@@ -14,7 +14,7 @@ from safeloc.codegen.compiled import compile_terms
 from safeloc.language.expr import Bool, Expr, NumVar, Var
 from safeloc.language.interpret import Program, evaluate
 from safeloc.language.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
-from safeloc.language.terms import in_order, variables
+from safeloc.language.terms import conjuncts, in_order, variables
 from safeloc.language.units import ONE
 
 Segment = tuple[int, int]
@@ -32,11 +32,11 @@ class Condition:
         self._truth = compiled_terms(tuple(self.reads), [term])
 
     def holds(self, values: Mapping[Var, Value]) -> bool:
-        """Whether the condition is true of the values."""
+        """Return whether the condition is true for the values."""
         return bool(self._truth(self._row(values))[0])
 
     def segments(self, var: NumVar, values: Mapping[Var, Value]) -> list[Segment]:
-        """Intervals of values of `var` for which the condition holds, in order; the other variables stay as they are.
+        """Return intervals of values of `var` for which the condition holds, in order; the other variables stay as they are.
 
         Comparisons are taken as linear between two neighbouring probes; where that misses a change, a part of an
         interval may be left out or too much, so whoever uses a value checks the condition again.
@@ -118,7 +118,7 @@ def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Va
 
 
 def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
-    """The terms as compiled code over a row of values of `reads`; without case analysis, so quickly made."""
+    """Return the terms as compiled code over a row of values of `reads`; without case analysis, so quickly made."""
     if not reads:
         constants = evaluate(terms, {})
         return lambda _row: constants
@@ -128,7 +128,7 @@ def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[S
 def _roots(
     sides: Callable[[Sequence[Value]], Sequence[Value]], row: list[Value], at: int, probe: int, step: int
 ) -> Iterable[int]:
-    """Where left meets right, for each comparison, by the slope at the probe."""
+    """Estimate the roots of each comparison from the slope at the probe."""
     row[at] = probe
     first = sides(row)
     row[at] = probe + step
@@ -141,7 +141,7 @@ def _roots(
 
 
 def _meeting(here: int, gap: int, slope: int) -> tuple[int, int]:
-    """Where a gap that grows by `slope` from `here` on is closed: the whole numbers on either side."""
+    """Return the two whole numbers around the point where a gap that changes by `slope` from `here` on is zero."""
     return here - gap // slope, here - -(-gap // slope)
 
 
@@ -164,20 +164,18 @@ def _joined(pieces: Sequence[Segment]) -> list[Segment]:
 
 
 def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]:
-    """What two lists of segments share."""
+    """Intersect two lists of segments."""
     pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
     return [(low, high) for low, high in pairs if low <= high]
 
 
-def conjuncts(term: Bool) -> list[Bool]:
-    """The parts of a conjunction, nested ones included; none of what is true anyway."""
-    if isinstance(term, And):
-        return [inner for part in term.parts for inner in conjuncts(part)]
-    return [] if isinstance(term, Truth) and term.value else [term]
+def falsifiable(term: Bool) -> list[Bool]:
+    """The parts of a conjunction that may be false."""
+    return [part for part in conjuncts(term) if not (isinstance(part, Truth) and part.value)]
 
 
 class Slack:
-    """How far a term is from being false: the least numeric distance, negative once it is false, infinite if logical."""
+    """The distance of a term from being false: the least numeric distance, negative once false, infinite if logical."""
 
     def __init__(self, term: Bool) -> None:
         self._term = term

@@ -29,11 +29,11 @@ from safeloc.proof.runs.profiles import Profile
 
 @dataclass
 class Statistics:
-    """What the runs did: how far they went, what fired, how often a step had to be given up, and how long it took.
+    """Statistics of the runs: lengths, fired transitions, discarded steps, and time.
 
-    admitted  of each property, the steps in which it was required
-    occurred  of each property and number of a case that it speaks of, the states of runs in which that occurred while
-              the property was required
+    admitted  for each property, the number of steps in which it was required
+    occurred  for each property and case number, the number of states in which the case occurred while the property was
+              required
     """
 
     runs: int = 0
@@ -125,7 +125,7 @@ class Driver:
 
     @property
     def breaking(self) -> int | None:
-        """The first run of the corpus that breaks a property by itself; None if all of them keep all."""
+        """Return the first run of the corpus that breaks a property; None if there is none."""
         return next((which for which, known in enumerate(self._known) if known.breaks), None)
 
     def drive(self, kind: str, length: int, seed: int, *, faulty: bool = False, lean: int | None = None) -> None:
@@ -145,7 +145,7 @@ class Driver:
         self.statistics.seconds += time.perf_counter() - started
 
     def state(self) -> dict[Var, Value]:
-        """The present state, observers of the properties included."""
+        """Return the present state, observers of the properties included."""
         return dict(zip(self._whole.state, self._state, strict=True))
 
     def edges(self) -> dict[str, float]:
@@ -155,7 +155,7 @@ class Driver:
         return {name: edge for name, edge in found.items() if math.isfinite(edge)}
 
     def trace(self) -> Trace:
-        """The run that broke a property, shortened, as the interpreter replays it."""
+        """Return the run that broke a property, shortened, as the interpreter replays it."""
         goal = next(goal for goal in self.goals if goal.prop is self.broken)
         return shortened(goal, self.first, self.stream)
 
@@ -169,7 +169,7 @@ class Driver:
 
     @property
     def kept(self) -> bool:
-        """Whether the assumption has been kept so far."""
+        """True if the run has satisfied the assumption so far."""
         return self._kept[-1]
 
     def _mended(
@@ -202,7 +202,7 @@ class Driver:
             self.statistics.occurred[self.properties[number], place] += self._required(number)
 
     def _required(self, number: int) -> bool:
-        """Whether what a property relies on has been kept so far."""
+        """Return whether the run has satisfied all assumptions of a property so far."""
         return self._kept[number] and (self.kept or self.properties[number].unconditional)
 
     def _count(self, fired: Sequence[int]) -> None:

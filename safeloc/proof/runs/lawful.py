@@ -1,4 +1,4 @@
-"""Inputs that keep a machine's assumption: what a search changes is repaired, at the ends of what is allowed.
+"""Inputs that satisfy a machine's assumption: changed values are repaired to the ends of the allowed segments.
 
 One input after another is moved to where the broken part of the assumption holds together with every other part that
 reads it: mostly what the environment chooses freely, else a measurement. Where no single move will do, the broken part
@@ -17,7 +17,7 @@ from safeloc.language.interpret import start
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.proof.runs.allowed import Condition, Segment, common, conjuncts
+from safeloc.proof.runs.allowed import Condition, Segment, common, falsifiable
 
 REPAIRS = 20
 ATTEMPTS = 5
@@ -39,7 +39,7 @@ class Repair:
 
     def __init__(self, system: TransitionSystem) -> None:
         self._system = system
-        self._conditions = [Condition(part) for part in conjuncts(system.assume)]
+        self._conditions = [Condition(part) for part in falsifiable(system.assume)]
         inputs = set(system.inputs)
         self._present = {option.value: option.present for option in system.optionals}
         self._value = {option.present: option.value for option in system.optionals}
@@ -49,7 +49,7 @@ class Repair:
     def mend(
         self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], draw: random.Random, pick: Pick | None = None
     ) -> dict[Var, Value] | None:
-        """Inputs that keep the assumption, or None if none were found. `pick` chooses within what is allowed."""
+        """Find inputs that satisfy the assumption, or None. `pick` chooses within the allowed values."""
         pick = pick or any_end(draw)
         values = {**state, **inputs}
         holds = {one: one.holds(values) for one in self._conditions}
@@ -90,7 +90,7 @@ class Repair:
         return sorted(mixed, key=lambda var: (var not in self._system.ghosts) == ghosts_first)
 
     def _allowed(self, broken: Condition, var: NumVar, values: Mapping[Var, Value]) -> Sequence[Segment]:
-        """Where the broken part holds along `var` together with every other part that reads it."""
+        """Return the segments of `var` in which the broken part and every other part that reads `var` hold."""
         found: Sequence[Segment] = broken.segments(var, values)
         for other in self._readers[var]:
             if found and other is not broken:
@@ -111,7 +111,8 @@ class Repair:
 
 
 def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:
-    """Whether a run of the system can start there: a run for all inputs may start where its environment never would."""
+    """Return whether a run of the system can start there; a run for all inputs may start in a state that the environment
+    excludes."""
     try:
         start(system, first)
     except InputError:
@@ -123,13 +124,13 @@ _FIRST: weakref.WeakKeyDictionary[TransitionSystem, list[Condition]] = weakref.W
 
 
 def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: float = 0.0) -> dict[str, Value]:
-    """Values for what is open at the start, such that `initially` holds; NoFirstStateError if none were found.
+    """Return values for what is open at the start, such that `initially` holds; NoFirstStateError if none were found.
 
     adventurous: the share of variables that begin at an end of their range instead of near zero
     """
     free = [var for var in system.state if isinstance(system.initial[var], Any_)]
     if system not in _FIRST:
-        _FIRST[system] = [Condition(part) for part in conjuncts(system.init)]
+        _FIRST[system] = [Condition(part) for part in falsifiable(system.init)]
     conditions = _FIRST[system]
     for attempt in range(ATTEMPTS):
         share = adventurous * (1 - attempt / (ATTEMPTS - 1))
@@ -142,7 +143,7 @@ def first_state(system: TransitionSystem, draw: random.Random, *, adventurous: f
 def _mended(
     conditions: Sequence[Condition], free: Sequence[Var], values: dict[Var, Value], draw: random.Random
 ) -> bool:
-    """Whether the values keep every condition, after some repairs."""
+    """Repair the values; return whether they satisfy every condition then."""
     for _ in range(REPAIRS):
         broken = [one for one in conditions if not one.holds(values)]
         if not broken:

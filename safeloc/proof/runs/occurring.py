@@ -1,4 +1,4 @@
-"""Which of the cases that properties speak of occur in a step, counted beside a driven run at little cost.
+"""Counts the cases of properties that occur in the steps of a driven run, at little cost.
 
 A case is judged from the values that a step leaves: state before and after, inputs, what fired. Only what looks further
 back has variables of its own, which move with the system.
@@ -47,11 +47,11 @@ class Occurring:
         self._later = _Judge(terms, kept, system.inputs, tuple(system.fired))
 
     def at_first(self, state: Row) -> Iterator[Key]:
-        """What the first state is, of properties of states."""
+        """List the cases that occur in the first state, for properties of states."""
         return self._first(state, state, (), ())
 
     def after(self, before: Row, inputs: Row, state: Row, fired: Row) -> Iterator[Key]:
-        """What occurs in a step."""
+        """List the cases that occur in a step."""
         return self._later(before, state, inputs, fired)
 
 

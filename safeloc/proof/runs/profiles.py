@@ -55,13 +55,13 @@ class Profile:
 
     @property
     def pick(self) -> Pick:
-        """How a value is chosen within what the assumption allows: always to one side, or at any end."""
+        """The choice of a value among the allowed ones: always on the same side, or at a random end."""
         if not self._leaning:
             return any_end(self.draw)
         return lambda var, low, high: (low, high, (low + high) // 2)[self._lean[var]]
 
     def inputs(self, state: Mapping[Var, Value]) -> dict[Var, Value]:
-        """The next step's inputs; absent optional ones hold their canonical value."""
+        """Return the next step's inputs; absent optional ones hold their canonical value."""
         values: dict[Var, Value] = {}
         for var in self._system.inputs:
             if isinstance(var, BoolVar):
@@ -99,7 +99,7 @@ class Profile:
         return state[seen] * numerator / denominator + beside
 
     def _fault(self, var: NumVar) -> float:
-        """What the measured value is multiplied with: 1, unless this input is at fault."""
+        """Return the factor on the measured value: 1, unless this input is at fault."""
         if var is not self._at_fault or self._kind not in ("zero", "scaled"):
             return 1.0
         return 0.0 if self._kind == "zero" else self._scale

@@ -3,7 +3,7 @@
     Quick(terms)      what `interpret.Program` computes, by generated code; every SAMPLED-th time by both
     quick_run(...)    what `interpret.run` gives
 
-EngineError where the two differ: then the generator is wrong, and nothing that came of it can be used.
+EngineError if the two differ: then the generator is wrong, and its results must not be used.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs to check a back end by: what ships with a target, what its simulation gives, and drawn ones.
+"""Runs for testing a back end: shipped recordings, simulated runs, and random runs.
 
 Drawn runs are lawful ones (the environment beside the machine, its assumption kept) and any ones in range.
 """
@@ -25,7 +25,7 @@ STRETCH = 12
 
 
 def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run]:
-    """Runs of what runs on board, up to `steps` steps each; the same for the same seed."""
+    """Return runs of what runs on board, up to `steps` steps each; the same for the same seed."""
     on_board = without_ghosts(target.system)
     runs = [recorded_run(on_board, path, steps) for path in target.streams]
     if target.simulate is not None:
@@ -34,7 +34,7 @@ def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run
 
 
 def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
-    """A shipped stream as what runs on board reads it, up to `steps` steps."""
+    """Return a shipped stream as what runs on board reads it, up to `steps` steps."""
     stream = read_steps(path)
     kept = {var.name for var in on_board.state}
     first = {name: value for name, value in stream.first.items() if name in kept}
@@ -42,7 +42,7 @@ def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
 
 
 def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) -> Run:
-    """A drawn run of what runs on board. A lawful one keeps the assumption, and may be shorter where that cannot go on."""
+    """Return a drawn run of what runs on board. A lawful one keeps the assumption, and may be shorter where that cannot go on."""
     draw = random.Random(seed)
     first = first_state(system, draw)
     on_board = without_ghosts(system)
@@ -69,6 +69,6 @@ def _drawn(
 
 
 def _read(on_board: TransitionSystem, steps: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Cell]]:
-    """What the machine reads of each step: neither ghosts nor remarks."""
+    """Keep only the inputs that the machine reads in each step, without ghosts and remarks."""
     names = {var.name for var in on_board.inputs}
     return [{name: value for name, value in step.items() if name in names} for step in steps]

@@ -14,7 +14,7 @@ Steps = list[dict[str, Cell]]
 
 @dataclass(frozen=True)
 class WorkedRun(Generic[Config_]):
-    """What is to come of a run, in words, and its steps for a machine of a configuration."""
+    """A named run: its expected outcome in words, and its steps for a given configuration."""
 
     outcome: str
     steps: Callable[[Config_], Sequence[Mapping[str, Cell]]]

@@ -1,6 +1,6 @@
 """Several targets at once: each is conducted by a process of its own, and all processes share the same places.
 
-The longest targets begin first. What is found is told as it comes; findings arrive whole when a target is done.
+The longest targets begin first. Progress is reported at once; all findings of a target arrive when it is done.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from safeloc.target import Target
 
 @dataclass(frozen=True)
 class Began:
-    """A target's turn has come; so many findings are expected of it."""
+    """The start of a target, with the expected number of findings."""
 
     target: str
     findings: int
@@ -39,7 +39,7 @@ class Began:
 
 @dataclass(frozen=True)
 class Phase:
-    """What is done with a target now."""
+    """The current phase of a target's verification."""
 
     target: str
     text: str
@@ -57,7 +57,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Over:
-    """A target is done, after so many seconds."""
+    """The end of a target, with its time in seconds."""
 
     target: str
     seconds: float
@@ -65,7 +65,7 @@ class Over:
 
 @dataclass(frozen=True)
 class Kept:
-    """Nothing of a target has changed: so many findings are kept since then (UTC)."""
+    """An unchanged target: the number of findings from the cache, and their date (UTC)."""
 
     target: str
     findings: int
@@ -85,7 +85,7 @@ class _Done:
 
 @dataclass(frozen=True)
 class _Failed:
-    """What went wrong with a target."""
+    """The error that ended a target's verification."""
 
     error: SafelocError
 
@@ -175,7 +175,7 @@ def _begun(target: Target, plan: Plan, jobs: int, places: Slots) -> _Conductor:
 
 
 def _heard(one: _Conductor, on_event: OnEvent) -> Plain | None:
-    """Tells what the conductor says; its findings when it is done. Whatever went wrong there is raised."""
+    """Pass on a message of a target's process; return its findings when it is done. Its error is raised here."""
     try:
         said: Any = one.pipe.recv()
     except EOFError:
@@ -234,5 +234,5 @@ def _verified(target: Target, plan: Plan, jobs: int, pipe: Connection) -> _Done 
 
 
 def in_order(found: Mapping[str, Sequence[Finding]]) -> list[Finding]:
-    """All findings of all targets, target by target."""
+    """Return all findings of all targets, target by target."""
     return [finding for findings in found.values() for finding in findings]

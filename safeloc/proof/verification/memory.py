@@ -1,4 +1,4 @@
-"""How much memory a run takes, all its processes together: looked at every now and then, as Linux tells it."""
+"""Memory use of a run with all its processes, sampled from Linux's process table."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ PROC = Path("/proc")
 
 
 class Memory:
-    """Within, the memory of this process and of all that come of it is looked at; `most_bytes` is the most that was seen.
+    """Samples the memory of this process and all its child processes; `most_bytes` is the maximum.
 
-    What several processes share counts once. 0 where the system does not tell.
+    Shared memory counts once. 0 if the system does not provide the figures.
     """
 
     def __init__(self) -> None:
@@ -39,12 +39,12 @@ class Memory:
 
 
 def taken_bytes(process: int) -> int:
-    """Memory of a process and of all that come of it, now."""
+    """Return the memory of a process and of all that come of it, now."""
     return sum(map(_own_bytes, (process, *descendants(process))))
 
 
 def _own_bytes(process: int) -> int:
-    """What a process takes, with its share of what it has in common with others (Pss); 0 if it has ended."""
+    """Return the memory of a process, with its part of shared memory (Pss); 0 if it has ended."""
     with suppress(OSError, ValueError, StopIteration):
         told = (PROC / str(process) / "smaps_rollup").read_text().splitlines()
         return 1024 * int(next(line for line in told if line.startswith("Pss:")).split()[1])
@@ -52,7 +52,7 @@ def _own_bytes(process: int) -> int:
 
 
 def descendants(process: int) -> list[int]:
-    """The processes that come of a process, and of these."""
+    """Return the processes that come of a process, and of these."""
     children: dict[int, list[int]] = {}
     for path in PROC.glob("[0-9]*/stat"):
         with suppress(OSError, ValueError):

@@ -39,7 +39,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """Verifies one target, in at most `jobs` processes at a time; `on_phase` and `on_finding` hear of it as it comes."""
+    """Verifies one target, in at most `jobs` processes at a time; calls `on_phase` and `on_finding` during the work."""
 
     target: Target
     jobs: int
@@ -106,16 +106,16 @@ class Work:
 
 
 def claims(target: Target, properties: Sequence[Property]) -> int:
-    """Count the findings that proving these will give, as near as can be said beforehand."""
+    """Estimate the number of findings from proving these."""
     return len(properties) + sum(len(machine.lemmas) for machine in target.machines)
 
 
 def owed(target: Target) -> int:
-    """Count the obligations, as near as can be said beforehand: one of each kind, each mode and transition by itself."""
+    """Estimate the number of obligations: one of each kind, and one for each mode and transition."""
     return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
 
 
 def expected(target: Target) -> int:
-    """Count the findings of all phases, as near as can be said beforehand."""
+    """Estimate the number of findings of all phases."""
     tests, replays = len(target.properties), len(target.streams) * len(target.properties)
     return claims(target, target.properties) + owed(target) + tests + replays

@@ -25,14 +25,14 @@ _OWN = ("result", "replayed")
 
 
 def pack_findings(findings: Sequence[Finding], system: TransitionSystem) -> Plain:
-    """Findings about one system as plain data; ValueError for a run of another system."""
+    """Return findings about one system as plain data; ValueError for a run of another system."""
     packing = _Packing(system)
     rows = [packing.finding(one) for one in findings]
     return {"traces": packing.traces, "replays": packing.replays, "findings": rows}
 
 
 def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
-    """The findings again; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
+    """Return the findings again; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
     systems = {"whole": system, "board": without_ghosts(system)}
     systems |= {f"part {part.name}": part.alone for part in system.parts}
     traces = [_unpacked_trace(one, systems[one["system"]]) for one in packed["traces"]]

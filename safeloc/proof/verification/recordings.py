@@ -1,4 +1,4 @@
-"""A recording of single records as the steps of a machine, heard as a controller on board hears them."""
+"""Converts a recording of single records to steps of a machine, as a controller on board does."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from safeloc.target import Target
 
 
 def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStream, Sequence[Fault]]:
-    """One step every `period_ms`, its number for its line, and every fault that the border found.
+    """Return one step every `period_ms`, with its number as its line, and every fault found by the border.
 
     Names, ranges and silence are those of a Controller (docs/embedding.md); beside that a recording may hold ghosts of
     the machine, as values. StreamError for what is no recording, InputError for a leap of time.
@@ -38,7 +38,7 @@ Ghosts = Mapping[str, Channel]
 
 
 def _ghosts(target: Target, period_ms: int) -> Ghosts:
-    """What a simulation or survey may tell beside the machine's inputs, by name."""
+    """Return the ghosts that a recording may contain besides the machine's inputs, by name."""
     numbers = [var for var in target.system.inputs if var in target.system.ghosts and isinstance(var, NumVar)]
     plain = [var for var in numbers if not isinstance(var.unit, Enumeration)]
     return {var.name: Channel(var.name, var.unit.name, var.low, var.high, period_ms) for var in plain}
@@ -50,7 +50,7 @@ def _places(hearing: Hearing, ghosts: Ghosts, name: str) -> Iterable[object]:
 
 
 def _known(hearing: Hearing, ghosts: Ghosts, number: int, record: Record | Unusable) -> Record | Unusable:
-    """The record, or that nobody has an input for what it says."""
+    """Return the record, or a fault if no machine has an input for it."""
     if record.channel in ghosts:
         return record
     found = judged(hearing, number, record)

@@ -1,8 +1,7 @@
-"""A recorded stream through a machine: one row a step, and every property on the whole of it."""
+"""Replay of a recorded stream through a machine: one row per step, and a check of every property."""
 
 from __future__ import annotations
 
-import difflib
 import json
 import time
 import weakref
@@ -12,10 +11,12 @@ from itertools import chain
 from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
+from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.expr import Num, Var
 from safeloc.language.interpret import read_inputs
 from safeloc.language.monitor import Checks
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.terms import variables
@@ -36,16 +37,16 @@ from safeloc.target import Target
 
 @dataclass(frozen=True)
 class Row:
-    """One replayed step."""
+    """One replayed step; None is an output that is absent."""
 
     number: int
     modes: Mapping[str, str]
     fired: Mapping[str, str]
-    outputs: Mapping[str, Value | str]
+    outputs: Mapping[str, Value | str | None]
     truth: str
 
     def as_json(self) -> str:
-        """One JSON line."""
+        """Return one JSON line."""
         return json.dumps(
             {
                 "step": self.number,
@@ -57,9 +58,10 @@ class Row:
         )
 
     def cells(self) -> dict[str, str]:
-        """Column -> text."""
+        """Return the cells, column -> text."""
         outputs = {
-            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in self.outputs.items()
+            name: "" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+            for name, value in self.outputs.items()
         }
         fired = {"fired": ", ".join(self.fired.values())}
         return {"step": str(self.number), **self.modes, **outputs, **fired, "truth": self.truth}
@@ -76,7 +78,8 @@ def as_table(rows: Sequence[Row]) -> list[str]:
 def replay_stream(
     target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None
 ) -> tuple[list[Row], list[Finding]]:
-    """Rows and findings. StreamError with file and line for a step the machine cannot take, or without any step.
+    """Replay a stream; return rows and findings. StreamError with file and line for a step the machine cannot take, or
+    without any step.
 
     With `period_ms` the file holds single records, and what the border refused of them is a finding of its own. `run`
     is the id of a result, and the file one of a report's traces: the run that shows it is replayed.
@@ -88,7 +91,7 @@ def replay_stream(
     started = time.monotonic()
     stream, faults = (_steps(path, run), None) if period_ms is None else recorded_steps(target, path, period_ms)
     if not stream.steps:
-        raise StreamError(f"{path}: no steps, so nothing was replayed.")
+        raise StreamError(f"{path}: the stream has no steps.")
     _refuse_other(target, path, stream)
     asked = _asked(target, whole=_is_whole(target, stream))
     system, properties = asked.system, asked.properties
@@ -116,7 +119,7 @@ def _steps(path: Path, run: str | None) -> StepStream:
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """What is checked on a target's recordings: the system that they are runs of, and which properties speak of it."""
+    """The checks on a target's recordings: the system that they run, and the applicable properties."""
 
     system: TransitionSystem
     properties: Sequence[Property]
@@ -150,7 +153,7 @@ def _noted(findings: Sequence[Finding], unchecked: Sequence[Property]) -> list[F
 
 def _nothing_checked(target: Target, path: Path, unchecked: Sequence[Property], started: float) -> Finding:
     """Neither a property nor the truth: no news of the recording, and not good news."""
-    ghosts = "every property speaks of ghosts, and the stream has none; simulate one, or record the truth as truth_mm"
+    ghosts = "every property reads ghosts, and the stream has none; simulate a stream, or record the true position as truth_mm"
     said, name = "something of the recording was checked", f"{target.name}/replay/{name_of(path)}: nothing checked"
     why, seconds = NotAsked(ghosts if unchecked else reason(target)), time.monotonic() - started
     return Finding(name, target.name, "replay", said, why, f"replay of {path.name}", seconds)
@@ -161,7 +164,7 @@ def _number(unchecked: Sequence[Property]) -> str:
 
 
 def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
-    """A stream says in its header which machine it is for, or nothing."""
+    """Refuse a stream whose header names another machine."""
     if stream.machine not in ("", target.name):
         raise StreamError(
             f"{path}:1: a stream for machine {stream.machine!r}, and {target.name!r} is replayed; "
@@ -170,7 +173,7 @@ def _refuse_other(target: Target, path: Path, stream: StepStream) -> None:
 
 
 def whole_run(target: Target, path: Path) -> Trace | None:
-    """A stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
+    """Return a stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
     stream = read_steps(path)
     _refuse_other(target, path, stream)
     return _run(target.system, path, stream) if _is_whole(target, stream) else None
@@ -203,15 +206,15 @@ def _first_bad(system: TransitionSystem, stream: StepStream, rows: Sequence[Mapp
 
 
 def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) -> None:
-    """A column nobody reads is a misspelt name, unless it is a remark; with nothing under it as well."""
+    """Refuse a column that no input reads, even an empty one: it is a misspelt name, unless it is a remark."""
     known = _names(system)
     steps = ((name, line) for line, step in zip(stream.lines, stream.steps, strict=True) for name in step)
     for name, line in chain(stream.columns.items(), steps):
         if name not in known and name not in REMARKS:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f" Did you mean {close[0]!r}?" if close else ""
             inputs = sorted(one for one in known if not one.endswith(".present"))
-            raise StreamError(f"{path}:{line}: {system.name} has no input {quoted(name)}; it has {inputs}.{hint}")
+            raise StreamError(
+                f"{path}:{line}: {system.name} has no input {quoted(name)}; it has {inputs}.{hint(name, known)}"
+            )
 
 
 REMARKS = ("truth_mm", "time_ms")
@@ -219,14 +222,15 @@ REMARKS = ("truth_mm", "time_ms")
 
 def _names(system: TransitionSystem) -> set[str]:
     every = {var.name for var in system.inputs}
-    return every | {var.name for machine in system.machines for var in machine.ghost_inputs}
+    return every | {var.name for machine in system.machines for var in machine.world.choices}
 
 
 def _row(target: Target, trace: Trace, index: int, truth_mm: int | None) -> Row:
     step = trace.steps[index]
     by_name = {var.name: var for var in trace.system.state}
     modes = {name: shown(by_name[name], value) for name, value in step.state.items() if name.split(".")[-1] == "mode"}
-    outputs = {name: _shown(trace.system, name, value) for name, value in step.outputs.items()}
+    there = without_absent(step.outputs, stand_ins(trace.system))
+    outputs = {name: None if value is None else _shown(trace.system, name, value) for name, value in there.items()}
     return Row(index + 1, modes, step.fired, outputs, _standing(target, step.outputs, truth_mm))
 
 
@@ -251,7 +255,7 @@ def _truth_mm(path: Path, stream: StepStream, index: int) -> int | None:
 
 
 def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
-    """Whether the property speaks of nothing that the system lacks."""
+    """Return whether the system has all variables that the property reads."""
     known: set[Var] = {*system.state, *system.inputs, *system.fired}
     read = variables([prop.term, prop.response, prop.further_assumption])
     return all((var if var.before is None else var.before) in known for var in read)
@@ -270,7 +274,7 @@ def _border(target: Target, path: Path, steps: int, faults: Sequence[Fault], sta
         f"{target.name}/replay/{name_of(path)}: border",
         target.name,
         "replay",
-        "every record is an input as it came, or refused with its reason",
+        "every record is used unchanged, or refused with a reason",
         Held("replay", 1, steps, counted(faults)),
         f"replay of {path.name}",
         time.monotonic() - started,
@@ -288,13 +292,13 @@ def _containment(
     if wrong:
         part = Trace(trace.system, trace.initial, trace.steps[: wrong[0]])
         steps = ", ".join(map(str, wrong[:10])) + (f" and {len(wrong) - 10} more" if len(wrong) > 10 else "")
-        outcome = Violated(part, "replay", f"the reported interval misses truth_mm at steps {steps}")
+        outcome = Violated(part, "replay", f"the reported interval does not contain truth_mm at steps {steps}")
         seen = tuple(truth[: wrong[0]])
     return Finding(
         f"{target.name}/replay/{name_of(path)}: truth",
         target.name,
         "replay",
-        "the reported interval holds the truth of the recording",
+        "the reported interval contains the true position of the recording",
         outcome,
         f"replay of {path.name}",
         time.monotonic() - started,

@@ -1,4 +1,4 @@
-"""Findings that say that nothing was asked: they end with exit code 3, since silence is no good news."""
+"""Findings with the verdict "not asked": they give exit code 3, since a missing check is not a success."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from safeloc.language.verdict import NotAsked
 from safeloc.proof.results import Finding, Kind
 from safeloc.target import Target
 
-SOMETHING = "something of the machine is to be shown"
+SOMETHING = "the machine has a property to prove"
 NO_PROPERTY = "the target has no property; declare what must hold."
 
 
 def nothing_asked(target: Target) -> list[Finding]:
-    """One finding where there is no property, which says what was looked for and what to do; else none."""
+    """Return one finding if there is no property, with the reason and a remedy; else none."""
     return [] if target.properties else [unasked(target, "property", "nothing asked", reason(target))]
 
 
 def nothing_tested(target: Target) -> list[Finding]:
-    """One finding where nothing is left that a test could break; else none."""
+    """Return one finding where nothing is left that a test could break; else none."""
     if any(prop.kind != "reachable" for prop in target.properties):
         return []
     return [unasked(target, "test", "nothing tested", reason(target))]
 
 
 def reason(target: Target) -> str:
-    """Why a run of the machine leaves nothing to be checked: no property, or only such as `reachable`."""
+    """Return the reason why a run leaves nothing to check: no property, or only `reachable` ones."""
     if not target.properties:
         return target.unasked or NO_PROPERTY
     number = len(target.properties)
@@ -34,5 +34,5 @@ def reason(target: Target) -> str:
 
 
 def unasked(target: Target, kind: Kind, name: str, why: str) -> Finding:
-    """A finding of verdict `not asked`."""
+    """Return a finding of verdict `not asked`."""
     return Finding(f"{target.name}/{kind}/{name}", target.name, kind, SOMETHING, NotAsked(why), "nothing to check", 0.0)

@@ -11,7 +11,7 @@ NEVER = 10**9
 
 @dataclass(frozen=True)
 class Sighting:
-    """What a vehicle sees on a route: a reflector's model or, `certain`, a balise's identity; and where."""
+    """A sighting on a route: the model of a reflector or, `certain`, the identity of a balise, with its position."""
 
     what: str
     position_mm: int
@@ -22,7 +22,7 @@ class Sighting:
 def faults_towards(
     truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: int | None, same_start: bool
 ) -> int | None:
-    """The fewest missed or misread sightings that make the true route look like the believed one; None: never.
+    """Return the fewest missed or misread sightings that make the true route look like the believed one; None: never.
 
     gate_mm     two places farther apart are never taken for each other; None: places are not looked at
     same_start  positions count from a common place; else any sighting may be the first one of the other route
@@ -43,7 +43,7 @@ def _faults(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: in
 
 
 def _all_near(places: list[int], believed: Sequence[Sighting], gate_mm: int, shift_mm: int) -> bool:
-    """Whether every believed sighting has a true one near enough to be it: else no alignment need be tried."""
+    """Return whether every believed sighting has a true one within the gate; if not, no alignment is possible."""
     for one in believed:
         first = bisect_left(places, one.position_mm + shift_mm - gate_mm)
         if first == len(places) or places[first] > one.position_mm + shift_mm + gate_mm:
@@ -54,7 +54,7 @@ def _all_near(places: list[int], believed: Sequence[Sighting], gate_mm: int, shi
 def _without_common_ends(
     truth: Sequence[Sighting], believed: Sequence[Sighting]
 ) -> tuple[Sequence[Sighting], Sequence[Sighting]]:
-    """What lies on both routes at the same place costs nothing and need not be looked at."""
+    """Remove equal sightings at both ends of the routes; they do not change the cost."""
     start = 0
     while start < min(len(truth), len(believed)) and truth[start] == believed[start]:
         start += 1
@@ -89,7 +89,7 @@ def _reading(seen: Sighting, expected: Sighting, gate_mm: int | None, shift_mm: 
 
 
 def common_suffix(first: Sequence[Sighting], second: Sequence[Sighting]) -> int:
-    """How many sightings at the end look alike."""
+    """Count the equal sightings at the end."""
     count = 0
     while count < min(len(first), len(second)) and first[-1 - count].what == second[-1 - count].what:
         count += 1

@@ -1,4 +1,4 @@
-"""What the audit found: broken rules with place and figures, and how often every rule was put to the test."""
+"""Findings of the audit: violated rules with place and figures, and the number of checked cases of every rule."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Finding:
     figures: Figures | None
 
     def as_text(self) -> str:
-        """One line for people."""
+        """Return one line for people."""
         kilometre = f", km {self.kilometre}" if self.kilometre else ""
         figures = f": {shown(self.figures)}" if self.figures else ""
         where = f"{self.place.edge} at {self.place.position_mm} mm{kilometre}"
@@ -34,7 +34,7 @@ class Finding:
 
 
 def shown(figures: Figures) -> str:
-    """Figures as people read them: `distance 502.000 m, must be <= 465.250 m`."""
+    """Return figures as people read them: `distance 502.000 m, must be <= 465.250 m`."""
     actual, required = _amount(figures.actual, figures.unit), _amount(figures.required, figures.unit)
     return f"{figures.what} {actual}, must be {figures.relation} {required}".lstrip()
 
@@ -73,7 +73,7 @@ class Likeness:
 
 @dataclass(frozen=True)
 class RoutePair:
-    """How easily two routes are taken for each other.
+    """The number of misreadings after which one route looks like another.
 
     by_models      by the sequence of models alone
     by_all         with distances and balises taken into account
@@ -90,7 +90,7 @@ class RoutePair:
     place: Place
 
     def as_text(self) -> str:
-        """One line for people: missed or misread reflectors that make the one look like the other."""
+        """Return one line for people: missed or misread reflectors that make the one look like the other."""
         first, second = self._labels()
         alone, every = self.by_models.as_text(first, second), self.by_all.as_text(first, second)
         suffix = _suffix(self.first_models, self.second_models, self.common_suffix)
@@ -149,7 +149,7 @@ class Ledger:
     findings: list[Finding] = field(default_factory=list)
 
     def check(self, rule: Rule, place: Place, subject: str, **values: Value) -> bool:
-        """Whether the rule holds for these figures; a finding at `place` where it does not."""
+        """Check the rule for these figures; add a finding at `place` if it is violated."""
         self.cases[rule.name] += 1
         if not rule.broken(values):
             return True
@@ -157,7 +157,7 @@ class Ledger:
         return False
 
     def add(self, rule: Rule, place: Place, subject: str, figures: Figures | None = None) -> None:
-        """A finding without a term: what the rule speaks of is not there at all."""
+        """Add a finding without a term: the element that the rule requires is missing."""
         severity = "advice" if rule.advice else "violated"
         kilometre = kilometre_text(self.edges[place.edge], place.position_mm)
         self.findings.append(Finding(severity, rule.name, rule.requirements, subject, place, kilometre, figures))

@@ -155,5 +155,5 @@ def _greatest(counts: Iterable[int]) -> int:
 
 
 def is_reflector(element: Reference) -> bool:
-    """Whether it is a reflector, not a balise group."""
+    """Return whether it is a reflector, not a balise group."""
     return isinstance(element, Reflector)

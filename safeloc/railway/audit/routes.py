@@ -47,7 +47,7 @@ class Way:
 
 
 def check_routes(walk: Walk, rules: Rules, ledger: Ledger) -> tuple[int | None, tuple[RoutePair, ...]]:
-    """The number of routes, None where they are too many to compare one by one, and the pairs that were compared."""
+    """Return the number of routes, None where they are too many to compare one by one, and the pairs that were compared."""
     count = route_count(walk.topology)
     few = count is not None and count <= MOST_ROUTES and count**2 * _references(walk) ** 2 <= MOST_WORK
     pairs = [*(_whole(walk, rules) if few else _behind_choices(walk, rules, ledger))]
@@ -70,7 +70,7 @@ def _faults(pair: RoutePair) -> int:
 
 
 def route_count(topology: Topology) -> int | None:
-    """How many routes lead over the whole map; None where a loop makes them uncountable."""
+    """Count the routes over the entire map; None if a loop makes the number infinite."""
     if not nx.is_directed_acyclic_graph(topology.graph):
         return None
     counts: dict[Run, int] = {}
@@ -192,6 +192,6 @@ def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:
 
 
 def _shortened(way: Way, length_mm: int) -> Way:
-    """What lies beyond is not compared: the other way was not followed as far."""
+    """Cut the way at this length, because the other way was followed no further."""
     kept = tuple(one for one in way.seen if one.position_mm <= length_mm)
     return Way(way.name, way.runs, kept, length_mm)

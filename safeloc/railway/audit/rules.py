@@ -49,11 +49,11 @@ class Rule:
         return {var.name: var for var in variables([self.term])}
 
     def broken(self, values: Mapping[str, Value]) -> bool:
-        """Whether the rule does not hold for figures given by name; KeyError for a missing one."""
+        """Return whether figures, given by name, violate the rule; KeyError for a missing one."""
         return not self._program(self._bound(values))[0]
 
     def figures(self, values: Mapping[str, Value]) -> Figures | None:
-        """The comparison that makes a broken rule fail; None where it is no comparison of figures."""
+        """Return the comparison that makes a broken rule fail; None where it is no comparison of figures."""
         bound = self._bound(values)
         failed = _failing(self.term, bound)
         if failed is None:
@@ -167,7 +167,7 @@ class Rules:
 
     @cached_property
     def all_ways(self) -> Rule:
-        """Where ways are compared behind a choice, all of them are; told where there are too many."""
+        """The rule that all ways behind a choice are compared; a finding where there are too many."""
         return Rule("ways compared", ("RFL-D6",), TRUE, advice=True)
 
     @cached_property

@@ -11,7 +11,7 @@ from safeloc.railway.map.walk import Walk
 
 
 def check_stops(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Every stop point."""
+    """Check every stop point."""
     for stop in walk.line.stop_points:
         _check(walk, rules, ledger, stop)
 

@@ -18,7 +18,7 @@ from safeloc.railway.map.walk import Reference, Walk, carried
 
 @dataclass(frozen=True)
 class Since:
-    """How far behind the last reference ends, with what error it left the position, and what it was."""
+    """The distance since the last reference, the position error that it left, and its name."""
 
     distance_mm: int
     fix_error_mm: int
@@ -34,7 +34,7 @@ class Stretches:
         self._longest: dict[int, int] = {}
 
     def check(self) -> None:
-        """Every stretch, the longest of all routes where several lead to one reference."""
+        """Check every stretch, the longest of all routes where several lead to one reference."""
         arriving, loops = carried(self.walk, self._entering, self._leaving, self._through, self._worst)
         for loop in loops:
             subject = f"a loop over {len(loop)} edges without any reference"
@@ -88,35 +88,35 @@ class Stretches:
 
 
 def longest(fix_error: int, layout: LayoutConfig) -> int:
-    """The longest tolerable stretch after a fix; without bound where odometry errors do not grow."""
+    """Return the longest tolerable stretch after a fix; without bound where odometry errors do not grow."""
     if layout.odometry_rate_ppm == 0:
         return UNBOUNDED - fix_error
     return int(evaluate([longest_stretch_mm(as_num(fix_error, MM), layout)], {})[0])
 
 
 def begins_mm(element: Reference, offset_mm: int, layout: LayoutConfig) -> int:
-    """Where the front of a vehicle is when the reference begins to tell the position."""
+    """Return the position of the vehicle's front when it first reads the reference."""
     if isinstance(element, BaliseGroup):
         return offset_mm + layout.antenna_offset_mm
     return offset_mm - element.view_from_mm + layout.sensor_offset_mm
 
 
 def ends_mm(element: Reference, offset_mm: int, layout: LayoutConfig) -> int:
-    """Where the front of a vehicle is when the reference last told the position."""
+    """Return the position of the vehicle's front when it last reads the reference."""
     if isinstance(element, BaliseGroup):
         return offset_mm + layout.antenna_offset_mm
     return offset_mm - element.view_to_mm + layout.sensor_offset_mm
 
 
 def fix_error_mm(element: Reference, layout: LayoutConfig) -> int:
-    """The error of a position taken from the reference."""
+    """Return the error of a position taken from the reference."""
     if isinstance(element, BaliseGroup):
         return layout.balise_fix_mm(element.location_accuracy_mm)
     return layout.reflector_fix_mm
 
 
 def name(element: Reference) -> str:
-    """What people call it."""
+    """Return the name of the reference for messages."""
     if isinstance(element, BaliseGroup):
         return f"balise group {element.id}"
     return f"reflector {element.id} ({element.model})"

@@ -14,7 +14,7 @@ from safeloc.railway.map.walk import Seen, Walk
 
 
 def check_switches(walk: Walk, rules: Rules, ledger: Ledger) -> None:
-    """Every place where a vehicle may go two ways: the first reflectors on both.
+    """Check every place where a vehicle may go two ways: the first reflectors on both.
 
     Where both ways meet again before the first reflector, it is the same one; then the routes are not told apart.
     """

@@ -17,7 +17,7 @@ from safeloc.railway.map.walk import Walk
 
 
 def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "default figures") -> AuditReport:
-    """Every rule of the layout on every place it concerns.
+    """Check every rule of the layout at every place that it concerns.
 
     `layout` holds the vehicle's figures, the defaults without it; `vehicle` is what the report calls it. Several
     vehicles on one line (RFL-15) are audited one by one: the line has to suit each.

@@ -1,4 +1,4 @@
-"""What a receiver delivers: positions in the order they come, and what came instead of one."""
+"""Deliveries of a receiver: positions in the order of arrival, or the reason why there is none."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ NAMES = ("time", "x", "y", "speed", "flag", "received")
 
 @dataclass(frozen=True)
 class Columns:
-    """Which field of a line means what; an empty name: the stream has no such field.
+    """The names of the fields of a line; an empty name: the stream has no such field.
 
     time, received  ISO 8601 (UTC where no zone is told) or a number of `time_unit`
     x, y            longitude and latitude, or easting and northing of the coordinate system
@@ -52,7 +52,7 @@ class Columns:
 
 
 def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix: Collection[str]) -> Columns:
-    """Columns from `what=name`, such as `x=lambert72_x`; InputError for what is none."""
+    """Return columns from `what=name`, such as `x=lambert72_x`; InputError for what is none."""
     chosen: dict[str, str] = {}
     for one in told:
         what, _, name = one.partition("=")
@@ -65,7 +65,7 @@ def columns_of(told: Collection[str], *, time_unit: str, speed_unit: str, no_fix
 
 
 def delivery(number: int, fields: Mapping[str, object], columns: Columns) -> Delivery:
-    """A line's fields as a delivery; what cannot be understood is told in `wrong`."""
+    """Return a line's fields as a delivery; what cannot be understood is told in `wrong`."""
     try:
         return _delivery(number, fields, columns)
     except Exception as error:  # the rule of every border (safeloc.runtime.outside)
@@ -96,7 +96,7 @@ def _empty(value: object) -> bool:
 
 
 def decimal(name: str, value: object) -> float:
-    """A number as it was told, NaN and infinities included; InputError for what is none."""
+    """Return a number as it was told, NaN and infinities included; InputError for what is none."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise InputError(f"{name!r}: {quoted(value)} is no number.")
     if isinstance(value, str) and not (value.isascii() and "_" not in value):
@@ -108,7 +108,7 @@ def decimal(name: str, value: object) -> float:
 
 
 def speed_mm_s(name: str, value: object, unit: str) -> int:
-    """A speed over ground in mm/s, to the nearest; InputError for what no vehicle has."""
+    """Return a speed over ground in mm/s, to the nearest; InputError for what no vehicle has."""
     speed = decimal(name, value) * SPEED_UNITS[unit]
     if not 0 <= speed <= FASTEST_MM_S:
         raise InputError(f"{name!r}: {quoted(value)} {unit} is no speed over ground.")
@@ -116,7 +116,7 @@ def speed_mm_s(name: str, value: object, unit: str) -> int:
 
 
 def milliseconds(name: str, value: object, unit: str) -> int:
-    """A time in ms since 1970, or since wherever the receiver counts from; rounded down."""
+    """Return a time in ms since 1970, or since wherever the receiver counts from; rounded down."""
     if isinstance(value, str) and ("-" in value.strip()[1:] and ":" in value):
         return _since_epoch(name, value)
     told = decimal(name, value)

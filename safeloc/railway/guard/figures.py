@@ -19,7 +19,7 @@ STRONGEST_BRAKE_MM_S2 = GuardConfig.model_fields["brake_mm_s2"].default
 
 
 def find_vehicle(name: str) -> VehicleConfig:
-    """A shipped vehicle by name, or one from a file. InputError with file and field for what does not fit."""
+    """Return a shipped vehicle by name, or one from a file. InputError with file and field for what does not fit."""
     shipped = SHIPPED / f"{name}.toml"
     if not shipped.is_file() and not Path(name).is_file():
         known = ", ".join(sorted(path.stem for path in SHIPPED.glob("*.toml")))
@@ -28,7 +28,7 @@ def find_vehicle(name: str) -> VehicleConfig:
 
 
 def guard_config(vehicle: VehicleConfig | None, chosen: Mapping[str, Any] | None = None) -> GuardConfig:
-    """The configuration for a vehicle; what is `chosen` goes before its figures. InputError for what does not fit.
+    """Return the configuration for a vehicle; what is `chosen` goes before its figures. InputError for what does not fit.
 
     Its brake is taken to be no weaker than 1.5 m/s2, since its file tells the service brake only.
     """

@@ -15,8 +15,9 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower, without_ghosts
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.guard import build
-from safeloc.models.guard.variables import FARTHEST_OFF_MM, FAULT, JUDGED, NM_PER_MM, GuardConfig, parts
+from safeloc.models.guard.variables import FARTHEST_OFF_MM, FAULT, JUDGED, GuardConfig, parts
 from safeloc.railway.guard.deliveries import Delivery
 from safeloc.railway.guard.tracks import Match, Tracks, Window
 from safeloc.railway.map.places import Place
@@ -31,17 +32,17 @@ FAULT_NUMBER = {fault.label: number for number, fault in enumerate(FAULT)}
 
 @dataclass(frozen=True)
 class Judgement:
-    """What became of one delivery.
+    """The decision about one delivery.
 
-    passed            it is passed on
-    reason            PASSED, or why it is withheld
+    passed            true if it is passed on
+    reason            PASSED, or the reason why it is withheld
     mode              of the guard after it
     at_ms             the time for which interval and window hold: the delivery's, rounded up to a whole period
-    interval_mm       where the vehicle is along the way, if that is known within the tolerance
-    window_mm         the same, also where it is wider; None while nothing is held
-    position_mm, offset_mm, place   where the fix lies on the map; None for what is no fix
+    interval_mm       the vehicle's interval along the way, if it is known within the tolerance
+    window_mm         the same, also if wider; None while no position is held
+    position_mm, offset_mm, place   the place of the fix on the map; None without a fix
     ends              the places of the interval's ends; None where more than one track leads there
-    detail            the reason in words, where there is more to say
+    detail            further details of the reason, in words
     """
 
     delivery: Delivery
@@ -78,7 +79,7 @@ class Guard:
         self._place: tuple[float | None, float | None] = (None, None)
 
     def judge_all(self, deliveries: Iterable[Delivery]) -> Iterator[Judgement]:
-        """A judgement for each delivery, as soon as it is there."""
+        """Return a judgement for each delivery, as soon as it is there."""
         return (self.judge(delivery) for delivery in deliveries)
 
     def judge(self, delivery: Delivery) -> Judgement:
@@ -154,7 +155,7 @@ class Guard:
         return self.tracks.match(delivery.x, delivery.y, None)
 
     def _window(self) -> Window | None:
-        """Where the vehicle can be by what is held, or by the row of agreeing fixes."""
+        """Return the possible positions of the vehicle, from the held position or from the row of agreeing fixes."""
         return None if self._mode == "WITHDRAWN" else self._held_window()
 
     def _held_window(self) -> Window:
@@ -162,11 +163,11 @@ class Guard:
         return Window(low // NM_PER_MM, -(-high // NM_PER_MM), *self._ways)
 
     def _note_ways(self) -> None:
-        """Whether, since a fix was last taken, the vehicle can have run forwards, and backwards."""
+        """Update whether the vehicle can have run forwards, or backwards, since the last accepted fix."""
         self._ways = [self._ways[0] or self._value("fast_um_s") > 0, self._ways[1] or self._value("slow_um_s") < 0]
 
     def _remember(self, match: Match, fired: str) -> None:
-        """What a fix that was taken says of the way."""
+        """Update the known way from an accepted fix."""
         if fired in BEGINS:
             self.tracks.began(match)
         elif fired in GOES_ON:
@@ -195,7 +196,7 @@ class Guard:
         window = (said["window_from_mm"], said["window_to_mm"]) if said["holding"] else None
         interval = None
         if said["valid"]:
-            interval = said["position_mm"] - said["under_mm"], said["position_mm"] + said["over_mm"]
+            interval = said["position_mm"] - said["margin_below_mm"], said["position_mm"] + said["margin_above_mm"]
         return Judgement(
             delivery,
             bool(said["passed"]),

@@ -22,7 +22,8 @@ HALF_A_DAY = timedelta(hours=12)
 
 
 def nmea_deliveries(lines: Iterable[str], sentence: str = "RMC") -> Iterator[Delivery]:
-    """A delivery for every sentence of that kind, and for every line that is no sentence; proprietary ones are passed over.
+    """Return a delivery for every sentence of that kind, and for every line that is no sentence; proprietary ones are
+    passed over.
 
     Raises InputError for a kind that tells no position, EngineError without the extra.
     """
@@ -37,7 +38,7 @@ def nmea_deliveries(lines: Iterable[str], sentence: str = "RMC") -> Iterator[Del
 
 
 def _known(text: str) -> bool:
-    """Whether a line looks like a sentence."""
+    """Return whether a line looks like an NMEA sentence."""
     return text.startswith("$") and len(text) > 6 and text[1:6].isalnum() and text.isascii()
 
 

@@ -15,7 +15,7 @@ LONGEST_LINE = 100_000
 
 
 def csv_deliveries(lines: Iterable[str], columns: Columns, name: str) -> Iterator[Delivery]:
-    """A delivery for every row; StreamError where columns are missing. `name` is what messages call the stream."""
+    """Return a delivery for every row; StreamError where columns are missing. `name` is what messages call the stream."""
     rows = csv.reader(_checked(lines))
     header = [one.strip().removeprefix("\ufeff") for one in next(rows, [])]
     missing = [column for column in columns.named if column not in header]
@@ -43,7 +43,7 @@ def _of_row(number: int, header: list[str], row: list[str], columns: Columns) ->
 
 
 def jsonl_deliveries(lines: Iterable[str], columns: Columns) -> Iterator[Delivery]:
-    """A delivery for every line that is not empty."""
+    """Return a delivery for every line that is not empty."""
     for number, line in enumerate(_checked(lines), 1):
         if line.strip():
             yield _of_object(number, line, columns)

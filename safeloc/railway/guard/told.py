@@ -13,11 +13,11 @@ SCHEMA = "safeloc-guard/1"
 
 
 def as_data(judgement: Judgement) -> dict[str, Any]:
-    """What a consumer reads.
+    """Return the decision as plain data for a consumer.
 
-    position  of a fix that is passed on: edge, place on it, position along the way, distance off the track (mm)
-    withheld  the same of one that is not; no consumer should use it
-    interval  where the vehicle is along the way at a time, with the places of the ends; None while that is not known
+    position  for a fix that is passed on: edge, place on it, position along the way, distance off the track (mm)
+    withheld  the same for a fix that is withheld; no consumer should use it
+    interval  the vehicle's interval along the way at a time, with the places of its ends; None while unknown
     """
     located = _located(judgement)
     return {
@@ -54,5 +54,5 @@ def _place(place: Place) -> dict[str, Any]:
 
 
 def counted(judgements: Iterable[Judgement]) -> dict[str, int]:
-    """How many were passed on, and withheld for each reason; the most frequent first."""
+    """Count the deliveries that were passed on, and withheld for each reason; the most frequent first."""
     return dict(Counter(judgement.reason for judgement in judgements).most_common())

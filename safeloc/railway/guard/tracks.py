@@ -32,13 +32,13 @@ class Laid:
     run: Run
 
     def is_like(self, other: Laid) -> bool:
-        """The same run at the same position, but for ways that differ in length by less than a metre."""
+        """Return whether it is the same run at the same position, except for ways that differ in length by less than a metre."""
         return self.run == other.run and abs(self.start_mm - other.start_mm) <= ONE_WAY_MM
 
 
 @dataclass(frozen=True)
 class Window:
-    """Where the vehicle can be along the way, and whether it can have run forwards or backwards since the last fix."""
+    """The possible positions of the vehicle along the way, and its possible directions since the last fix."""
 
     from_mm: int
     to_mm: int
@@ -46,20 +46,20 @@ class Window:
     backwards: bool = True
 
     def wider(self, by_mm: int) -> Window:
-        """The same, longer on either side."""
+        """Return the same, longer on either side."""
         return replace(self, from_mm=self.from_mm - by_mm, to_mm=self.to_mm + by_mm)
 
 
 @dataclass(frozen=True)
 class Match:
-    """Where a fix lies.
+    """The place of a fix on the map.
 
     place, offset_mm  nearest place of the track, and the distance off it, rounded up
-    laid              the run it lies on, as a piece of the way
+    laid              its run, as a piece of the way
     position_mm       along the way
-    ambiguous         another track that the vehicle can have come to is not clear of it
-    elsewhere         no way leads there from where the vehicle can be
-    possible          every piece of track that the vehicle can have come to
+    ambiguous         another track that the vehicle can have reached is too near
+    elsewhere         no way leads there from the vehicle's possible positions
+    possible          every piece of track that the vehicle can have reached
     """
 
     place: Place
@@ -78,7 +78,7 @@ class _Known:
         self._pieces: dict[Run, list[Laid]] = {}
 
     def is_new(self, laid: Laid) -> bool:
-        """Whether none like it was seen; from now on it is."""
+        """Return whether no similar piece was seen before, and remember this one."""
         seen = self._pieces.setdefault(laid.run, [])
         if any(laid.is_like(other) for other in seen):
             return False
@@ -118,10 +118,10 @@ class Tracks:
         self.roots: tuple[Laid, ...] = self.route or ()
 
     def match(self, x: float, y: float, window: Window | None, *, alone: bool = False) -> Match:
-        """Where a fix lies. InputError for what is no position in the coordinate system.
+        """Find the place of a fix. InputError if it is no position in the coordinate system.
 
-        window  where the vehicle can be; None while nothing is held
-        alone   what is known of the way comes from fixes that may be false: any other track near makes it ambiguous
+        window  possible positions of the vehicle; None while no position is held
+        alone   the known way comes from fixes that may be false: any other track nearby makes the fix ambiguous
         """
         near = self.projector.near(x, y, self.clear_mm, crs=self.crs)
         if not near:
@@ -141,18 +141,18 @@ class Tracks:
         return Match(place, offset, best.laid, best.position_mm, ambiguous, possible=possible)
 
     def took(self, match: Match, window: Window) -> None:
-        """The fix was passed on, or goes on with a row: the vehicle is in the window, on one way with the fix."""
+        """Record that the fix was passed on, or continues a row: the vehicle is in the window, on one way with the fix."""
         if self.route is None:
             kept = (laid for laid in match.possible if self._meets(laid, window) and self._joined(laid, match.laid))
             self.roots = tuple(sorted({match.laid, *kept}))
 
     def began(self, match: Match) -> None:
-        """The fix is all that is known."""
+        """Record that only this fix is known."""
         if self.route is None:
             self.roots = (match.laid,)
 
     def place(self, position_mm: int) -> Place | None:
-        """The place at a position along the way; None where more than one track, or none, is known to be there."""
+        """Return the place at a position along the way; None where more than one track, or none, is known to be there."""
         there = [laid for laid in self.roots if laid.start_mm <= position_mm <= self._end(laid)]
         if not there or not all(self._joined(one, there[0]) for one in there):
             return None
@@ -203,7 +203,7 @@ class Tracks:
         return all(self._joined(one, other) for one, other in combinations({one.laid for one in found}, 2))
 
     def _joined(self, one: Laid, other: Laid) -> bool:
-        """Whether one legal way leads over both."""
+        """Return whether one legal way leads over both."""
         first, last = sorted((one, other))
         ahead = Window(first.start_mm, last.start_mm + ONE_WAY_MM, backwards=False)
         return any(here.is_like(last) for here in self._reached((first,), ahead))
@@ -250,7 +250,7 @@ def _with_course(line: Line, edges: Iterable[str]) -> None:
 
 
 def laid_along(route: Route) -> Iterator[Laid]:
-    """The runs of a route with the positions along it at which they begin."""
+    """Return the runs of a route with the positions along it at which they begin."""
     start = -route.start_mm
     for run in route.runs:
         yield Laid(start, run)

@@ -1,4 +1,4 @@
-"""How near reflectors of one model stand to each other, on one route or beside tracks that lie near (RFL-8, RFL-10).
+"""Distances between reflectors of one model, on one route or on neighbouring tracks (RFL-8, RFL-10).
 
 A vehicle sees reflectors that face it: those of its own route, those of the other branch of a switch ahead or behind,
 and those beside a parallel track, which the kilometre tells.
@@ -26,7 +26,7 @@ class Pair:
 
 
 def pairs(walk: Walk, reach_mm: int) -> list[Pair]:
-    """Every two reflectors nearer than `reach_mm` on a route or across tracks, each with its least spacing."""
+    """Return every two reflectors nearer than `reach_mm` on a route or across tracks, each with its least spacing."""
     found: dict[tuple[str, str, bool], Pair] = {}
     for pair in (*_on_routes(walk, reach_mm), *_on_branches(walk, reach_mm), *_by_kilometre(walk, reach_mm)):
         first, second = sorted((pair.first.id, pair.second.id))
@@ -55,7 +55,7 @@ def _on_routes(walk: Walk, reach_mm: int) -> Iterator[Pair]:
 
 
 def _beyond(seen: Seen, other: Seen) -> bool:
-    """Whether the other lies ahead; of two at one place, one order counts."""
+    """Return whether the other lies ahead; two at one place are ordered by identity."""
     return other.distance_mm > 0 or seen.element.id < other.element.id
 
 

@@ -1,4 +1,4 @@
-"""What lies along a line: frozen records, positions in whole mm along a track edge (RFL-4).
+"""Elements of a line: frozen records, with positions in whole mm along a track edge (RFL-4).
 
 A track edge runs from one node to another; its position 0 is at `from_node`, `length_mm` at `to_node`. `increasing`
 is the direction of growing position, `decreasing` the other one. An object's `direction` is the direction of travel
@@ -23,7 +23,7 @@ Coordinate = Annotated[float, Field(allow_inf_nan=False)]
 
 
 def opposite(direction: Direction) -> Direction:
-    """The other direction along an edge."""
+    """Return the other direction along an edge."""
     return "decreasing" if direction == "increasing" else "increasing"
 
 
@@ -53,7 +53,7 @@ class Stretch(Element):
 
 
 class Node(Element):
-    """Where edges meet or end. A `seam` is where the next part of the map continues the track."""
+    """A point where edges meet or end. At a `seam` the next part of the map continues the track."""
 
     id: Identity
     kind: Literal["track", "buffer_stop", "border", "seam"] = "track"
@@ -122,10 +122,10 @@ class Balise(Element):
 
 
 class TelegramReflector(Element):
-    """What a balise telegram says of the reflector ahead (RFL-9), for vehicles going in `direction`.
+    """The announcement of a reflector ahead in a balise telegram (RFL-9), for vehicles travelling in `direction`.
 
     distance_mm     from the group's position to the reflector
-    search_from_mm  distance behind the group from where on to search; None: not said
+    search_from_mm  distance behind the group at which the search starts; None: not given
     """
 
     direction: Direction
@@ -185,10 +185,10 @@ class Reflector(OnEdge):
 
 
 class StopPoint(OnEdge):
-    """Where the front of a vehicle stops precisely (RFL-D7); the reflector is seen from there.
+    """A point for a precise stop of the vehicle's front (RFL-D7); the reflector is visible from there.
 
     standstill_distance_mm  from the stopped front end to the reflector
-    window_before_mm        how far before the position a stop still counts, and window_after_mm how far beyond
+    window_before_mm        largest distance of a valid stop before the position, and window_after_mm beyond it
     """
 
     direction: Direction

@@ -1,4 +1,4 @@
-"""What a line must not contradict within itself. One small check each; all of them run, and each names the offenders."""
+"""Consistency checks of a line: one small function each; all of them run, and each names the offending elements."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class _Named(Protocol):
 
 
 def contradictions(line: Line) -> Iterator[str]:
-    """Everything that is wrong, in words."""
+    """Return everything that is wrong, in words."""
     for check in CHECKS:
         yield from check(line)
 
 
 def kinds(line: Line) -> Mapping[str, Sequence[_Named]]:
-    """The elements that have identities, by the name of their list."""
+    """Return the elements that have identities, by the name of their list."""
     return {
         "nodes": line.nodes,
         "edges": line.edges,

@@ -83,12 +83,12 @@ class Line(Element):
 
 
 def content_checksum(line: Line) -> str:
-    """SHA-256 over the canonical content: compact JSON with sorted keys, without the checksum and without defaults."""
+    """Return the SHA-256 over the canonical content: compact JSON with sorted keys, without the checksum and without defaults."""
     content = line.model_dump(mode="json", exclude={"checksum"}, exclude_defaults=True)
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return "sha256:" + hashlib.sha256(text.encode("utf-8")).hexdigest()
 
 
 def sealed(line: Line) -> Line:
-    """The same line with the checksum that fits it."""
+    """Return the same line with the checksum that fits it."""
     return line.model_copy(update={"checksum": content_checksum(line)})

@@ -49,11 +49,11 @@ class PartialMap:
         _ = self.line
 
     def with_part(self, part: LinePart) -> PartialMap:
-        """The map with one more part. InputError when checksum, version or seams do not fit; this map stays as it is."""
+        """Return the map with one more part. InputError when checksum, version or seams do not fit; this map stays as it is."""
         return PartialMap((*self.parts, part))
 
     def without(self, name: str) -> PartialMap:
-        """The map without a part that lies behind. InputError where there is none of that name."""
+        """Return the map without a part that lies behind. InputError where there is none of that name."""
         if name not in {part.part for part in self.parts}:
             raise InputError(f"there is no part {name!r}; on board are {', '.join(part.part for part in self.parts)}.")
         return PartialMap(tuple(part for part in self.parts if part.part != name))
@@ -165,7 +165,7 @@ def _sections(parts: tuple[LinePart, ...], kind: str) -> tuple[Any, ...]:
 
 
 def cut(line: Line, names: Mapping[str, str], seams: Iterable[str]) -> tuple[LinePart, ...]:
-    """The line cut at plain nodes. `names` gives each part's name by one edge of it.
+    """Return the line cut at plain nodes. `names` gives each part's name by one edge of it.
 
     Raises InputError for a seam that is no plain node between two edges, for a part without a name or with two, and
     for a fibre that a seam would cut.

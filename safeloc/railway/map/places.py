@@ -16,7 +16,7 @@ class Place:
 
 
 def kilometre_mm(edge: TrackEdge, position_mm: int) -> tuple[str, int] | None:
-    """The kilometre line and the kilometre, in mm, of a place; None where the edge has no kilometre reference."""
+    """Return the kilometre line and the kilometre, in mm, of a place; None where the edge has no kilometre reference."""
     point = _point(edge, position_mm)
     if point is None:
         return None
@@ -41,5 +41,5 @@ def kilometre_text(edge: TrackEdge, position_mm: int) -> str:
 
 
 def along(direction: Direction, length_mm: int, position_mm: int) -> int:
-    """Distance run from the start of an edge to a place on it, for a vehicle going in `direction`."""
+    """Return the distance run from the start of an edge to a place on it, for a vehicle going in `direction`."""
     return position_mm if direction == "increasing" else length_mm - position_mm

@@ -12,7 +12,7 @@ from safeloc.railway.map.routes import Route
 def with_balise_groups(
     route: Route, positions_mm: Sequence[int], *, first_identity: int = 1, accuracy_mm: int | None = None
 ) -> Line:
-    """The route's line with a group of one balise at each distance, numbered from `first_identity` on.
+    """Return the route's line with a group of one balise at each distance, numbered from `first_identity` on.
 
     accuracy_mm  the Q_LOCACC of the new groups; None: the national value holds
     The nominal direction is that of the route. Raises InputError for a distance beyond the route, ValidationError for

@@ -23,7 +23,7 @@ Chain = tuple[Run, ...]
 
 
 def track_plan(routes: Sequence[Route]) -> TrackPlan:
-    """The plan of routes that begin at one common distance; they are numbered from 1 on. InputError without any route."""
+    """Return the plan of routes that begin at one common distance; they are numbered from 1 on. InputError without any route."""
     if not routes:
         raise InputError("a track plan needs at least one route.")
     layout = _Layout(tuple(routes))
@@ -35,7 +35,7 @@ def track_plan(routes: Sequence[Route]) -> TrackPlan:
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where everything stands."""
+    """The layout of a track plan."""
 
     routes: tuple[Route, ...]
 
@@ -111,7 +111,7 @@ class _Layout:
 
     @property
     def lanes_used(self) -> int:
-        """How many lanes there are."""
+        """The number of lanes."""
         return len(self.lanes[0])
 
     # -------------------------------------------------------------- what is drawn

@@ -25,7 +25,7 @@ PURPOSE = "projecting positions to the track"
 
 @dataclass(frozen=True)
 class Projected:
-    """Where a position lies.
+    """A position, projected onto the track.
 
     place      the nearest place of the track, to the nearest mm
     offset_mm  how far the position lies off it, to the nearest mm: positive to the right of the edge's increasing
@@ -74,7 +74,7 @@ class Projector:
         self._tree = self._shapely.STRtree([course.line for course in self._courses])
 
     def project(self, x: float, y: float, *, crs: str = WGS84) -> Projected:
-        """The place nearest to a position.
+        """Return the place nearest to a position.
 
         x, y  longitude and latitude in degrees for EPSG:4326; easting and northing otherwise, in the system's unit
         Raises InputError for coordinates that are not finite, or outside where `crs` is defined.
@@ -87,7 +87,7 @@ class Projector:
         return Projected(Place(course.edge, course.place_mm(along)), off * course.side(along, east, north))
 
     def near(self, x: float, y: float, limit_mm: int, *, crs: str = WGS84) -> list[Projected]:
-        """Every place of the track that is the nearest of its surroundings and within the limit; the nearest first.
+        """Return every place of the track that is the nearest of its surroundings and within the limit; the nearest first.
 
         An edge that comes by more than once has more than one. InputError as in `project`.
         """
@@ -118,15 +118,15 @@ class Projector:
         self._transformers.setdefault(crs, self._transformer(crs, self._plane))
 
     def plane(self, x: float, y: float, *, crs: str = WGS84) -> tuple[float, float]:
-        """A position in the plane of the projection: metres east and north of the line's middle. InputError as above."""
+        """Return a position in the plane of the projection: metres east and north of the line's middle. InputError as above."""
         return self._to_plane(x, y, crs)
 
     def courses(self) -> dict[str, tuple[tuple[float, float], ...]]:
-        """The course of every edge in that plane."""
+        """Return the course of every edge in that plane."""
         return {course.edge: course.points for course in self._courses}
 
     def distance_mm(self, one: tuple[float, float], other: tuple[float, float], *, crs: str = WGS84) -> int:
-        """The straight distance over ground between two positions, to the nearest mm."""
+        """Return the straight distance over ground between two positions, to the nearest mm."""
         (ax, ay), (bx, by) = self._to_plane(*one, crs), self._to_plane(*other, crs)
         return round(math.hypot(bx - ax, by - ay) * 1000)
 
@@ -162,7 +162,7 @@ class Projector:
 
 
 def _turns(points: Sequence[tuple[float, float]]) -> bool:
-    """Whether a course turns so far, a quarter circle in all, that it may come by a place more than once."""
+    """Return whether a course turns by a quarter circle or more in total, so that it may pass a place more than once."""
     headings = [math.atan2(by - ay, bx - ax) for (ax, ay), (bx, by) in pairwise(points) if (ax, ay) != (bx, by)]
     return sum(abs(math.remainder(after - before, math.tau)) for before, after in pairwise(headings)) >= math.pi / 2
 

@@ -19,12 +19,13 @@ from itertools import pairwise
 from pathlib import Path
 
 from safeloc.errors import StreamError
+from safeloc.language.units import NM_PER_MM
 from safeloc.railway.map.elements import BaliseGroup
 from safeloc.railway.map.projection import WGS84, Projector
 from safeloc.railway.map.routes import Route
 from safeloc.runtime.outside import quoted
 from safeloc.runtime.streams.files import bounded, csv_rows, streaming
-from safeloc.runtime.streams.records import NM_PER_MM, DistanceRecord, End, MarkerRecord, Record, TruthRecord
+from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record, TruthRecord
 
 ENDS: tuple[End, End] = ("front", "rear")
 
@@ -42,7 +43,7 @@ class Columns:
 
 @dataclass(frozen=True)
 class Fix:
-    """What the receiver said: time since the first fix, coordinates, and its quality flag."""
+    """One fix of the receiver: time since the first fix, coordinates, and its quality flag."""
 
     time_ms: int
     x: float
@@ -63,7 +64,7 @@ class OnRoute:
 
 @dataclass(frozen=True)
 class Trust:
-    """What a fix must keep to be trusted: distance off the track, and speed since the last trusted fix."""
+    """Limits for a trusted fix: distance off the track, and speed since the last trusted fix."""
 
     offset_limit_mm: int
     max_speed_mm_s: int
@@ -71,14 +72,14 @@ class Trust:
 
 @dataclass(frozen=True)
 class Reading:
-    """How a vehicle reads balises: its length, and the accuracy of a group that has none."""
+    """Parameters of balise reading: the vehicle's length, and the default accuracy of a group."""
 
     length_mm: int
     accuracy_mm: int
 
 
 def read_fixes(path: Path, columns: Columns | None = None) -> tuple[Fix, ...]:
-    """All fixes of a CSV log. StreamError with file and line for missing columns, times out of order and no numbers."""
+    """Return all fixes of a CSV log. StreamError with file and line for missing columns, times out of order and no numbers."""
     with streaming(path):
         return _fixes(path, columns or Columns())
 
@@ -129,7 +130,7 @@ def _coordinate(path: Path, number: int, column: str, text: str | None) -> float
 
 
 def on_route(fixes: Sequence[Fix], route: Route, *, crs: str = WGS84) -> tuple[OnRoute, ...]:
-    """Each fix at the nearest place of the route; EngineError without the extra `geo`."""
+    """Return each fix at the nearest place of the route; EngineError without the extra `geo`."""
     projector = Projector(route.topology.line, edges=[run.edge for run in route.runs])
     found: list[OnRoute] = []
     for number, fix in enumerate(fixes):
@@ -148,7 +149,8 @@ def _position(route: Route, positions: Sequence[int], before: Sequence[OnRoute])
 
 
 def trusted_times(fixes: Iterable[OnRoute], trust: Trust) -> frozenset[int]:
-    """The times of the fixes that map and motion allow. Untrusted ones are passed over; what is in reach grows meanwhile."""
+    """Return the times of the fixes that map and motion allow. Untrusted ones are passed over; what is in reach grows
+    meanwhile."""
     last: OnRoute | None = None
     times = set()
     for fix in fixes:
@@ -167,7 +169,7 @@ def _in_reach(last: OnRoute, fix: OnRoute, trust: Trust) -> bool:
 
 
 def odometer_records(fixes: Sequence[OnRoute], along: str, straight: str) -> Iterator[Record]:
-    """Distances of two units at both ends: `along` measures on the track, `straight` from fix to fix."""
+    """Return distances of two units at both ends: `along` measures on the track, `straight` from fix to fix."""
     for before, after in pairwise(fixes):
         assert after.straight_mm is not None
         step = after.position_mm - before.position_mm
@@ -180,7 +182,7 @@ def odometer_records(fixes: Sequence[OnRoute], along: str, straight: str) -> Ite
 def balise_records(
     fixes: Sequence[OnRoute], route: Route, how: Reading, trusted: Container[int]
 ) -> Iterator[MarkerRecord]:
-    """What readers at both ends read of the route's groups, where the fixes before and after are at trusted times.
+    """Return the readings of the route's groups by the readers at both ends, between fixes at trusted times.
 
     The front reader stands at the fix, the rear one a vehicle length behind. A group is known by its NID_BG.
     """
@@ -205,7 +207,7 @@ def balise_records(
 def satellite_records(
     fixes: Sequence[OnRoute], accuracy_mm: Mapping[str, int], first_identity: int, trusted: Container[int] | None
 ) -> Iterator[MarkerRecord]:
-    """The fixes as virtual markers at the front (MRK-D6), numbered from `first_identity`.
+    """Return the fixes as virtual markers at the front (MRK-D6), numbered from `first_identity`.
 
     accuracy_mm  what each quality flag claims; a fix whose flag is not among them is no marker
     trusted      times of the fixes that are markers; None: all are, and a false fix is a false marker, which the next
@@ -224,14 +226,14 @@ def satellite_records(
 
 
 def truth_records(fixes: Iterable[OnRoute], trusted: Container[int]) -> Iterator[TruthRecord]:
-    """The projected positions at trusted times."""
+    """Return the projected positions at trusted times."""
     for fix in fixes:
         if fix.time_ms in trusted:
             yield TruthRecord(time_ms=fix.time_ms, position_nm=fix.position_mm * NM_PER_MM)
 
 
 def in_order(*streams: Iterable[Record]) -> list[Record]:
-    """All records by time; those of one time in the order of the streams, one marker an end and time."""
+    """Return all records by time; those of one time in the order of the streams, one marker an end and time."""
     records = sorted((record for stream in streams for record in stream), key=lambda record: record.time_ms)
     seen: set[tuple[int, str]] = set()
     kept: list[Record] = []

@@ -45,7 +45,7 @@ class SwitchMet:
 
 
 class Inventory:
-    """What lies on each edge, in order of position."""
+    """The elements on each edge, in order of position."""
 
     def __init__(self, line: Line) -> None:
         self._on: dict[str, list[Element]] = {}
@@ -63,7 +63,7 @@ class Inventory:
             there.sort(key=lambda element: element.position_mm)
 
     def along(self, run: Run, length_mm: int) -> Iterator[tuple[int, Element]]:
-        """Distance from the run's start and element, for what concerns vehicles going that way."""
+        """Return the distance from the run's start and element, for what concerns vehicles going that way."""
         there = self._on.get(run.edge, [])
         for element in there if run.direction == "increasing" else reversed(there):
             if getattr(element, "direction", run.direction) == run.direction:
@@ -108,7 +108,7 @@ class Route:
         return self._starts[-2] + self.end_mm
 
     def place(self, position_mm: int) -> Place:
-        """The place at a distance along the route. InputError beyond its ends."""
+        """Return the place at a distance along the route. InputError beyond its ends."""
         if not 0 <= position_mm <= self.length_mm:
             raise InputError(f"{position_mm} mm is not on a route of {self.length_mm} mm.")
         index = min(bisect_right(self._starts, position_mm), len(self.runs)) - 1
@@ -117,7 +117,7 @@ class Route:
         return Place(run.edge, along(run.direction, self.topology.length_mm(run), within))
 
     def positions_of(self, place: Place) -> list[int]:
-        """The distances along the route at which it passes a place: none, one, or two (a turning loop)."""
+        """Return the distances along the route at which it passes a place: none, one, or two (a turning loop)."""
         found = []
         for start, run in zip(self._starts, self.runs, strict=False):
             if run.edge == place.edge:
@@ -125,7 +125,8 @@ class Route:
         return [position for position in found if 0 <= position <= self.length_mm]
 
     def objects(self, inventory: Inventory | None = None) -> Iterator[Met]:
-        """What a vehicle meets, in order of distance; reflectors, stop points and signals of the other direction left out."""
+        """List the elements that a vehicle meets, by distance, without reflectors, stop points and signals of the other
+        direction."""
         known = Inventory(self.topology.line) if inventory is None else inventory
         for start, run in zip(self._starts, self.runs, strict=False):
             for within, element in known.along(run, self.topology.length_mm(run)):
@@ -133,14 +134,14 @@ class Route:
                     yield Met(start + within, element, run.direction)
 
     def switches(self) -> Iterator[SwitchMet]:
-        """The switches passed, in order."""
+        """Return the switches passed, in order."""
         for end, (before, after) in zip(self._starts[1:], pairwise(self.runs), strict=False):
             passage = self.topology.passage(before, after)
             if passage is not None:
                 yield SwitchMet(end, passage)
 
     def models(self, inventory: Inventory | None = None) -> str:
-        """The reflector models in order of meeting, joined: `ADAB` (RFL-D6)."""
+        """Return the reflector models in order of meeting, joined: `ADAB` (RFL-D6)."""
         met = (one.element for one in self.objects(inventory))
         return "".join(element.model for element in met if isinstance(element, Reflector))
 
@@ -151,14 +152,14 @@ class Route:
 
 
 def through_routes(topology: Topology, most: int) -> list[Route]:
-    """Routes from every way onto the map to every way off it, no edge twice the same way; at most so many."""
+    """Return routes from every way onto the map to every way off it, no edge twice the same way; at most so many."""
     exits = set(topology.exits())
     paths = (path for entry in topology.entries() for path in _paths(topology, entry, exits))
     return [Route(topology, path, 0, topology.length_mm(path[-1])) for path in islice(paths, most)]
 
 
 def routes_between(topology: Topology, start: Place, end: Place, most: int = 1_000) -> list[Route]:
-    """Every route from one place to another, no edge twice the same way. InputError where there are more than `most`."""
+    """Return every route from one place to another, no edge twice the same way. InputError where there are more than `most`."""
     for place in (start, end):
         _on_map(topology, place)
     found = list(islice(_between(topology, start, end), most + 1))

@@ -18,5 +18,5 @@ def line_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """The schema as it is published."""
+    """Return the schema as it is published."""
     return json.dumps(line_schema(), indent=1, sort_keys=True) + "\n"

@@ -23,7 +23,7 @@ SHIPPED = Path(__file__).resolve().parents[2] / "models" / "lines"
 
 
 def from_toml(text: str, name: str) -> Line:
-    """A line from TOML. `name` is what messages call the text.
+    """Return a line from TOML. `name` is what messages call the text.
 
     Raises InputError with line and key for anything that does not fit, a wrong checksum included.
     """
@@ -40,7 +40,7 @@ def from_toml(text: str, name: str) -> Line:
 
 
 def from_json(text: str, name: str) -> Line:
-    """A line from JSON. InputError as in `from_toml`, with keys but no lines."""
+    """Return a line from JSON. InputError as in `from_toml`, with keys but no lines."""
     try:
         data = json.loads(text, object_pairs_hook=lambda pairs: _without_double_keys(pairs, name))
     except json.JSONDecodeError as error:
@@ -55,12 +55,12 @@ def from_json(text: str, name: str) -> Line:
 
 
 def to_toml(line: Line) -> str:
-    """The line as TOML; what has its default value is left out."""
+    """Return the line as TOML; what has its default value is left out."""
     return tomli_w.dumps(line.model_dump(mode="json", exclude_defaults=True))
 
 
 def load_line(path: Path) -> Line:
-    """A line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
+    """Return a line from a .toml or .json file. InputError with file, line and key for anything that does not fit."""
     with reading(path):
         text = read_text(path, LARGEST_TEXT)
         return from_json(text, str(path)) if path.suffix == ".json" else from_toml(text, str(path))
@@ -73,12 +73,12 @@ def _refuse_long_keys(text: str, name: str) -> None:
 
 
 def shipped_lines() -> dict[str, Path]:
-    """The worked examples by name."""
+    """Return the worked examples by name."""
     return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
 
 
 def find_line(name: str) -> Line:
-    """A shipped line by name, or a line from the file of that name. InputError where there is neither."""
+    """Return a shipped line by name, or a line from the file of that name. InputError where there is neither."""
     known = shipped_lines()
     if name in known:
         return load_line(known[name])
@@ -121,5 +121,5 @@ def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, A
 
 
 def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
-    """Whether one key lies within the other: a list without its wrong entry is called too short as well."""
+    """Return whether one key lies within the other: a list whose entry is wrong is also reported as too short."""
     return len(inner) > len(outer) and inner[: len(outer)] == outer

@@ -10,7 +10,7 @@ _KEY = re.compile(r"^\s*([A-Za-z0-9_-]+)\s*=")
 
 
 def line_of(text: str, path: Sequence[str | int]) -> int:
-    """The line, from 1, of the value at a path such as ("edges", 3, "length_mm"), or of what comes nearest above it."""
+    """Return the line, from 1, of the value at a path such as ("edges", 3, "length_mm"), or of what comes nearest above it."""
     best, best_depth = 1, 0
     table: tuple[str | int, ...] = ()
     counts: dict[tuple[str | int, ...], int] = {}

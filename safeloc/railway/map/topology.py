@@ -1,4 +1,4 @@
-"""Where vehicles can go: a graph of directed edges, joined by the legal movements at nodes, switches and crossings."""
+"""Graph of the possible movements: directed edges, joined by legal passages at nodes, switches and crossings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Passage:
-    """What a vehicle does at a switch: it comes from the stem (`facing`) and goes to a branch, or the reverse."""
+    """The passage of a switch: from the stem (`facing`) to a branch, or the reverse."""
 
     switch: Switch
     facing: bool
@@ -73,24 +73,24 @@ class Topology:
         return True
 
     def start(self, run: Run) -> str:
-        """The node where a run begins."""
+        """Return the node where a run begins."""
         edge = self.edges[run.edge]
         return edge.from_node if run.direction == "increasing" else edge.to_node
 
     def end(self, run: Run) -> str:
-        """The node where a run ends."""
+        """Return the node where a run ends."""
         return self.start(run.back)
 
     def after(self, run: Run) -> list[Run]:
-        """Where a vehicle may go next, in the order of the map."""
+        """List the next runs of a vehicle, in the order of the map."""
         return list(self.graph.successors(run))
 
     def before(self, run: Run) -> list[Run]:
-        """Where a vehicle may have come from."""
+        """List the runs from which a vehicle may come."""
         return list(self.graph.predecessors(run))
 
     def passage(self, before: Run, after: Run) -> Passage | None:
-        """The switch between two successive runs; None where there is none."""
+        """Return the switch between two successive runs; None where there is none."""
         switch = self.switches.get(self.end(before))
         if switch is None:
             return None
@@ -98,19 +98,19 @@ class Topology:
         return Passage(switch, facing, after.edge if facing else before.edge)
 
     def entries(self) -> Iterator[Run]:
-        """Runs that nothing leads into: where vehicles come onto the map."""
+        """Return runs that nothing leads into: where vehicles come onto the map."""
         return (run for run in self.graph if self.graph.in_degree(run) == 0)
 
     def exits(self) -> Iterator[Run]:
-        """Runs that lead nowhere: where vehicles leave the map or the track ends."""
+        """Return runs that lead nowhere: where vehicles leave the map or the track ends."""
         return (run for run in self.graph if self.graph.out_degree(run) == 0)
 
     def comes_over_seam(self, run: Run) -> bool:
-        """Whether the run begins where another part of the map ends."""
+        """Return whether the run begins at the end of another part of the map."""
         return self._kinds[self.start(run)] == "seam"
 
     def length_mm(self, run: Run) -> int:
-        """Length of the run's edge."""
+        """Return the length of the run's edge."""
         return self.edges[run.edge].length_mm
 
 

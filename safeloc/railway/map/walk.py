@@ -54,17 +54,17 @@ class Walk:
                 yield offset, element
 
     def everywhere(self) -> Iterator[Seen]:
-        """Every reference in every direction it is met in."""
+        """Return every reference in every direction it is met in."""
         for run, there in self.references.items():
             for offset, element in there:
                 yield Seen(element, run, offset, 0)
 
     def place(self, run: Run, offset_mm: int) -> Place:
-        """The place so far into a run."""
+        """Return the place so far into a run."""
         return Place(run.edge, along(run.direction, self.topology.length_mm(run), offset_mm))
 
     def ahead(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[Seen]:
-        """References at or ahead of a place, each with its shortest distance, nearest run first."""
+        """Return references at or ahead of a place, each with its shortest distance, nearest run first."""
         for start, here in self._runs_ahead(run, offset_mm, reach_mm):
             for offset, element in self.references[here]:
                 if 0 <= start + offset <= reach_mm:
@@ -85,7 +85,7 @@ class Walk:
                 heapq.heappush(queue, (start + self.topology.length_mm(here), after))
 
     def behind(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[Seen]:
-        """References at or behind a place, for vehicles on their way to it; each with its shortest distance."""
+        """Return references at or behind a place, for vehicles on their way to it; each with its shortest distance."""
         queue, done = [(offset_mm, run)], set[Run]()
         while queue:
             end, here = heapq.heappop(queue)
@@ -124,11 +124,11 @@ def carried(
     through: Callable[[Run, T], T],
     worst: Callable[[Iterable[T]], T],
 ) -> tuple[dict[Run, T], list[list[Run]]]:
-    """What arrives at the start of every run, the worst of all routes; and loops in which nothing sets it anew.
+    """Compute the value that arrives at the start of every run, the worst of all routes; and loops that never reset it.
 
-    entering  what a vehicle brings onto the map
-    leaving   what it has at the end of a run that sets it anew; None for a run that does not
-    through   what it has at the end of a run that does not set it anew
+    entering  the value with which a vehicle enters the map
+    leaving   the value at the end of a run that resets it; None for a run that does not
+    through   the value at the end of a run that does not reset it
     """
     graph = walk.topology.graph
     fresh = {run: leaving(run) for run in walk.runs}

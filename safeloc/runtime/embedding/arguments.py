@@ -1,4 +1,4 @@
-"""What a controller is made of and told, as a host gives it: each wrong value is refused with what to give instead."""
+"""Checks of the arguments that a host passes to a controller: a wrong value is refused with a remedy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class NotCopiedError(InputError, TypeError):
 
 
 def as_program(given: Program | Target) -> Program:
-    """The program, or one of this target; InputError for anything else."""
+    """Return the program, or one of this target; InputError for anything else."""
     if isinstance(given, Program):
         return given
     if isinstance(given, Target):
@@ -27,7 +27,7 @@ def as_program(given: Program | Target) -> Program:
 
 
 def as_expected(given: Mapping[str, int] | None) -> dict[str, int]:
-    """Channel -> records in every cycle; InputError for a count that is no whole number from 0."""
+    """Check the expected records, channel -> number per cycle; InputError for a count that is no whole number from 0."""
     expected = a_mapping("expected", given)
     for channel, count in expected.items():
         if type(channel) is not str or type(count) is not int or count < 0:
@@ -36,7 +36,7 @@ def as_expected(given: Mapping[str, int] | None) -> dict[str, int]:
 
 
 def a_mapping(what: str, given: Mapping[str, Value] | None) -> dict[str, Value]:
-    """A copy; empty for None where nothing need be given. InputError for anything else."""
+    """Return a copy; empty for None where nothing need be given. InputError for anything else."""
     if given is None and what != "inputs":
         return {}
     if not isinstance(given, Mapping):
@@ -52,7 +52,7 @@ def in_words(what: str, given: str) -> str:
 
 
 def period_of(program: Program, given: int | None) -> int:
-    """The cycle's length: the configuration's, or the one given for a machine that has none; InputError."""
+    """Return the cycle's length: the configuration's, or the one given for a machine that has none; InputError."""
     configured = configured_period_ms(program.name, program.target.config)
     period_ms = given if configured is None else configured
     if period_ms is None:

@@ -1,11 +1,11 @@
 """A machine inside a host's controller (MRK-2, RFL-13): one call a cycle, one report back.
 
     controller = Controller(load_target("odometry"))
-    report = controller.step(records)      # what the devices said in this cycle
+    report = controller.step(records)      # the records of all devices in this cycle
     report.interval, report.mode, report.rejections
 
-A controller has no clock: cycle n ends at `start_ms + n period_ms` of the records' own clock, and each call is one
-cycle, also one in which nothing came. It has no global state, and its memory is bounded. Calls from several threads
+A controller has no clock: cycle n ends at `start_ms + n period_ms` of the records' own clock, and each call is one cycle,
+also one without records. It has no global state, and its memory is bounded. Calls from several threads
 are taken one after the other.
 """
 
@@ -20,12 +20,12 @@ from itertools import islice
 from typing import NoReturn, get_args
 
 from safeloc.codegen.compiled import Row
-from safeloc.codegen.runtime import Follower
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.runtime.border import Deliveries, Fault, Reason
 from safeloc.runtime.embedding import memory
 from safeloc.runtime.embedding.arguments import NotCopiedError, a_mapping, as_expected, as_program, in_words, period_of
+from safeloc.runtime.embedding.follower import Follower
 from safeloc.runtime.embedding.listeners import Listeners
 from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.embedding.readable_records import judged, stated
@@ -35,7 +35,7 @@ from safeloc.runtime.streams.cycles import Cycle, CycleBuilder
 from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.target import Target
 
-ANOTHER = "make another one of the same program, and give it this one's snapshot."
+ANOTHER = "make a new one of the same program, and restore this one's snapshot in it."
 
 EVERY = "*"
 """The channel of a fault that concerns every channel of the cycle."""
@@ -48,11 +48,11 @@ class Controller:
     """One vehicle's machine, cycle by cycle.
 
     period_ms  length of a cycle; by default the configuration's
-    start_ms   when the first cycle begins, in the records' clock
-    expected   channel -> records it makes in every cycle; one with fewer gives no input
+    start_ms   start of the first cycle, on the clock of the records
+    expected   channel -> number of its records per cycle; a channel with fewer gives no input
     first      values of state variables declared ANY
 
-    It is not copied: two that share what they remember would both be wrong. `snapshot` and `restore` make another one.
+    It cannot be copied: two controllers with the same history would both be wrong. Use `snapshot` and `restore` instead.
 
     InputError for what is no program or target, a period that is missing, below 1 ms or another than the configuration's,
     a start or a count that is no whole number, and for a wrong `first`.
@@ -81,7 +81,7 @@ class Controller:
     # ------------------------------------------------------------------ one cycle
 
     def step(self, records: Iterable[Record | Unusable], *, lost: str = "") -> Report:
-        """One cycle with the records that came in it, in the order they came.
+        """Run one cycle with its records, in the order of arrival.
 
         lost   why something of this cycle may be missing (a queue ran over, a line was cut); "" if nothing is. What is
                left could be half a distance, so nothing of the cycle is used then.
@@ -105,9 +105,9 @@ class Controller:
             return self._moved(cycle, told, _with_loss(cycle.faults, lost), cycle.remarks.get("truth_mm"))
 
     def step_inputs(self, inputs: Mapping[str, object], *, lost: str = "", truth_mm: int | None = None) -> Report:
-        """One cycle with the machine's inputs by name, for a host that judges its measurements itself.
+        """Run one cycle with the machine's inputs by name, for a host that validates its measurements itself.
 
-        truth_mm   where the vehicle really is, where a simulation or survey says so: for the report, not the machine
+        truth_mm   the true position, if a simulation or survey knows it: for the report, not for the machine
 
         Optional inputs that are left out (or None) are missing. A value of a wrong kind or out of range is refused
         with its reason, and then nothing else of the cycle is used: half a reading may mean something else.
@@ -123,13 +123,14 @@ class Controller:
             return self._moved(self._builder.close(), {} if refused else told, refused, truth_mm)
 
     def begin_anew(self, reason: str, start_ms: int | None = None) -> Report:
-        """Forget the place, as after a start; `start_ms` is when the next cycle begins, by default at once.
+        """Discard the position and start from the initial state; `start_ms` is the start of the next cycle, by default at
+        once.
 
-        InputError where the machine's first state claims something about the world, which only a host that knows it to
-        be so may say, by making a new controller.
+        InputError if the machine's initial state makes a claim about the world. Only the host can know whether it is true;
+        it then makes a new controller.
         """
         if not in_words("reason", reason):
-            raise InputError("reason is empty; say in words why it begins anew.")
+            raise InputError("reason is empty; give the reason for the restart in words.")
         with self._alone():
             self._require_quiet(reason)
             if start_ms is not None:
@@ -139,27 +140,27 @@ class Controller:
 
     @property
     def report(self) -> Report:
-        """What holds now: the last cycle's report."""
+        """The report of the last cycle."""
         with self._lock:
             return self._report
 
     @property
     def next_end_ms(self) -> int:
-        """When the open cycle ends, in the records' clock."""
+        """The end of the open cycle, on the clock of the records."""
         return self._builder.end_ms
 
     @property
     def halted(self) -> str:
-        """Why this controller takes no further step; "" if it does.
+        """The reason why this controller has stopped; "" while it runs.
 
-        It ends so where an input was missing that has no way of being absent, nor may the machine be told nothing, and
-        its first state is a claim about the world: neither going on nor beginning anew would be sound.
+        It stops if a mandatory input is missing, the machine does not tolerate a step without inputs, and its initial state
+        makes a claim about the world: neither continuing nor a restart would be sound.
         """
         return self._halted
 
     @property
     def may_begin_anew(self) -> bool:
-        """Whether its first state claims nothing about the world."""
+        """True if the initial state makes no claim about the world, so that a restart is safe."""
         return self.program.quiet(self._first)
 
     # ------------------------------------------------------------------ who is told
@@ -173,7 +174,8 @@ class Controller:
         """Make the host's object a state machine (package `transitions`) that follows the modes.
 
         Its callbacks `on_enter_<mode>` and `on_exit_<mode>` are called when the mode changes; they find the report
-        in `event.kwargs["report"]`. `machine` says which one of several. InputError for attributes in the way.
+        in `event.kwargs["report"]`. `machine` says which one of several. InputError for attributes in the way, and for
+        callbacks that would have to be awaited.
         """
         with self._lock:
             return self._listeners.follow(model, machine, self._report.modes)
@@ -181,11 +183,11 @@ class Controller:
     # ------------------------------------------------------------------ remembering
 
     def snapshot(self) -> bytes:
-        """All that is remembered between cycles, as one line of JSON with a checksum."""
+        """Return all that is remembered between cycles, as one line of JSON with a checksum."""
         return self.freeze()()
 
     def freeze(self) -> Callable[[], bytes]:
-        """What `snapshot` says now, to be written out later and in another thread: taking it costs microseconds."""
+        """Capture the state in microseconds; return a function that makes the snapshot later, also in another thread."""
         with self._lock:
             builder = self._builder
             kept = memory.Kept(builder.start_ms, builder.done, dict(builder.deliveries.last), self._state, self._halted)
@@ -226,7 +228,7 @@ class Controller:
                     "a listener must not step its own controller; note what is to be done, and do it later."
                 )
             if self._halted:
-                raise InputError(f"{self.program.name} was halted: {self._halted}. Make a new controller.")
+                raise InputError(f"{self.program.name} has halted: {self._halted}. Make a new controller.")
             self._busy = True
             try:
                 yield
@@ -254,7 +256,7 @@ class Controller:
         return self._become(after, report)
 
     def _without(self, cycle: Cycle, faults: tuple[Fault, ...], reason: str) -> Report:
-        """A cycle that the machine cannot be told of: it begins anew, or is halted where that claims something."""
+        """Handle a cycle without a mandatory input: restart the machine, or halt it if its initial state makes a claim."""
         try:
             self._require_quiet(reason)
         except InputError as error:
@@ -266,8 +268,8 @@ class Controller:
     def _require_quiet(self, reason: str) -> None:
         if not self.program.quiet(self._first):
             raise InputError(
-                f"{self.program.name} cannot begin anew by itself ({reason}): its first state is a claim about the "
-                "world. Make a new controller when that claim holds."
+                f"{self.program.name} cannot restart by itself ({reason}): its initial state makes a claim about the "
+                "world. Make a new controller when that claim is true."
             )
 
     def _become(self, after: Row, report: Report) -> Report:

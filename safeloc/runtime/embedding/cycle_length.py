@@ -1,4 +1,4 @@
-"""The length of a cycle, as a configuration says it: itself, or the machines it is made of."""
+"""The cycle length in a configuration: its own field, or those of its machines."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from safeloc.errors import InputError
 
 
 def configured_period_ms(name: str, config: BaseModel | None) -> int | None:
-    """What the configuration of this machine says; None if nothing. InputError where its parts differ."""
+    """Return the cycle length in the configuration; None if it has none. InputError if its machines differ."""
     found = periods(config)
     if len(found) > 1:
         raise InputError(f"{name} is configured for cycles of {found} ms at once; make them one.")
@@ -16,7 +16,7 @@ def configured_period_ms(name: str, config: BaseModel | None) -> int | None:
 
 
 def periods(config: BaseModel | None) -> list[int]:
-    """What a configuration says of the cycle: itself, or else the configurations of its machines; each figure once."""
+    """List the different cycle lengths: the configuration's own, or else those of its machines."""
     if config is None:
         return []
     own: int | None = getattr(config, "period_ms", None)

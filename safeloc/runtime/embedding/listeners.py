@@ -1,17 +1,17 @@
-"""Who is told of a step: functions that get each report, and host objects that follow a machine's modes."""
+"""Listeners of a controller: functions that get each report, and host objects that follow a machine's modes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from safeloc.codegen.runtime import Follower
 from safeloc.errors import InputError
+from safeloc.runtime.embedding.follower import Follower
 from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.embedding.report import Report
 
 
 class Listeners:
-    """All of one controller, told in the order they were added."""
+    """All listeners of one controller, called in the order in which they were added."""
 
     def __init__(self, program: Program) -> None:
         self._machines = {part.name: part.machine for part in program.parts}
@@ -19,14 +19,14 @@ class Listeners:
         self._followers: list[tuple[str, Follower]] = []
 
     def add(self, listener: Callable[[Report], object]) -> None:
-        """A function that gets each report."""
+        """Add a function that gets each report."""
         self._told.append(listener)
 
     def follow(self, model: object, machine: str | None, modes: Mapping[str, str]) -> Follower:
-        """A host's object that is to follow this machine, standing in its present mode."""
+        """Make an object of the host follow this machine, beginning in its present mode."""
         names = list(self._machines)
         if machine is None and len(names) > 1:
-            raise InputError(f"say which machine to follow: one of {', '.join(names)}.")
+            raise InputError(f"name the machine to follow: one of {', '.join(names)}.")
         name = names[0] if machine is None else machine
         if name not in self._machines:
             raise InputError(f"no machine {name!r} to follow; there are {', '.join(names)}.")
@@ -37,7 +37,7 @@ class Listeners:
         return follower
 
     def place(self, modes: Mapping[str, str]) -> None:
-        """Followers stand where a restored machine stands; nobody is told."""
+        """Set the followers to the mode of a restored machine, without callbacks."""
         for name, follower in self._followers:
             follower.place(modes[name])
 

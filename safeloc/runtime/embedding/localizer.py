@@ -12,7 +12,7 @@ from safeloc.shipped import ENTRIES
 
 
 def localizer_program(config: LocalizerConfig | None = None) -> Program:
-    """The localizer of a vehicle, made ready to run: takes seconds, so make one for all vehicles of a kind."""
+    """Return the localizer of a vehicle, made ready to run: takes seconds, so make one for all vehicles of a kind."""
     return Program(ENTRIES["localizer"].make(config or LocalizerConfig()))
 
 
@@ -21,7 +21,7 @@ class Localizer(Controller):
 
     vehicle   its configuration, or a program that was made of one
 
-    Devices that it has no records of in a cycle are silent in it; whole sources may be left out by configuration.
+    A device without records in a cycle gives no input; the configuration can leave out complete sources.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What a controller remembers between cycles, as a snapshot and back."""
+"""The memory of a controller between cycles: writing it to a snapshot, and reading it back."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Delivered = Mapping[str, tuple[int, int | None]]
 
 @dataclass(frozen=True)
 class Setting:
-    """What a controller was made with, beside its program: a snapshot fits only the same."""
+    """The arguments of a controller besides its program; a snapshot fits only a controller with equal ones."""
 
     period_ms: int
     expected: Mapping[str, int]
@@ -31,7 +31,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Kept:
-    """What changes from cycle to cycle."""
+    """The changing part of a controller's memory."""
 
     start_ms: int
     done: int
@@ -58,7 +58,7 @@ def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
 
 
 class Body(BaseModel):
-    """What a snapshot must hold, field by field: a checksum that fits says nothing of that."""
+    """The required fields of a snapshot: a correct checksum does not guarantee them."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -76,7 +76,7 @@ class Body(BaseModel):
 
 
 def restored(program: Program, setting: Setting, data: bytes) -> Kept:
-    """What the snapshot holds; SnapshotError where it does not fit this program and setting."""
+    """Read a snapshot; SnapshotError if it does not fit this program and setting."""
     body = _body(opened(data))
     require_same("machine", program.name, body.machine)
     require_same("configuration", program.config, body.config)
@@ -92,7 +92,7 @@ def _body(content: Mapping[str, Any]) -> Body:
         found = error.errors(include_url=False, include_input=False, include_context=False)[0]
         where = ".".join(map(str, found["loc"]))
         raise SnapshotError(
-            f"the snapshot holds something else than it should ({where}: {found['msg']}); begin anew without it."
+            f"a field of the snapshot is wrong ({where}: {found['msg']}); begin anew without it."
         ) from error
 
 
@@ -108,5 +108,5 @@ def _state(program: Program, values: Mapping[str, object]) -> Row:
         return tuple(admitted(var, values[var.name]) for var in program.system.state)
     except InputError as error:
         raise SnapshotError(
-            f"the snapshot's state is none of this machine's ({error}); begin anew without it."
+            f"the snapshot's state does not fit this machine ({error}); begin anew without it."
         ) from error

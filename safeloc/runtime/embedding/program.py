@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 from safeloc.codegen.compiled import Compiled, Row, compile_system
+from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.digest import declaration_digest
 from safeloc.language.expr import Num
 from safeloc.language.machine import Machine
@@ -25,9 +26,9 @@ from safeloc.target import Target
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One machine of the program: where its mode stands in the state, its labels, and its moves.
+    """One machine of the program: the place of its mode in the state, its labels, and its moves.
 
-    moves   number of a transition (from 1), mode before, mode after -> what is told of it
+    moves   number of a transition (from 1), mode before, mode after -> its entry in the report
     """
 
     machine: Machine
@@ -38,11 +39,12 @@ class Part:
 
 
 class Program(Hearing):
-    """What runs on board of a target: no ghosts, no assumption."""
+    """The compiled on-board part of a target: without ghosts and assumption."""
 
     def __init__(self, target: Target) -> None:
         super().__init__(target)
         self.code: Compiled = compile_system(self.system)
+        self._stand_ins = stand_ins(self.system)
         self.parts = tuple(_part(self.system, machine) for machine in self.system.machines)
         self.labels: Mapping[str, tuple[str, ...]] = {
             name: term.unit.members
@@ -51,7 +53,7 @@ class Program(Hearing):
         }
 
     def first(self, chosen: Mapping[str, Value] | None = None) -> Row:
-        """The first state; InputError as `interpret.start`."""
+        """Return the first state; InputError as `interpret.start`."""
         return self.code.first(chosen) if chosen else self._first
 
     @cached_property
@@ -69,7 +71,7 @@ class Program(Hearing):
         return {} if self.target.config is None else self.target.config.model_dump(mode="json")
 
     def moves(self, fired: Sequence[int], before: Row, after: Row) -> tuple[Move, ...]:
-        """The transitions that fired."""
+        """Return the transitions that fired."""
         return tuple(
             [
                 part.moves[number, before[part.mode_at], after[part.mode_at]]
@@ -83,26 +85,27 @@ class Program(Hearing):
         return {part.name: part.modes[int(state[part.mode_at])] for part in self.parts}
 
     def interval(self, values: Mapping[str, Value]) -> Interval | None:
-        """What these outputs report."""
+        """Return the interval that these outputs report."""
         if self.target.reported is None:
             return None
         ends = self.target.reported.interval_mm(values)
         return None if ends is None else Interval(*ends)
 
     def quiet(self, first: Row) -> bool:
-        """Whether this first state claims no place: then beginning anew is always safe."""
+        """Return whether this initial state reports no position, so that a restart is always safe."""
         return self.target.reported is not None and self.interval(self.code.named_outputs(first)) is None
 
     def report(
         self, state: Row, moves: tuple[Move, ...], number: int, end_ms: int, faults: tuple[Fault, ...], anew: str,
         truth_mm: int | None,
     ) -> Report:  # fmt: skip
-        """What holds in this state at the end of that cycle."""
+        """Make the report for this state at the end of that cycle."""
         values = self.code.named_outputs(state)
         reported = self.target.reported
         standing = None if reported is None or truth_mm is None else reported.standing(values, truth_mm)
+        interval, told = self.interval(values), without_absent(values, self._stand_ins)
         return Report(
-            self.name, number, end_ms, self.modes(state), moves, values, self.labels, self.interval(values), faults,
+            self.name, number, end_ms, self.modes(state), moves, told, self.labels, interval, faults,
             anew, standing,
         )  # fmt: skip
 

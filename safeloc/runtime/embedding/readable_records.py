@@ -1,4 +1,4 @@
-"""Which records can be read at all: the first judgement, before time and order are looked at."""
+"""The first check of a record: its channel and values, before time and order."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from safeloc.errors import InputError
 from safeloc.language.expr import NumVar, Var
 from safeloc.language.interpret import admitted
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import renamed
 from safeloc.runtime.border import Fault, Reason
 from safeloc.runtime.embedding.row_layout import Told
 from safeloc.runtime.embedding.target_inputs import Hearing
@@ -15,11 +16,11 @@ from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 
 
 def judged(heard: Hearing, number: int, record: Record | Unusable) -> Record | Unusable | Fault:
-    """The record, or why it cannot be read.
+    """Return the record, or the fault that makes it unreadable.
 
-    A channel that the machine does not have is a Fault at once: nothing of it is remembered, so that no sender can
-    make a controller grow. A record that says something the machine has no input for (such as an accuracy) is refused
-    whole: what is left of it could mean something else.
+    A record of an unknown channel is a Fault and leaves no trace in memory, so that no sender can make a controller grow. A
+    record with a value that has no input (such as an accuracy) is refused completely: the rest of it could have another
+    meaning.
     """
     if isinstance(record, TruthRecord):
         return record
@@ -29,7 +30,7 @@ def judged(heard: Hearing, number: int, record: Record | Unusable) -> Record | U
     for name, value in record.inputs().items():
         named = heard.named.get(name)
         if named is None:
-            return Fault(record.channel, Reason.UNKNOWN, f"no input {name}", number)
+            return Fault(record.channel, Reason.UNKNOWN, f"no input {name}{renamed([name], heard.named)}", number)
         for entry in named:  # ranges of plain numbers are the cycle builder's matter
             refused = _refused(entry.var, value)
             if refused is not None:
@@ -46,7 +47,7 @@ def _refused(var: Var, value: object) -> tuple[Reason, str] | None:
 
 
 def reason_for(var: Var, value: object) -> Reason:
-    """Why a variable does not hold the value: the number is out of range, or it is no such thing."""
+    """Return the reason why a variable cannot take the value: out of range, or of another type."""
     if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
         return Reason.NOT_FINITE
     is_number = isinstance(value, int) and not isinstance(value, bool)
@@ -54,7 +55,7 @@ def reason_for(var: Var, value: object) -> Reason:
 
 
 def stated(heard: Hearing, inputs: Mapping[str, object]) -> tuple[Told, list[Fault]]:
-    """Inputs by their places, and a fault for each value that its input cannot hold. Names are known ones."""
+    """Return inputs by their places, and a fault for each value that its input cannot hold. Names are known ones."""
     told: dict[int, Value] = {}
     faults: list[Fault] = []
     entries = heard.entries

@@ -1,4 +1,4 @@
-"""What a controller says after a cycle: mode, transitions, outputs, the reported interval, and what was not used."""
+"""The report of a controller after a cycle: mode, transitions, outputs, the interval, and rejected records."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import Any
 
 from safeloc.language.nodes import Value
+from safeloc.language.units import MM_PER_M
+from safeloc.reported import Standing
 from safeloc.runtime.border import Fault
-from safeloc.runtime.reported import Standing
-
-MM_PER_M = 1_000
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class Interval:
         return self.high_mm - self.low_mm
 
     def holds(self, place_mm: int) -> bool:
-        """Whether the place lies within."""
+        """Return whether the interval contains the place."""
         return self.low_mm <= place_mm <= self.high_mm
 
     def words(self) -> str:
@@ -36,7 +35,7 @@ class Interval:
 
 
 def metres(length_mm: int) -> str:
-    """Exact, with three decimals: -500 is `-0.500 m`."""
+    """Write a length exactly, with three decimals: -500 is `-0.500 m`."""
     whole, rest = divmod(abs(length_mm), MM_PER_M)
     return f"{'-' if length_mm < 0 else ''}{whole}.{rest:03} m"
 
@@ -53,22 +52,23 @@ class Move:
 
     @property
     def changes_mode(self) -> bool:
-        """Whether another mode was entered."""
+        """True if the transition entered another mode."""
         return self.source != self.target
 
 
 @dataclass(frozen=True)
 class Report:
-    """What holds at the end of a cycle. Times are of the records' clock, in ms.
+    """The result of a cycle. Times are on the clock of the records, in ms.
 
     modes       machine -> label of its mode
     moves       transitions that fired, in the order of the machines; none where a machine stayed as it was
-    values      outputs as the machine has them: whole numbers (enumerations by number) and truth values
+    values      outputs as the machine has them: whole numbers (enumerations by number) and truth values; None for one that
+                is absent, such as the position and its margins while none is reported
     outputs     the same with the labels of enumerations
-    interval    what is reported; None while nothing is, and of machines that report none
-    rejections  what was not used, each with its channel and reason
-    anew        why the machine began anew in this cycle; "" if it did not
-    standing    how the interval stands to a truth record of the cycle; None without one
+    interval    the reported interval; None while nothing is reported, and for machines without an interval
+    rejections  records that were not used, each with its channel and reason
+    anew        the reason for a restart of the machine in this cycle; "" without one
+    standing    the comparison of the interval with a truth record of the cycle; None without one
     """
 
     machine: str
@@ -76,7 +76,7 @@ class Report:
     time_ms: int
     modes: Mapping[str, str]
     moves: tuple[Move, ...]
-    values: Mapping[str, Value]
+    values: Mapping[str, Value | None]
     labels: Mapping[str, tuple[str, ...]]
     interval: Interval | None
     rejections: tuple[Fault, ...] = ()
@@ -84,10 +84,13 @@ class Report:
     standing: Standing | None = None
 
     @cached_property
-    def outputs(self) -> Mapping[str, Value | str]:
-        """Outputs by name, enumerations by their labels."""
+    def outputs(self) -> Mapping[str, Value | str | None]:
+        """Outputs by name, enumerations by their labels; None is an output that is absent."""
         labels = self.labels
-        return {name: labels[name][value] if name in labels else value for name, value in self.values.items()}
+        return {
+            name: labels[name][value] if name in labels and value is not None else value
+            for name, value in self.values.items()
+        }
 
     @property
     def mode(self) -> str:
@@ -95,7 +98,7 @@ class Report:
         return ", ".join(self.modes.values())
 
     def words(self) -> str:
-        """One sober sentence for a log."""
+        """Return one sober sentence for a log."""
         where = "nothing reported" if self.interval is None else self.interval.words()
         told = [f"cycle {self.cycle} at {self.time_ms} ms: {self.mode}", where]
         told += [f"began anew ({self.anew})"] if self.anew else []
@@ -119,7 +122,7 @@ class Report:
 
 
 def reason_of(fault: Fault) -> str:
-    """The reason with its detail, in words."""
+    """Return the reason with its detail, in words."""
     return f"{fault.reason.value} ({fault.detail})" if fault.detail else fault.reason.value
 
 

@@ -1,4 +1,4 @@
-"""Where the inputs of a step stand in its row, and which of them a name in a record means."""
+"""The places of inputs in the row of a step, and the mapping from names in records to inputs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Entry(NamedTuple):
         return self.kind is bool or bool(self.members)
 
     def held(self, value: int | str) -> Value:
-        """An admitted value as the input holds it: a member's number instead of its label."""
+        """Return an admitted value as the input holds it: a member's number instead of its label."""
         return self.members[value] if isinstance(value, str) else value
 
 
@@ -57,7 +57,7 @@ def _entry(var: Var, at: int, present_at: int | None) -> Entry:
 
 
 def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str, tuple[Entry, ...]]:
-    """Name in a record -> inputs: its own, or in a composition those of every machine that has one of that name.
+    """Map each name in records to inputs: one, or in a composition one for every machine that has an input of that name.
 
     said   further names for inputs
     """
@@ -71,7 +71,7 @@ def routes_of(entries: Mapping[str, Entry], said: Mapping[str, str]) -> dict[str
 
 
 def limits(name: str, entries: Sequence[Entry]) -> Channel | None:
-    """The range that all of these inputs have in common; None where they are no plain numbers."""
+    """Return the range that all of these inputs have in common; None where they are no plain numbers."""
     numbers = [one.var for one in entries if isinstance(one.var, NumVar) and not one.is_named]
     if len(numbers) < len(entries):
         return None
@@ -82,6 +82,6 @@ def limits(name: str, entries: Sequence[Entry]) -> Channel | None:
 
 
 def beginnings(name: str) -> list[str]:
-    """`front_marker_since_mm` is said by the channel of that name, or by front_marker_since, front_marker, front."""
+    """List the possible channels of an input: `front_marker_since_mm` itself, front_marker_since, front_marker, front."""
     parts = name.split("_")
     return ["_".join(parts[:count]) for count in range(1, len(parts) + 1)]

@@ -1,7 +1,7 @@
 """A controller's memory as bytes: versioned, checksummed, and refused where it does not fit.
 
-The checksum tells damage, not malice: who can write the file can write another one. Everything that is remembered
-between cycles is in it; a record of an open cycle is not (the host has it, or it is lost and the host says so).
+The checksum detects damage, not manipulation. The snapshot holds everything that the controller remembers between cycles,
+but no records of an open cycle: the host still has them, or reports them as lost.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ NOT_FIT = "it cannot be used here"
 
 
 def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) -> bytes:
-    """The content with its kind, version and checksum, as one line of JSON."""
+    """Return the content with its kind, version and checksum, as one line of JSON."""
     whole = {"kind": kind, "version": version, **body}
     return _text({**whole, "checksum": _checksum(whole)})
 
 
 def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, Any]:
-    """The content; SnapshotError where it is damaged, of another kind, or newer than this version reads."""
+    """Return the content; SnapshotError where it is damaged, of another kind, or newer than this version reads."""
     try:
         whole = json.loads(data)
     except TypeError as error:

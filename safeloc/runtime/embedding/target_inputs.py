@@ -1,14 +1,14 @@
-"""What the records of a recording or a host mean to a target: which inputs, in what ranges, and who may be silent."""
+"""Maps record names to a target's inputs, with their ranges, and knows the machines that tolerate missing inputs."""
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 
 from safeloc.codegen.compiled import Row
 from safeloc.errors import InputError
 from safeloc.language.expr import NumVar
+from safeloc.language.renamed import hint
 from safeloc.language.system import TransitionSystem, canonical, without_ghosts
 from safeloc.runtime.border import Channel, Fault, Reason
 from safeloc.runtime.embedding.row_layout import Entry, Told, beginnings, entries_of, limits, routes_of
@@ -45,7 +45,7 @@ class Hearing:
 
     @cached_property
     def needed(self) -> tuple[str, ...]:
-        """Inputs that must be there in every cycle: the machine has no way of being told that they are missing."""
+        """Mandatory inputs: they have no presence flag, so they must come in every cycle."""
         return tuple(name for name, entry in self.entries.items() if entry.present_at is None)
 
     def told(self, inputs: Mapping[str, int | str]) -> Told:
@@ -54,7 +54,7 @@ class Hearing:
 
     @cached_property
     def silent(self) -> Mapping[str, tuple[frozenset[int], frozenset[int]]]:
-        """Machine that may be told nothing -> places of its inputs, and of those that cannot be absent one by one."""
+        """Machine that tolerates a step without inputs -> places of all its inputs, and of the mandatory ones."""
         needed = {self.entries[name].at for name in self.needed}
         several = len(self.system.machines) > 1
         own = {
@@ -79,16 +79,17 @@ class Hearing:
         return told, tuple(faults)
 
     def unknown(self, names: Collection[str]) -> list[str]:
-        """Those that are no inputs."""
+        """Return the names that are no inputs."""
         return [] if self._names.issuperset(names) else [name for name in names if name not in self.entries]
 
     def require_known(self, names: Collection[str]) -> None:
         """InputError for a name that is no input."""
         unknown = self.unknown(names)
         if unknown:
-            close = difflib.get_close_matches(str(unknown[0]), self.entries, 1)
-            hint = f" Did you mean {close[0]!r}?" if close else ""
-            raise InputError(f"{self.name} has no input {unknown[0]!r}; it has {', '.join(self.entries)}.{hint}")
+            has = ", ".join(self.entries)
+            raise InputError(
+                f"{self.name} has no input {unknown[0]!r}; it has {has}.{hint(str(unknown[0]), self.entries)}"
+            )
 
     def missing(self, told: Told) -> list[str]:
         """Needed inputs that are not given, of machines that cannot be told nothing."""
@@ -101,7 +102,7 @@ class Hearing:
         return [(name, at) for name, at in places if at not in spared]
 
     def row(self, told: Told) -> Row:
-        """The inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
+        """Return the inputs of one step; what is not given is absent, or neutral where it cannot be absent."""
         row, flags = list(self._absent), self._flags
         for at, value in told.items():
             row[at] = value

@@ -40,7 +40,7 @@ def address(text: str) -> Address:
 
 
 def bound(where: Address, kind: socket.SocketKind) -> socket.socket:
-    """A socket that is bound there; InputError where the port is taken."""
+    """Return a socket that is bound there; InputError where the port is taken."""
     made = socket.socket(where.family, kind)
     made.setblocking(False)
     if kind == socket.SOCK_STREAM:

@@ -27,7 +27,7 @@ class StepsVehicle(Vehicle):
     _before: Mapping[str, Any] = MappingProxyType({})
 
     def begin_stream(self, kept: tuple[str, ...]) -> None:
-        """What comes now is a stream that leaves out what is as it was in the step before, of these names."""
+        """Begin a stream in which steps leave out unchanged inputs of these names."""
         self._kept, self._before = kept, {}
 
     def finish(self) -> list[Told]:
@@ -56,7 +56,8 @@ class StepsVehicle(Vehicle):
             self._tell(step, {})
 
     def _counted_as_before(self, line: int, cycle: int | None) -> bool:
-        """Whether the step has a cycle number if those before had one; a sender that gives none any more is followed."""
+        """Check that the step has a cycle number if earlier ones had; after several steps without one, accept the
+        change."""
         if cycle is not None or not self._numbered:
             self._bare = 0
             return True
@@ -69,7 +70,7 @@ class StepsVehicle(Vehicle):
         return True
 
     def _filled(self, line: int, message: Step) -> Step | None:
-        """The step with what it leaves out; None, and a step that is not used, where the one before is not known."""
+        """Fill in the inputs that the step leaves out; None, and a discarded step, if the step before is not known."""
         if not self._kept:
             return message
         said = {**message.inputs, **({} if message.truth_mm is None else {TRUTH: message.truth_mm})}
@@ -91,7 +92,7 @@ class StepsVehicle(Vehicle):
             self._anew(self._lost_until_heard)
 
     def _reached(self, line: int, end_ms: int) -> bool:
-        """Whether the step that ends then is the next one, the cycles between having been charged."""
+        """Run the missing cycles without inputs; return whether the step that ends at that time is then the next one."""
         assert self.controller is not None
         if not self._in_step(line, end_ms):
             return False

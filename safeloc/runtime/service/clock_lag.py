@@ -1,4 +1,4 @@
-"""How a vehicle's lines stand to its clock: in step, late, or in another time altogether."""
+"""Comparison of a vehicle's lines with its clock: in step, late, or on another clock."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Pace:
     longest_gap_ms: int = LONGEST_GAP_MS
 
     def beginning(self, time_ms: int) -> int:
-        """The beginning of the cycle that holds this time, where cycles end at whole periods."""
+        """Return the beginning of the cycle that holds this time, where cycles end at whole periods."""
         return max(0, (time_ms - 1) // self.period_ms * self.period_ms)
 
     def at_once_ms(self, stride_ms: int) -> int:
@@ -35,13 +35,13 @@ class Pace:
 
 
 class Rhythm:
-    """How seldom a vehicle speaks: the time of its last line, and how long after the one before that was."""
+    """The rhythm of a vehicle's lines: the time of the last one, and the pause before it."""
 
     def __init__(self, last_ms: int | None = None, stride_ms: int = 0) -> None:
         self.last_ms, self.stride_ms = last_ms, stride_ms
 
     def heard(self, time_ms: int) -> None:
-        """A line in step."""
+        """Record a line in step."""
         if time_ms != self.last_ms:
             self.stride_ms = 0 if self.last_ms is None else max(0, time_ms - self.last_ms)
             self.last_ms = time_ms
@@ -55,16 +55,16 @@ class Streak:
         self.first_ms, self.last_ms = first_ms, last_ms
 
     def end(self) -> None:
-        """A line in step."""
+        """Record a line in step."""
         self.first_ms = None
 
     def end_before(self, time_ms: int) -> None:
-        """A late line does not agree with one that is ahead."""
+        """Record a late line, which does not agree with one that is ahead."""
         if self.first_ms is not None and self.first_ms < time_ms:
             self.end()
 
     def goes_on(self, time_ms: int, cycles: int = OUT_OF_STEP_CYCLES) -> bool:
-        """One more line out of step; whether they have agreed for that long, and are believed."""
+        """Record one more line out of step; return whether they have agreed long enough to be accepted."""
         if self.first_ms is None or not 0 <= time_ms - self.last_ms <= self._pace.longest_gap_ms:
             self.first_ms = time_ms
         self.last_ms = time_ms

@@ -36,11 +36,11 @@ class Agreement:
         self.last, self.lines = last, lines
 
     def end(self) -> None:
-        """A line in step."""
+        """Record a line in step."""
         self.last, self.lines = None, 0
 
     def goes_on(self, number: int | None) -> bool:
-        """One more line out of step; whether enough of them agree to be believed."""
+        """Record one more line out of step; return whether enough of them agree to be accepted."""
         self.lines = self.lines + 1 if self.lines and self._follows(number) else 1
         self.last = number
         return self.lines >= AGREEING_LINES
@@ -63,7 +63,7 @@ class LineCount:
         self.last, self.unsure, self.agreed = last, unsure, agreed or Agreement()
 
     def take(self, number: int | None) -> Counted:
-        """The next line, with its number or without."""
+        """Take the next line, with its number or without."""
         wrong = self._out_of_step(number)
         if not wrong:
             self.agreed.end()

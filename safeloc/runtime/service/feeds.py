@@ -1,4 +1,4 @@
-"""Where lines come from: standard input, and a file that grows."""
+"""Sources of lines: standard input, and a growing file."""
 
 from __future__ import annotations
 
@@ -69,21 +69,21 @@ class Feed(ABC):
         """Stop reading, or go on: the sender is to wait."""
 
     def look(self) -> Iterator[Event]:
-        """What came without a selector knowing."""
+        """Return the events that a selector does not report."""
         yield from ()
 
     @property
     def again_s(self) -> float | None:
-        """How soon to `look` again; None: no need to."""
+        """Return the time until the next `look`; None if none is needed."""
         return None
 
     @property
     def live(self) -> bool:
-        """Whether who says nothing now is silent, and not just further back in what is being read."""
+        """True if silence counts: a vehicle without lines now is silent, and not only later in the file being read."""
         return True
 
     def position(self) -> Mapping[str, Any]:
-        """Where the next line stands, for a snapshot."""
+        """Return the position of the next line, for a snapshot."""
         return {}
 
     def go_on(self, position: Mapping[str, Any]) -> str:
@@ -192,7 +192,7 @@ class GrowingFile(Feed):
         return self._at_end and not self._to_its_end
 
     def look(self) -> Iterator[Event]:
-        """The next part of the file; InputError where it cannot be read."""
+        """Return the next part of the file; InputError where it cannot be read."""
         if self._held or self._over or not self._opened():
             return
         assert self._file is not None
@@ -211,7 +211,7 @@ class GrowingFile(Feed):
             yield from self._begin_other()
 
     def position(self) -> Mapping[str, Any]:
-        """Where the next whole line begins, and what stands before it."""
+        """Return the start of the next complete line, and a mark of the text before it."""
         consumed = self._cutter.consumed
         return {"file": self.origin, "consumed": consumed, "line": self._cutter.number, "mark": self._mark(consumed)}
 
@@ -251,7 +251,7 @@ class GrowingFile(Feed):
 
     @contextmanager
     def _in_words(self) -> Iterator[None]:
-        """What the system refuses is an InputError that says so."""
+        """Turn an error of the system into an InputError that names the file."""
         try:
             yield
         except (OSError, OverflowError) as error:
@@ -268,7 +268,7 @@ class GrowingFile(Feed):
         return hashlib.sha256(before).hexdigest() if len(before) == consumed - begin else None
 
     def _replaced(self) -> bool:
-        """Whether the name leads to another file now, or this one was cut."""
+        """Return whether the name means another file now, or this one was truncated."""
         assert self._file is not None
         with self._in_words():
             own = os.fstat(self._file.fileno())

@@ -23,13 +23,13 @@ MOST_VEHICLES = 1_000
 
 @dataclass(frozen=True)
 class Ways:
-    """How lines are read and charged.
+    """Settings for reading lines and bridging gaps.
 
     inputs          lines are inputs of steps, not records
     numbered        every line needs its number, for lines may be lost unseen on their way
-    longest_gap_ms  silence that is charged cycle by cycle; after a longer one a vehicle begins anew
+    longest_gap_ms  longest silence that is bridged by cycles without inputs; after a longer one a vehicle restarts
     most_vehicles   of the process; one that is silent and has no place makes room for a new one
-    most_of_a_peer  vehicles that one peer may speak for; None: as many as there is room for
+    most_of_a_peer  vehicles for which one peer may send; None: as many as there is room for
     """
 
     period_ms: int
@@ -44,7 +44,7 @@ class Ways:
 
 @dataclass
 class Tally:
-    """What came, since the process was started."""
+    """Counts since the start of the process."""
 
     lines: int = 0
     refused: int = 0
@@ -115,7 +115,7 @@ class Fleet:
         self._heard[name] = self._clock()
         if self.origins.setdefault(name, origin) != origin:
             self.origins[name] = origin
-            vehicle.be_unsure("another peer speaks for it")
+            vehicle.be_unsure("another peer sends for it")
         return [*told, *self._of_one(vehicle, partial(vehicle.heed, line.number, message), line.number)]
 
     def _begun(self, header: Header, whole: bool) -> list[Told]:
@@ -128,7 +128,7 @@ class Fleet:
         return []
 
     def _admitted(self, name: str, origin: str, line: Line, message: Message, whole: bool) -> list[Told]:
-        """A new vehicle, and what was forgotten for it; the refusal where its first line says nothing, or there is no
+        """Add a new vehicle, removing another one if needed; refuse it if its first line is unreadable or there is no
         room."""
         told: list[Told] = []
         reason = message.reason if isinstance(message, Refused) else self._no_room(origin, told)
@@ -139,7 +139,8 @@ class Fleet:
         return told
 
     def _no_room(self, origin: str, told: list[Told]) -> str:
-        """Why there is none for one more vehicle of this peer; "" if there is, now that another one may be forgotten."""
+        """Return the reason why this peer cannot have one more vehicle; "" if it can, perhaps after removing another
+        one."""
         own = self._of(origin)
         most = self.ways.most_of_a_peer
         if most is not None and len(own) >= most:
@@ -149,7 +150,8 @@ class Fleet:
         return ""
 
     def _forgot(self, names: list[str], told: list[Told]) -> bool:
-        """Whether one of them was forgotten: that which has been silent longest, past the longest gap, without a place."""
+        """Remove the vehicle with the longest silence beyond the longest gap and without a position; return whether there
+        was one."""
         silent = self._clock() - self.ways.longest_gap_ms / 1_000
         found = [name for name in names if self._heard[name] < silent and self.vehicles[name].forgettable]
         if not found:
@@ -158,22 +160,24 @@ class Fleet:
         del self.vehicles[name], self._heard[name]
         self.origins.pop(name, None)
         self.by_clock = True
-        told.append({"vehicle": name, "event": "forgotten", "reason": "silent and without a place; its room is needed"})
+        told.append(
+            {"vehicle": name, "event": "forgotten", "reason": "removed to make room: silent, and without a position"}
+        )
         return True
 
     def gone(self, origin: str, why: str) -> None:
-        """A peer that went away: what it said last may not have arrived."""
+        """Handle a disconnected peer: its last lines may not have arrived."""
         self._flawed.discard(origin)
         for name in self._of(origin):
             self.vehicles[name].be_unsure(why)
 
     def silence(self, name: str, why: str) -> list[Told]:
-        """A vehicle whose cycle should be over by now."""
+        """Handle a vehicle whose cycle should be over by now."""
         vehicle = self.vehicles[name]
         return self._of_one(vehicle, partial(vehicle.silence, why))
 
     def withdraw(self, name: str, why: str) -> list[Told]:
-        """A vehicle of which nothing was heard for so long that its place cannot stand."""
+        """Withdraw the position of a vehicle after too long a silence."""
         vehicle = self.vehicles[name]
         told = self._of_one(vehicle, partial(vehicle.withdraw, why))
         self.by_clock = self.by_clock or bool(told)
@@ -184,7 +188,7 @@ class Fleet:
         return [told for vehicle in self.vehicles.values() for told in self._of_one(vehicle, vehicle.finish)]
 
     def make_ready_to_save(self) -> None:
-        """What snapshots say of the programs takes long the first time: now, and not while lines wait."""
+        """Make one snapshot of each program now: the first one takes long, and lines would have to wait."""
         for program in (self._program, *self._own.values()):
             _controller(program, self.ways, 0).snapshot()
 
@@ -195,11 +199,11 @@ class Fleet:
 
     @property
     def wrong(self) -> int:
-        """Reports that missed the truth beside them."""
+        """The number of reports whose interval did not contain the true position."""
         return sum(vehicle.wrong for vehicle in self.vehicles.values())
 
     def freeze(self) -> Callable[[], dict[str, Any]]:
-        """All vehicles as plain data, made when the function is called, in whichever thread."""
+        """Return a function that makes all vehicles as plain data, in whichever thread it is called."""
         frozen = {name: vehicle.freeze() for name, vehicle in self.vehicles.items()}
         return lambda: {name: make() for name, make in frozen.items()}
 
@@ -225,7 +229,7 @@ class Fleet:
         return kind(name, make, self._pace, whole=whole)
 
     def _whoever(self, origin: str, line: Line, refused: Refused) -> list[Told]:
-        """A line of nobody knows whom: everyone who speaks over this origin may have lost it.
+        """Handle a line without a readable vehicle: every vehicle of this origin may have lost it.
 
         Half a line where a peer went away is no line yet: that it went away is doubt enough, and the next number ends it.
         """
@@ -238,7 +242,7 @@ class Fleet:
         return [name for name, whose in self.origins.items() if whose == origin]
 
     def _of_one(self, vehicle: Vehicle, answer: Answer, line: int | None = None) -> list[Told]:
-        """What a vehicle tells, counted, and noted if it withdrew a place. If it fails, that is its own affair."""
+        """Collect and count a vehicle's answers, and note a withdrawn position. An exception affects this vehicle only."""
         try:
             told = answer()
         except Exception as error:  # whatever it is: the others go on, and nothing of this one is trusted
@@ -271,9 +275,7 @@ def _of_it(only: str, message: Message) -> Message:
             assert_never(message)
     if name is None or name == only:
         return message
-    return Refused(
-        f"a line of vehicle {name}; by its certificate, who sent it is vehicle {only} and speaks of no other"
-    )
+    return Refused(f"a line of vehicle {name}; the sender's certificate is for vehicle {only} only")
 
 
 def _controller(program: Program, ways: Ways, start_ms: int) -> Controller:

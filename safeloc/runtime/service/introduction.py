@@ -1,8 +1,8 @@
-"""What a proxy says of a connection before its first line: whose certificate it has checked.
+"""The proxy's header before the first line of a connection: it names the vehicle whose certificate was checked.
 
 This is the header of the PROXY protocol, version 2, with its TLS part, as HAProxy's `send-proxy-v2-ssl-cn` sends it
 (https://www.haproxy.org/download/2.6/doc/proxy-protocol.txt, sections 2.2 and 2.2.6). The common name of the
-certificate is the vehicle's name. All that leaves open who speaks is refused.
+certificate is the vehicle's name. A header that leaves the sender open is refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ OVER_TLS, WITH_CERTIFICATE = 0x01, 0x06
 class Introduction:
     """Takes the header off the beginning of a connection.
 
-    vehicle   the only one that the peer may speak of; None while the header is not whole
+    vehicle   the only one for which the peer may send; None while the header is incomplete
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class Introduction:
         self._header = b""
 
     def after(self, data: bytes) -> bytes:
-        """What stands behind the header, as it comes; InputError where there is no header, or it names no vehicle."""
+        """Return the data after the header, as it arrives; InputError if there is no header, or it names no vehicle."""
         if self.vehicle is not None:
             return data
         self._header += data
@@ -55,7 +55,7 @@ class Introduction:
 
 
 def _end(data: bytes) -> int | None:
-    """Where the header ends; None while that is not known. InputError as soon as it cannot be one."""
+    """Return the end of the header; None while unknown. InputError as soon as the data cannot be a header."""
     if not SIGNATURE.startswith(data[: len(SIGNATURE)]):
         raise InputError("no PROXY header of version 2; only the proxy may connect here, with send-proxy-v2-ssl-cn")
     if len(data) < FIXED:

@@ -1,4 +1,4 @@
-"""What a snapshot of the process must hold, field by field: a checksum that fits says nothing of that."""
+"""The required fields of a snapshot of the process: a correct checksum does not guarantee them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class KeptSteps(Kept):
 
 
 class KeptProcess(BaseModel):
-    """Of the whole process."""
+    """The snapshot of the entire process."""
 
     model_config = ConfigDict(strict=True, frozen=True)
 
@@ -55,7 +55,7 @@ class KeptProcess(BaseModel):
 
 
 class KeptPlace(BaseModel):
-    """How far a file was read, and what stands before that."""
+    """The reading position in a file, and a mark of the text before it."""
 
     model_config = ConfigDict(strict=True, frozen=True)
 
@@ -68,11 +68,11 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 def kept_as(model: type[Model], content: Mapping[str, Any]) -> Model:
-    """The content, checked; SnapshotError for a field that is missing, unknown or of a wrong kind."""
+    """Return the content, checked; SnapshotError for a field that is missing, unknown or of a wrong kind."""
     try:
         return model.model_validate_json(json.dumps(content))
     except (ValidationError, TypeError, ValueError) as error:
-        raise SnapshotError(f"the snapshot holds something else than it should ({_first(error)}).") from error
+        raise SnapshotError(f"a field of the snapshot is wrong ({_first(error)}).") from error
 
 
 def _first(error: Exception) -> str:

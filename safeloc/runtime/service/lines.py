@@ -1,4 +1,4 @@
-"""Bytes as they come, cut into lines. A line that is too long is told, not kept: memory stays bounded."""
+"""Bytes as they come, cut into lines. A line that is too long is reported, not stored: memory stays bounded."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class LineCutter:
         self._skipped = 0
 
     def feed(self, data: bytes) -> Iterator[Line]:
-        """The lines that are whole now. Take all of them before feeding again."""
+        """Return the complete lines. Take all of them before feeding again."""
         *ended, rest = data.split(b"\n")
         for part in ended:
             if self._rest:
@@ -42,7 +42,7 @@ class LineCutter:
         self._keep(rest)
 
     def tail(self) -> Line | None:
-        """What stands after the last line end, when nothing more will come; None if there is nothing."""
+        """Return the text after the last line end, at the end of the input; None if there is none."""
         if not self._rest and not self._skipped:
             return None
         whole = bytes(self._rest)

@@ -1,11 +1,11 @@
-"""The process: one loop that reads what came, steps the vehicles, saves what must be saved, and hands reports over.
+"""The process: one loop that reads lines, steps the vehicles, saves snapshots, and delivers reports.
 
 A report that withdraws a place leaves only after the withdrawal is on disk: a process that is killed and started
 again can then never report a place that it had withdrawn, unless a reference brought it back. Where the lines can be
 read again (a file, without watchdog) that is not needed: the same lines withdraw it again.
 
-After an exception that nobody planned nothing is saved: what is in memory is not trusted, and the process that is
-started next goes on from the snapshot before, as after kill -9.
+After an unexpected exception nothing is saved: the memory is not trusted, and the next process resumes from the last
+snapshot, as after kill -9.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ LAST_WORDS_S = 5.0
 
 @dataclass(frozen=True)
 class Parts:
-    """What the loop is made of; no saver without snapshots, no watchdog unless asked for.
+    """The components of the loop; saver and watchdog are optional.
 
-    Without a watchdog, a vehicle that ends no cycle for as long as the longest gap has its place withdrawn.
+    Without a watchdog, the position of a vehicle that ends no cycle for the longest gap is withdrawn.
     """
 
     selector: selectors.BaseSelector
@@ -68,7 +68,7 @@ class Parts:
 
 
 class Loop:
-    """Runs until its feed is over or it is told to stop."""
+    """Runs until the feed ends or a signal stops it."""
 
     def __init__(self, parts: Parts) -> None:
         self._parts = parts
@@ -137,7 +137,8 @@ class Loop:
 
     @property
     def _must_save(self) -> bool:
-        """Whether what waits withdraws a place that the snapshot on disk still has, and lines do not withdraw again."""
+        """Return whether a waiting report withdraws a position that the snapshot on disk still has, and no line repeats
+        it."""
         fleet = self._parts.fleet
         return self._parts.saver is not None and (fleet.by_clock or (fleet.withdrew and not self._replays))
 
@@ -269,7 +270,7 @@ class Loop:
         yield from ()
 
     def _end(self) -> None:
-        """What waits is handed over, then saved: nothing that was saved is unsaid, or the other way round."""
+        """Deliver the waiting reports, then save, so that reports and snapshot agree."""
         parts = self._parts
         parts.supervised.ending()
         try:
@@ -300,13 +301,14 @@ class Loop:
 
 
 def _trace(error: BaseException) -> str:
-    """Where it came from, the innermost first."""
+    """Return the lines of code that led to the error, the innermost first."""
     frames = traceback.extract_tb(error.__traceback__)
     return " < ".join(f"{Path(frame.filename).name}:{frame.lineno} {frame.name}" for frame in reversed(frames))
 
 
 def exit_code(fleet: Fleet) -> int:
-    """The exit code of a run: 0, 1 where a report missed the truth beside it, 3 where no cycle ever ended."""
+    """Return the exit code of a run: 0, 1 if a reported interval did not contain the true position, 3 if no cycle was
+    completed."""
     if fleet.wrong:
         return 1
     return 0 if fleet.tally.cycles else 3

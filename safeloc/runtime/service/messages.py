@@ -1,11 +1,11 @@
-"""What a line says: a record, the end of a cycle, or the inputs of a step, each of one vehicle.
+"""Meaning of a line: a record, the end of a cycle, or the inputs of a step, each for one vehicle.
 
     {"vehicle": "12", "number": 5, "kind": "distance", "time_ms": 100, ...}   a record as in docs/records.md
-    {"vehicle": "12", "number": 6, "kind": "cycle", "time_ms": 100}           all up to this time has been said
+    {"vehicle": "12", "number": 6, "kind": "cycle", "time_ms": 100}           all records up to this time were sent
     {"vehicle": "12", "cycle": 17, "front_wheel_mm": 1200, ...}               the inputs of a step
 
-`vehicle` and `number` (the sender's count of the vehicle's lines, from 1) may be left out where one vehicle speaks
-over something that loses nothing.
+`vehicle` and `number` (the sender's count of the vehicle's lines, from 1) may be left out if a single vehicle sends over a
+lossless connection.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from safeloc.errors import InputError
+from safeloc.language.renamed import renamed
 from safeloc.runtime.embedding import Program
 from safeloc.runtime.outside import quoted, refusal
 from safeloc.runtime.service.lines import Line
@@ -44,7 +45,7 @@ VEHICLE = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 
 
 class Envelope(NamedTuple):
-    """Which vehicle speaks, and its count of lines (None: it does not count)."""
+    """The sending vehicle, and its line number (None: lines are not numbered)."""
 
     vehicle: str
     number: int | None = None
@@ -58,7 +59,7 @@ class Said(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """All that belongs to cycles up to this time has been said."""
+    """The end of all cycles up to this time: their records are complete."""
 
     envelope: Envelope
     time_ms: int
@@ -77,14 +78,14 @@ class Step(NamedTuple):
 class Header:
     """The first line of a step stream, of the vehicle that needs no name.
 
-    kept   inputs that stand in a step only where they are not what they were in the step before
+    kept   inputs that a step contains only if they changed since the step before
     """
 
     kept: tuple[str, ...] = ()
 
 
 class Refused(NamedTuple):
-    """A line that says nothing; `vehicle` is None where not even that can be read."""
+    """A refused line; `vehicle` is None if even the name cannot be read."""
 
     reason: str
     vehicle: str | None = None
@@ -116,7 +117,7 @@ class Reader:
         self._ghosts = {var.name for var in program.target.system.ghosts}
 
     def read(self, line: Line) -> Message:
-        """Never raises: what cannot be read is Refused, with the reason; if safeloc itself failed, it says so and where."""
+        """Read a line without raising: an unreadable line is Refused, with the reason or the place where safeloc failed."""
         if line.flaw:
             return Refused(line.flaw)
         vehicle: str | None = None
@@ -174,7 +175,8 @@ def _require_known(program: Program, names: Collection[str]) -> None:
     """InputError, in a few words: names that nearly fit are not looked for, which would take longer than a step."""
     unknown = program.unknown(names)
     if unknown:
-        raise InputError(f"{program.name} has no input {quoted(unknown[0])}")
+        told = renamed(unknown[:1], program.entries)
+        raise InputError(f"{program.name} has no input {quoted(unknown[0])}{told}")
 
 
 def _record(envelope: Envelope, fields: dict[str, Any]) -> Message:

@@ -1,4 +1,4 @@
-"""Where reports go: standard output, or a file. Peers get theirs back over their socket (safeloc.runtime.service.tcp)."""
+"""Destinations of reports: standard output, or a file. Peers get theirs over their socket (safeloc.runtime.service.tcp)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Outlet(ABC):
 
     @abstractmethod
     def put(self, origin: str, data: bytes) -> None:
-        """One line, for who reads what comes from this origin."""
+        """Write one line to the reader of this origin's reports."""
 
     @abstractmethod
     def flush(self) -> None:
@@ -35,18 +35,18 @@ class Outlet(ABC):
     @property
     @abstractmethod
     def full(self) -> bool:
-        """Whether so much waits that no more should be made."""
+        """True if so many reports wait that no more should be made."""
 
     @property
     @abstractmethod
     def waiting(self) -> bool:
-        """Whether anything waits."""
+        """True if reports wait."""
 
     def sync(self) -> None:  # noqa: B027 # what others keep is not ours to make durable
         """Make durable what was handed over."""
 
     def position(self) -> Mapping[str, Any]:
-        """How far it is, for a snapshot."""
+        """Return the position in the output, for a snapshot."""
         return {}
 
     def trim(self, position: Mapping[str, Any], replays: bool) -> None:  # noqa: B027 # what is gone is gone
@@ -67,7 +67,7 @@ class Stdout(Outlet):
         self._registered = False
 
     def put(self, origin: str, data: bytes) -> None:
-        """One line."""
+        """Write one line."""
         del origin
         self._buffer += data
 
@@ -101,12 +101,12 @@ class Stdout(Outlet):
 
     @property
     def full(self) -> bool:
-        """Whether the reader is behind."""
+        """True if the reader is too slow."""
         return len(self._buffer) > FULL
 
     @property
     def waiting(self) -> bool:
-        """Whether anything waits."""
+        """True if reports wait."""
         return bool(self._buffer)
 
 
@@ -125,19 +125,19 @@ class ToFile(Outlet):
 
     @contextmanager
     def _in_words(self) -> Iterator[None]:
-        """What the system refuses is an InputError that says so."""
+        """Turn an error of the system into an InputError that names the file."""
         try:
             yield
         except OSError as error:
             raise InputError(f"{self._path}: cannot be written: {error.strerror}.") from error
 
     def put(self, origin: str, data: bytes) -> None:
-        """One line."""
+        """Write one line."""
         del origin
         self._buffer += data
 
     def flush(self) -> None:
-        """All of it; InputError where the disk does not take it."""
+        """Write all of it; InputError where the disk does not take it."""
         while self._buffer:
             with self._in_words():
                 written = os.write(self._fd, self._buffer)
@@ -151,7 +151,7 @@ class ToFile(Outlet):
 
     @property
     def waiting(self) -> bool:
-        """Whether anything waits."""
+        """True if reports wait."""
         return bool(self._buffer)
 
     def sync(self) -> None:
@@ -160,11 +160,11 @@ class ToFile(Outlet):
             os.fsync(self._fd)
 
     def position(self) -> Mapping[str, Any]:
-        """Bytes handed over."""
+        """Return the number of bytes that were written."""
         return {"file": str(self._path), "size": self._size}
 
     def trim(self, position: Mapping[str, Any], replays: bool) -> None:
-        """Where reports will be made again, those after the snapshot are taken away; InputError if some are missing."""
+        """If the input is replayed, remove reports written after the snapshot; InputError if earlier ones are missing."""
         size = position.get("size")
         if not replays or position.get("file") != str(self._path) or type(size) is not int:
             return
@@ -182,7 +182,7 @@ class ToFile(Outlet):
         os.close(self._fd)
 
     def _last_end(self) -> int:
-        """Where the last whole line ends."""
+        """Return the end of the last complete line."""
         size = os.lseek(self._fd, 0, os.SEEK_END)
         begin = max(0, size - LAST_LINE)
         found = os.pread(self._fd, size - begin, begin).rfind(b"\n")

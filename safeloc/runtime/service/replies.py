@@ -1,6 +1,6 @@
-"""How much a peer is told of what it said wrongly: no more than a small factor of what it sent.
+"""Limit on refusals to a peer: at most a small multiple of the bytes that it sent.
 
-Reports are not meant here: there is one for each cycle, however many lines it took.
+Reports are not limited: there is one for each cycle, however many lines it took.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ LONG_LINE = LONGEST_REASON
 
 
 class Allowance:
-    """What each peer may still be told."""
+    """The bytes of refusals that each peer may still get."""
 
     def __init__(self) -> None:
         self._bytes: dict[str, int] = {}
         self._left_out: dict[str, int] = {}
 
     def said(self, origin: str, size: int) -> None:
-        """It sent so many bytes."""
+        """Count the bytes that a peer sent."""
         had = self._bytes.get(origin, FIRST_BYTES)
         self._bytes[origin] = min(MOST_BYTES, had + FACTOR * (size or LONG_LINE))
         if len(self._bytes) > MOST_PEERS:
@@ -45,7 +45,7 @@ class Allowance:
         self._left_out.pop(origin, None)
 
     def refusal(self, origin: str, told: dict[str, Any], size: int) -> dict[str, Any] | None:
-        """What it is told, with how many were left out before; None where it has been told enough."""
+        """Return the refusal with the number of omitted ones before it; None if the peer has used its allowance."""
         left = self._bytes.get(origin, FIRST_BYTES)
         if size > left:
             self._left_out[origin] = self._left_out.get(origin, 0) + 1

@@ -42,7 +42,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def read_saved(path: Path) -> dict[str, Any] | None:
-    """What was saved; None if there is none. SnapshotError where it is damaged, newer, huge or something else."""
+    """Read the saved snapshot; None if there is none. SnapshotError if it is damaged, newer, too large or no snapshot."""
     try:
         with path.open("rb") as file:
             data = file.read(LONGEST + 1)
@@ -117,7 +117,7 @@ class Saver:
 
     @property
     def busy(self) -> bool:
-        """Whether a write is asked for and not done."""
+        """True while a requested write is not done."""
         with self._changed:
             return self._done < self._asked
 

@@ -30,12 +30,12 @@ class Supervised:
         self._told = 0.0
 
     def ready(self) -> None:
-        """Lines are heard from now on. InputError where the file cannot be written."""
+        """Announce that lines are read from now on. InputError if the file cannot be written."""
         self._touch()
         self._notify("READY=1")
 
     def living(self) -> None:
-        """A turn is over."""
+        """Record the end of a turn."""
         now = time.monotonic()
         if self.every_s is not None and now >= self._told + self.every_s:
             self._told = now
@@ -43,11 +43,11 @@ class Supervised:
             self._touch()
 
     def wait_s(self) -> float | None:
-        """How long until the next sign is due; None where nobody waits for one."""
+        """Return the time until the next sign of life; None if nobody waits for one."""
         return None if self.every_s is None else max(0.0, self._told + self.every_s - time.monotonic())
 
     def ending(self) -> None:
-        """No more lines are heard."""
+        """Announce that no more lines are read."""
         self._notify("STOPPING=1")
         if self._alive is not None:
             self._alive.unlink(missing_ok=True)

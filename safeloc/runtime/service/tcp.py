@@ -54,12 +54,12 @@ class Peer:
 
     @property
     def behind(self) -> bool:
-        """Whether it has said more than was heard."""
+        """True if received lines of this peer are not read yet."""
         return self._next is not None
 
     @property
     def deaf(self) -> bool:
-        """Whether so much waits for it that it is not heard."""
+        """True if so many reports wait for this peer that its lines are not read."""
         return len(self._buffer) > FULL
 
     def attend(self) -> None:
@@ -78,7 +78,7 @@ class Peer:
         self._mask = mask
 
     def put(self, data: bytes) -> None:
-        """A line for it."""
+        """Buffer a line for the peer."""
         self._buffer += data
 
     @property
@@ -145,11 +145,11 @@ class Peer:
 
     @property
     def _vehicle(self) -> str | None:
-        """The only one it may speak of, as far as the proxy has said; None without a proxy: any."""
+        """Return the only vehicle for which the peer may send, from the proxy's header; None without a proxy: any."""
         return None if self._introduction is None else self._introduction.vehicle
 
     def said(self) -> Iterator[Event]:
-        """A few of the lines that were read; with more, it has another turn."""
+        """Return a few of the lines that were read; with more, the peer has another turn."""
         for _ in range(LINES_AT_ONCE):
             line = self._next
             if line is None:
@@ -162,7 +162,7 @@ class Peer:
             self.attend()
 
     def close(self) -> None:
-        """Away with it, and with what it said last."""
+        """Remove the peer, and its last incomplete line."""
         self._buffer.clear()
         self._lines, self._next = iter(()), None
         self.ended = True
@@ -231,21 +231,21 @@ class TcpPort(Feed, Outlet):
                 yield from peer.said()
 
     def introduced(self, peer: Peer, vehicle: str) -> None:
-        """The proxy has said who it is."""
+        """Record the vehicle that the proxy's header names."""
         self._journal.info("peer introduced", peer=peer.origin, vehicle=vehicle)
 
     def another_turn(self, peer: Peer) -> None:
-        """It has said more than was heard."""
+        """Schedule another turn for a peer with unread lines."""
         (self._flooding if peer.floods else self._behind).append(peer)
 
     @property
     def again_s(self) -> float | None:
-        """At once while there is something to tell or to hear."""
+        """Return 0 while there is something to write or to read."""
         heard = not self.held and any(not peer.deaf for peers in (self._behind, self._flooding) for peer in peers)
         return 0.0 if self._left or heard else None
 
     def put(self, origin: str, data: bytes) -> None:
-        """For a peer that is gone there is nobody to tell: counted in the log."""
+        """Buffer a line for a peer; if the peer is gone, count it in the log."""
         peer = self.peers.get(origin)
         if peer is None:
             self._journal.warning("unsent", origin=origin, bytes=len(data))
@@ -254,7 +254,7 @@ class TcpPort(Feed, Outlet):
             self._written.add(peer)
 
     def flush(self) -> None:
-        """To every peer that was written to, what it takes now; the selector says when it takes the rest."""
+        """Write to every peer as much as it takes now; the selector reports when it takes the rest."""
         written, self._written = self._written, set()
         for peer in written:
             peer.flush()
@@ -270,7 +270,7 @@ class TcpPort(Feed, Outlet):
 
     @property
     def waiting(self) -> bool:
-        """Whether anything waits for a peer."""
+        """True if reports wait for a peer."""
         return any(peer.waiting for peer in self.peers.values())
 
     def drop(self, peer: Peer, why: str) -> None:

@@ -1,6 +1,6 @@
 """Datagrams on the loopback interface: lines in, and each report back as a datagram of its own.
 
-Datagrams may be lost, doubled or swapped, so every line needs its number; what the numbers show is charged.
+Datagrams may be lost, doubled or swapped, so every line needs its number; missing lines count as lost.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class UdpPort(Feed, Outlet):
         self._journal.info("listening", protocol="udp", host=host, port=port)
 
     def hold(self, held: bool) -> None:
-        """What is not read is lost in the end; the numbers show it."""
+        """Stop reading or start again; datagrams that overflow meanwhile are lost, which line numbers show."""
         if held is not self._held:
             self._held = held
             if held:
@@ -67,7 +67,7 @@ class UdpPort(Feed, Outlet):
                 self._selector.register(self._socket, selectors.EVENT_READ, self._ready)
 
     def put(self, origin: str, data: bytes) -> None:
-        """A report for the address that the vehicle's last line came from."""
+        """Send a report to the address that the vehicle's last line came from."""
         self._waiting.append((origin, data))
         self._bytes += len(data)
         while len(self._waiting) > MOST_WAITING or self._bytes > MOST_BYTES:
@@ -75,7 +75,7 @@ class UdpPort(Feed, Outlet):
             self._given_up += 1
 
     def flush(self) -> None:
-        """Each as a datagram, as far as they are taken."""
+        """Send each report as a datagram, as far as they are taken."""
         while self._waiting and self._sent(*self._waiting[0]):
             self._bytes -= len(self._waiting.popleft()[1])
         if self._given_up:
@@ -89,7 +89,7 @@ class UdpPort(Feed, Outlet):
 
     @property
     def waiting(self) -> bool:
-        """Whether anything waits."""
+        """True if reports wait."""
         return bool(self._waiting)
 
     @property
@@ -103,7 +103,7 @@ class UdpPort(Feed, Outlet):
         self._socket.close()
 
     def _sent(self, origin: str, data: bytes) -> bool:
-        """Whether the next one may be tried: this one is on its way, or is given up."""
+        """Send a datagram; return whether the next one may be tried, because this one is sent or given up."""
         where = self._addresses.get(origin)
         if where is None:
             self._journal.warning("unsent", origin=origin, bytes=len(data), why="no address is known")

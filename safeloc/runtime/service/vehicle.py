@@ -1,10 +1,9 @@
-"""One vehicle of the process: its lines become the cycles of its controller, and no loss stays uncharged.
+"""One vehicle of the process: turns its lines into cycles of its controller, and accounts for every lost line.
 
-What may be missing makes a cycle doubtful, and of a doubtful cycle nothing is used: a line that cannot be read, a
-number that was jumped over, a peer that went away. The loss lies between the vehicle's last line and its next one: so
-the cycle that was open and the one in which the next line comes are doubtful, and those between are empty.
+An unreadable line, a gap in the numbers or a disconnected peer means that data may be lost between two received lines. The
+cycles in which the two lines fall are discarded; cycles in between count as empty.
 
-What nobody planned (an exception out of a machine) costs this vehicle its place, and no other one anything: see `fail`.
+An unexpected exception in a machine withdraws the position of this vehicle only: see `fail`.
 """
 
 from __future__ import annotations
@@ -26,11 +25,11 @@ MakeController = Callable[[int], Controller]
 
 
 class Vehicle(ABC):
-    """Lines in, reports and events out. What the lines are is the matter of its two kinds.
+    """Turns lines into reports and events. The two subclasses define the meaning of a line.
 
-    whole      its first line is the first one there was; else the cycle it comes in may lack something
-    withdrew   a place that was reported is reported no more: set here, cleared by the fleet
-    stopped    why it goes on no more; "" if it does
+    whole      its first line is the first one that was sent; otherwise the cycle of that line may be incomplete
+    withdrew   a reported position was withdrawn: set here, cleared by the fleet
+    stopped    the reason why the vehicle has stopped; "" while it runs
     """
 
     def __init__(self, name: str, make: MakeController, pace: Pace, *, whole: bool) -> None:
@@ -38,7 +37,7 @@ class Vehicle(ABC):
         self.wrong = 0
         self.controller: Controller | None = None
         self._make, self._pace = make, pace
-        self._count = LineCount(None, "" if whole else "it was met under way")
+        self._count = LineCount(None, "" if whole else "its first lines may be missing")
         self._streak = Streak(pace)
         self._rhythm = Rhythm()
         self._lost = self._lost_until_heard = ""
@@ -47,7 +46,7 @@ class Vehicle(ABC):
     # ------------------------------------------------------------------ for the fleet
 
     def heed(self, line: int, message: Message) -> list[Told]:
-        """One line of this vehicle."""
+        """Handle one line of this vehicle."""
         match message:
             case Said() | Ended() | Step():
                 if self.stopped:
@@ -67,11 +66,11 @@ class Vehicle(ABC):
         return self._told()
 
     def be_unsure(self, why: str) -> None:
-        """Lines may have been lost, unless the number of its next line shows that none was."""
+        """Note that lines may have been lost, unless the number of its next line shows that none was."""
         self._count.unsure = self._count.unsure or why
 
     def silence(self, why: str) -> list[Told]:
-        """The open cycle is taken to be over. What came of it may be a part only, and is not used then."""
+        """End the open cycle. Its input may be incomplete, and is not used then."""
         if self.controller is not None and not self.stopped:
             if self._anything_open():
                 self._lost = self._lost or why
@@ -79,15 +78,15 @@ class Vehicle(ABC):
         return self._told()
 
     def withdraw(self, why: str) -> list[Told]:
-        """Its place is reported no more, if one is: it begins anew."""
+        """Withdraw its position, if it reports one, by a restart."""
         if self.place is not None and not self.stopped:
             self._lost = self._lost or why
             self._anew(why)
         return self._told()
 
     def fail(self, why: str, line: int | None) -> list[Told]:
-        """What nobody planned happened to it. What is left of its machine is not trusted: it gets another one, and begins
-        anew with it, or stops where that cannot be. The line is charged as one that cannot be read."""
+        """Handle an unexpected exception: replace the machine, since its state is not trusted, and restart, or stop if that
+        is impossible. The line counts as unreadable."""
         told, had = self._told(), self.place is not None
         told.append(
             {"vehicle": self.name, "event": "failed", "reason": why, **({} if line is None else {"line": line})}
@@ -107,7 +106,8 @@ class Vehicle(ABC):
 
     @property
     def forgettable(self) -> bool:
-        """Whether nothing is lost with it but its count: one that is made anew claims no place, as this one."""
+        """True if the vehicle can be removed: it reports no position, and neither would a new one; only its count is
+        lost."""
         controller = self.controller
         return controller is None or (not self.stopped and self.place is None and controller.may_begin_anew)
 
@@ -118,7 +118,7 @@ class Vehicle(ABC):
         return self._told()
 
     def freeze(self) -> Callable[[], dict[str, Any]]:
-        """All of it as plain data, made when the function is called, in whichever thread."""
+        """Return a function that makes the vehicle as plain data, in whichever thread it is called."""
         controller = None if self.controller is None else self.controller.freeze()
         own = {
             "lost": [self._lost, self._lost_until_heard],
@@ -177,19 +177,19 @@ class Vehicle(ABC):
 
     @abstractmethod
     def _anything_open(self) -> bool:
-        """Whether something of the open cycle waits for its end."""
+        """Return whether the open cycle has input that waits for its end."""
 
     @abstractmethod
     def _own(self) -> Mapping[str, Any]:
-        """What this kind remembers beside the rest, as plain data."""
+        """Return the own memory of this kind of vehicle, as plain data."""
 
     @abstractmethod
     def _checked(self, content: Mapping[str, Any]) -> Kept:
-        """What was kept of this kind, its own part being taken back; SnapshotError."""
+        """Check a snapshot of this kind of vehicle and restore its own part; SnapshotError if it is wrong."""
 
     @abstractmethod
     def _forget_open(self) -> None:
-        """What came of the open cycle is dropped."""
+        """Discard the input of the open cycle."""
 
     def _missed(self, why: str) -> None:
         self._doubt(why)
@@ -205,7 +205,8 @@ class Vehicle(ABC):
             self._lost, self._lost_until_heard = self._lost or self._lost_until_heard, ""
 
     def _in_step(self, line: int, time_ms: int) -> bool:
-        """Whether the line belongs to the time that is reached from here; a clock that was set is followed."""
+        """Return whether the line's time follows the vehicle's clock; a clock that was set is accepted after several
+        lines."""
         controller, pace = self.controller, self._pace
         assert controller is not None
         ahead = time_ms - controller.next_end_ms
@@ -230,10 +231,10 @@ class Vehicle(ABC):
     def _too_early(self, ahead: int, within: bool) -> str:
         if within:
             return f"{ahead} ms ahead; believed once lines of {AGREEING_CYCLES} cycles agree"
-        return f"{ahead} ms ahead, and {self._pace.longest_gap_ms} ms of silence can be charged"
+        return f"{ahead} ms ahead; a gap may have at most {self._pace.longest_gap_ms} ms"
 
     def _anew(self, reason: str, start_ms: int | None = None) -> None:
-        """Begin anew, by default with the cycle that is open."""
+        """Restart, by default with the open cycle."""
         assert self.controller is not None
         if self._anything_open():
             self._close()
@@ -257,7 +258,7 @@ class Vehicle(ABC):
         self._out.append({"vehicle": self.name, "event": "halted", "reason": self.stopped})
 
     def _guarded(self, step: Callable[[Controller], Report]) -> Report | None:
-        """The report of a step, told; a machine that cannot go on stops the vehicle."""
+        """Run a step and send its report; stop the vehicle if the machine cannot continue."""
         controller = self.controller
         assert controller is not None
         had = controller.report.interval is not None

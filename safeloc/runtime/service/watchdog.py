@@ -1,7 +1,7 @@
-"""The wall clock, where it is asked for: a vehicle that says nothing gets its cycles all the same.
+"""The optional watchdog: by the wall clock, a silent vehicle gets its cycles too.
 
-It knows only when a vehicle's cycle ended last, and how long a cycle may take. Time in which this process itself did
-not run is nobody's silence.
+It knows only when a vehicle's cycle ended last, and how long a cycle may take. Time in which this process itself did not
+run does not count as silence.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ class Watchdog:
         self._looked: float | None = None
 
     def ended(self, vehicle: str, now_s: float) -> None:
-        """A cycle of this vehicle ended by what it said."""
+        """Record that a line of the vehicle ended its cycle."""
         self._due[vehicle] = now_s + self._limit_s
 
     def forget(self, vehicle: str) -> None:
@@ -26,13 +26,13 @@ class Watchdog:
         self._due.pop(vehicle, None)
 
     def pass_over(self, now_s: float) -> None:
-        """Nobody could be heard since the last look: that time counts for nobody."""
+        """Skip the time since the last look, in which no line could be read."""
         own = 0.0 if self._looked is None else now_s - self._looked
         self._looked = now_s
         self._due = {vehicle: due + own for vehicle, due in self._due.items()}
 
     def overdue(self, now_s: float) -> Iterable[str]:
-        """Vehicles whose cycle is over without their having said so; from then on, one each period."""
+        """List the vehicles whose cycle is overdue without a line that ended it; from then on, one per period."""
         if self._looked is not None and now_s - self._looked > self._limit_s:
             self.pass_over(now_s)
             return []
@@ -43,5 +43,5 @@ class Watchdog:
         return found
 
     def next_s(self, now_s: float) -> float | None:
-        """How long to wait before the next look, never so long that it would seem as if this process had not run."""
+        """Return the time until the next look, short enough to notice when this process itself was not running."""
         return max(0.0, min(min(self._due.values()) - now_s, self._limit_s / 2)) if self._due else None

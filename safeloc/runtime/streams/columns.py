@@ -8,7 +8,7 @@ The file is JSON packed with xz (`xz -dc FILE | python -m json.tool`):
                "inputs": [COLUMN, ...], "fired": [...], "state": [...], "outputs": [...], "truth_mm": COLUMN}, ...]}
 
 A COLUMN is [value, count, value, count, ...] over the steps, in order of the names; null where a step does not have it
-(an absent input). `first` are the values before the first step, in order of the names of `state`. `results` are the
+(an absent input, or an absent output). `first` are the values before the first step, in order of the names of `state`. `results` are the
 ids of all results that are shown by the run, `machine` is the one that ran.
 """
 
@@ -23,8 +23,9 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.errors import SafelocError, StreamError
+from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.nodes import Value
-from safeloc.language.trace import Trace, present_inputs
+from safeloc.language.trace import Step, Trace, present_inputs
 from safeloc.runtime.outside import quoted, refuse_beyond, shortened
 from safeloc.runtime.packed import SMALL, packed, read_packed
 from safeloc.runtime.streams.files import MOST_CELLS, MOST_ROWS, existing, streaming
@@ -61,7 +62,12 @@ def runs_file(runs: Sequence[Shown]) -> bytes:
 def _row(trace: Trace, number: int) -> Sequence[Mapping[str, Cell]]:
     """A step by kind, in order of KINDS."""
     step = trace.steps[number]
-    return present_inputs(trace.system, step.inputs), step.fired, step.state, step.outputs
+    return present_inputs(trace.system, step.inputs), step.fired, step.state, _told(trace, step)
+
+
+def _told(trace: Trace, step: Step) -> Mapping[str, Cell]:
+    outputs = without_absent(step.outputs, stand_ins(trace.system))
+    return {name: value for name, value in outputs.items() if value is not None}
 
 
 def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, Cell]]]]) -> dict[str, Sequence[str]]:

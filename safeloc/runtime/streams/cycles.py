@@ -5,8 +5,8 @@ cycle 1 has its beginning too). Distances of one channel within a cycle are adde
 (safeloc.runtime.border): a record of a cycle that is over is STALE, one older than what its channel said before OUT_OF_ORDER,
 and so on. A channel of which a record was refused, or of which fewer came than expected, gives NO input in that step:
 part of its distance, or the right one of two readings, is unknown, and an absent input is what machines treat with
-care. With it goes what it is a part of (a marker whose accuracy was refused would count as accurate as any), and of two
-channels that say the same input neither is used. Nothing is sorted.
+care. The other inputs of the same reading are dropped too (a marker without its accuracy would get the default one), and
+two channels that give the same input are both ignored. Records are not sorted.
 """
 
 from __future__ import annotations
@@ -44,18 +44,18 @@ class Cycle:
         return tuple(fault.channel for fault in self.faults if fault.reason is Reason.MISSING)
 
     def as_step(self) -> Mapping[str, int | str]:
-        """Inputs and remarks, as step streams hold them."""
+        """Return inputs and remarks in the form of step streams."""
         return {**self.inputs, **self.remarks}
 
 
 class CycleBuilder:
-    """Fills one cycle after the other. What it remembers between cycles: their number, and what each channel said last.
+    """Fills one cycle after the other. It remembers the number of cycles, and the last record of each channel.
 
     begin_ms    the last instant that is too early for the open cycle
     end_ms      the last instant of the open cycle
 
     channels    ranges of machine inputs by their names (`channels_of`); what lies outside is no input
-    expected    channel -> records it makes in every cycle; one with fewer gives no input and is MISSING
+    expected    channel -> number of its records per cycle; a channel with fewer gives no input and is MISSING
     places      where an input has several names: which inputs a name stands for
     done        cycles closed before, with their `deliveries`: to go on where another builder stopped
 
@@ -86,11 +86,11 @@ class CycleBuilder:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing came in the open cycle."""
+        """True if the open cycle has no records."""
         return not self._used and not self._faults
 
     def take(self, number: int, record: Record | Unusable) -> None:
-        """One record for the open cycle; `number` is its place in the stream."""
+        """Take one record for the open cycle; `number` is its place in the stream."""
         channel = record.channel
         fault = self._fault(channel, record)
         if fault is not None:
@@ -99,11 +99,11 @@ class CycleBuilder:
             self._used.setdefault(channel, []).append(record)
 
     def refuse(self, fault: Fault) -> None:
-        """A fault that was found before: its channel gives no input in the open cycle."""
+        """Add a fault that was found before: its channel gives no input in the open cycle."""
         self._faults.append(fault)
 
     def close(self) -> Cycle:
-        """The open cycle is over; the next one is open."""
+        """End the open cycle, and begin the next one."""
         faults = [*self._faults, *self._missing()]
         doubtful = {fault.channel for fault in faults}
         totals: dict[str, Mapping[str, int | str]] = {}
@@ -136,7 +136,7 @@ class CycleBuilder:
         self.begin_ms = self.end_ms - self.period_ms if self.done else self.start_ms - 1
 
     def _contradicting(self, totals: Mapping[str, Mapping[str, int | str]]) -> list[Fault]:
-        """Of channels that say the same input, whether alike or not, all."""
+        """List all channels that give an input which another channel gives too, with equal values or not."""
         places = self._places
         said = [place for total in totals.values() for name in total for place in places(name)]
         if len(set(said)) == len(said):  # as it always should be
@@ -148,8 +148,8 @@ class CycleBuilder:
                 for place in places(name):
                     other = sayers.setdefault(place, channel)
                     if other != channel:
-                        faults.append(Fault(channel, Reason.SURPLUS, f"what {other} says too"))
-                        faults.append(Fault(other, Reason.SURPLUS, f"what {channel} says too"))
+                        faults.append(Fault(channel, Reason.SURPLUS, f"{other} gives the same input"))
+                        faults.append(Fault(other, Reason.SURPLUS, f"{channel} gives the same input"))
         return faults
 
     def _missing(self) -> Iterator[Fault]:
@@ -159,7 +159,7 @@ class CycleBuilder:
                 yield Fault(name, Reason.MISSING, f"{came} of {least}")
 
     def _fault(self, channel: str, record: Record | Unusable) -> Fault | None:
-        """When it came, whether there is room for it, and what it says; the sum of increments is judged at the end."""
+        """Check time, number and value of a record; the sum of increments is checked at the end of the cycle."""
         late = self.deliveries.late(channel, record.time_ms, None, self.end_ms, self.end_ms - self.begin_ms - 1)
         if late is not None:
             return late
@@ -182,7 +182,7 @@ def cycles(
     places: Places | None = None,
     longest_gap_ms: int = LONGEST_GAP_MS,
 ) -> Iterator[Cycle]:
-    """Steps up to the last record, none left out: a silent period gives steps without inputs.
+    """Return steps up to the last record, none left out: a silent period gives steps without inputs.
 
     channels, expected, places  as for the CycleBuilder
     longest_gap_ms              a leap of time beyond it is taken for a wrong clock: InputError
@@ -202,7 +202,7 @@ def cycles(
 
 
 def _torn(faults: Sequence[Fault], totals: Mapping[str, object]) -> list[Fault]:
-    """What would be told in part only: `front_marker` where `front_marker_accuracy_mm` was refused, and the other way."""
+    """List incomplete readings: `front_marker` if `front_marker_accuracy_mm` was refused, and the reverse."""
     refused = {fault.channel for fault in faults if fault.reason is not Reason.UNKNOWN}
     stems = [(one, one.rpartition(".")[2]) for one in refused]
     return [
@@ -214,7 +214,7 @@ def _torn(faults: Sequence[Fault], totals: Mapping[str, object]) -> list[Fault]:
 
 
 def _is_part(one: str, other: str) -> bool:
-    """Whether one of the names begins with the other: both are of one reading."""
+    """Return whether one of the names begins with the other: both belong to one reading."""
     return one == other or one.startswith(f"{other}_") or other.startswith(f"{one}_")
 
 

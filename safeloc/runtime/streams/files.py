@@ -1,4 +1,4 @@
-"""What files of records and files of steps have in common: text, lines of JSON, tables, and bounds for all of them."""
+"""Reading of text, lines of JSON and tables within bounds, for files of records and files of steps."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ Content = TypeVar("Content", bound=Sized)
 
 @contextmanager
 def streaming(path: Path) -> Iterator[None]:
-    """The rule of the border (`safeloc.runtime.outside`) for streams: every refusal is a StreamError, what nobody foresaw an
-    UnforeseenError."""
+    """Apply the rule for external input (`safeloc.runtime.outside`) to streams: a refusal is a StreamError, an unexpected
+    exception an UnforeseenError."""
     try:
         with reading(path):
             yield
@@ -42,7 +42,7 @@ def streaming(path: Path) -> Iterator[None]:
 
 
 def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[int, Content]]:
-    """The same rows; StreamError beyond `MOST_ROWS` and `MOST_CELLS`, so that what is kept of a file stays in bounds."""
+    """Return the same rows; StreamError beyond `MOST_ROWS` and `MOST_CELLS`, so that what is kept of a file stays in bounds."""
     cells = 0
     for count, (line, row) in enumerate(rows, 1):
         cells += len(row)
@@ -53,7 +53,7 @@ def bounded(path: Path, rows: Iterable[tuple[int, Content]]) -> Iterator[tuple[i
 
 
 def lines_of(path: Path) -> Iterator[tuple[int, str]]:
-    """Every line that is not blank with its number, one in memory at a time."""
+    """Return every line that is not blank with its number, one in memory at a time."""
     return ((number, text) for number, text in _lines(path) if text.strip())
 
 
@@ -62,20 +62,20 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def existing(path: Path) -> Path:
-    """The path, if it is a file."""
+    """Return the path if it is a file; StreamError otherwise."""
     if not path.is_file():
-        there = "a folder, not a file" if path.is_dir() else "no file but a device, pipe or socket"
+        there = "a folder, not a file" if path.is_dir() else "a device, pipe or socket, not a file"
         raise StreamError(f"{path}: {there if path.exists() else 'no such file'}.")
     return path
 
 
 def unknown_kind(path: Path) -> StreamError:
-    """What to raise for a suffix that says nothing."""
+    """Make the error for an unknown suffix."""
     return StreamError(f"{path}: unknown kind of file {path.suffix!r}; {FORMATS}.")
 
 
 def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
-    """One line's object. NaN and infinities come through as such: whoever knows the field refuses them."""
+    """Return one line's object. NaN and infinities come through as such: whoever knows the field refuses them."""
 
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         fields = dict(pairs)
@@ -99,7 +99,7 @@ def json_object(path: Path, line: int, text: str) -> dict[str, Any]:
 
 
 def csv_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Every row with its line in the file, the names of the columns first; StreamError for what is no table."""
+    """Return every row with its line in the file, the names of the columns first; StreamError for what is no table."""
     fed = _Fed(path)
     reader = csv.reader(fed)
     try:
@@ -139,12 +139,12 @@ class _Fed:
 
 
 def truth_value(text: str) -> bool | None:
-    """What `true` or `false` says, in any case (spreadsheets write TRUE); None for other text."""
+    """Return the truth value of `true` or `false` in any case (spreadsheets write TRUE); None for other text."""
     return {"true": True, "false": False}.get(text.lower())
 
 
 def not_finite(value: object) -> bool:
-    """Whether this is, or spells, a NaN or an infinity."""
+    """Return whether this is a NaN or an infinity, as a number or as text."""
     try:
         return isinstance(value, (float, str)) and not math.isfinite(float(value))
     except ValueError:

@@ -28,7 +28,7 @@ def is_packed(path: PurePath) -> bool:
 
 
 def kind_of(path: PurePath) -> str:
-    """Return the suffix that says what the stream is: `.jsonl` of `run.jsonl` and of `run.jsonl.gz`."""
+    """Return the suffix for the format of the stream: `.jsonl` for `run.jsonl` and for `run.jsonl.gz`."""
     within = PurePath(path.stem).suffix
     return within if is_packed(path) and within in PACKABLE else path.suffix
 

@@ -21,7 +21,7 @@ Row = dict[str, Any]
 
 
 def read_parquet(path: Path) -> tuple[list[Row], Sequence[str], Mapping[bytes, bytes]]:
-    """Rows without their empty cells, the names of all columns, and the metadata of the file.
+    """Return rows without their empty cells, the names of all columns, and the metadata of the file.
 
     StreamError for what is no Parquet file, for columns of other kinds, and for a file that is too large.
     """
@@ -48,7 +48,7 @@ def _names(path: Path, schema: Any) -> list[str]:
 
 
 def _refuse_large(path: Path, told: Any, columns: int) -> None:
-    """What the file says of itself; what it keeps silent about is counted while it is read."""
+    """Refuse a file whose metadata exceed a limit; other sizes are checked while the file is read."""
     refuse_beyond(path, columns, MOST_COLUMNS, "columns")
     refuse_beyond(path, told.num_rows, MOST_ROWS, "rows")
     refuse_beyond(path, told.num_rows * columns, MOST_CELLS, "cells")
@@ -99,7 +99,7 @@ def _cells(path: Path, pyarrow: Any, name: str, column: Any) -> list[Any]:
 def write_parquet(
     path: Path, rows: Sequence[Mapping[str, Any]], types: Mapping[str, str], metadata: Mapping[str, str] | None = None
 ) -> None:
-    """Rows as a table with these columns, each of Arrow type `int64`, `bool_` or `string`; absent cells are empty."""
+    """Write rows as a table with these columns, each of Arrow type `int64`, `bool_` or `string`; absent cells are empty."""
     pyarrow, parquet = _pyarrow(path)
     columns = [(name, getattr(pyarrow, kind)()) for name, kind in types.items()]
     try:

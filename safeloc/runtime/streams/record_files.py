@@ -58,12 +58,13 @@ _VALIDATED: Callable[[Row], Record] = RECORD.validator.validate_python
 
 
 def read_records(path: Path) -> tuple[Record, ...]:
-    """All records of a .jsonl, .ndjson, .csv (these also with .gz) or .parquet file, in order; StreamError for what is no measurement."""
+    """Return all records of a .jsonl, .ndjson, .csv (these also with .gz) or .parquet file, in order; StreamError for what
+    is no measurement."""
     return tuple(_each(path, _record))
 
 
 def read_raw(path: Path) -> tuple[Record | Unusable, ...]:
-    """The same, with `Unusable` where a device spoke but what it said is no measurement."""
+    """Read the same records, with `Unusable` for a record whose value is no measurement."""
     return tuple(_each(path, record_or_fault))
 
 
@@ -71,7 +72,7 @@ Said = TypeVar("Said")
 
 
 def _each(path: Path, read: Callable[[Row], Said]) -> Iterator[Said]:
-    """What every row says. StreamError with file and line where it says nothing, whatever the reason is."""
+    """Read every row of the file. StreamError with file and line for a row that cannot be read."""
     with streaming(path):
         for line, row in bounded(path, _rows(path)):
             yield _located(path, line, row, read)
@@ -116,10 +117,10 @@ def write_records(path: Path, records: Sequence[Record]) -> None:
 
 
 def record_or_fault(row: Row) -> Record | Unusable:
-    """What one row of any origin says; InputError where it is no record at all.
+    """Read one row of any origin as a record; InputError if it is none.
 
     A field of another kind is harmless where it is null, as writers of one flat record class have it. With a value in
-    it the row is no record: of which kind it is, and so who spoke, is not certain.
+    it the row is no record, because its kind, and so its device, is uncertain.
     """
     try:
         return _VALIDATED(_narrow(row))

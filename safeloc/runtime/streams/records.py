@@ -1,6 +1,6 @@
-"""Records: what the devices of a vehicle say, one at a time, each with the time it is valid for.
+"""Records: single measurements of a vehicle's devices, each with the time for which it is valid.
 
-Every record names its channel (who speaks) and the machine inputs it stands for:
+Every record names its channel (the device) and the machine inputs that it sets:
 
     distance  {end}_{unit}_mm                                       signed, positive towards end A
     pulses    {end}_{unit}_pulses                                   signed
@@ -8,8 +8,8 @@ Every record names its channel (who speaks) and the machine inputs it stands for
     value     its own name
     truth     the remark truth_mm, which no machine reads
 
-Records are strict: a number in quotes, a fraction, NaN or an unknown field is refused, never converted. A device that
-spoke, but said no such thing, is `Unusable`: the cycle builder takes it for a fault of its channel.
+Records are strict: a number in quotes, a fraction, NaN or an unknown field is refused, never converted. A record whose
+value is no measurement is `Unusable`: the cycle builder counts it as a fault of its channel.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, TypeAdapter
 
 from safeloc.config import Config
+from safeloc.language.units import NM_PER_MM
 from safeloc.runtime.border import Reason
 
-NM_PER_MM = 1_000_000
 End = Literal["front", "rear"]
 """The fixed ends of the vehicle: A and B, whichever way it runs."""
 
@@ -43,11 +43,11 @@ class DistanceRecord(Config):
 
     @property
     def channel(self) -> str:
-        """Who speaks."""
+        """The channel: the device that sent the record."""
         return f"{self.end}_{self.unit}"
 
     def inputs(self) -> Mapping[str, int]:
-        """The machine inputs it stands for."""
+        """Return the machine inputs it stands for."""
         return {f"{self.channel}_mm": self.step_mm}
 
 
@@ -63,11 +63,11 @@ class PulseRecord(Config):
 
     @property
     def channel(self) -> str:
-        """Who speaks."""
+        """The channel: the device that sent the record."""
         return f"{self.end}_{self.unit}"
 
     def inputs(self) -> Mapping[str, int]:
-        """The machine inputs it stands for."""
+        """Return the machine inputs it stands for."""
         return {f"{self.channel}_pulses": self.pulses}
 
 
@@ -85,11 +85,11 @@ class MarkerRecord(Config):
 
     @property
     def channel(self) -> str:
-        """Who speaks."""
+        """The channel: the device that sent the record."""
         return f"{self.end}_marker"
 
     def inputs(self) -> Mapping[str, int]:
-        """The machine inputs it stands for; what is not known is left out."""
+        """Return the machine inputs it stands for; what is not known is left out."""
         own = {"_position_mm": self.position_mm, "_accuracy_mm": self.accuracy_mm, "_since_mm": self.since_mm}
         known = {f"{self.channel}{name}": value for name, value in own.items() if value is not None}
         return {self.channel: self.marker, **known}
@@ -106,16 +106,16 @@ class ValueRecord(Config):
 
     @property
     def channel(self) -> str:
-        """Who speaks."""
+        """The channel: the device that sent the record."""
         return self.name
 
     def inputs(self) -> Mapping[str, int | str]:
-        """The machine input it stands for."""
+        """Return the machine input it stands for."""
         return {self.name: self.value}
 
 
 class TruthRecord(Config):
-    """Where end A of the vehicle really was: known to simulations and survey, never to a machine."""
+    """The true position of end A: known to simulations and survey, never to a machine."""
 
     is_increment: ClassVar[bool] = False
     kind: Literal["truth"] = "truth"
@@ -124,7 +124,7 @@ class TruthRecord(Config):
 
     @property
     def channel(self) -> str:
-        """Who speaks."""
+        """The channel: the device that sent the record."""
         return "truth"
 
     def inputs(self) -> Mapping[str, int]:
@@ -143,7 +143,7 @@ RECORD: TypeAdapter[Record] = TypeAdapter(Annotated[Record, Field(discriminator=
 
 @dataclass(frozen=True)
 class Unusable:
-    """What a device said at this time is no measurement, and why."""
+    """A record without a usable measurement, with the reason."""
 
     time_ms: int
     channel: str

@@ -1,7 +1,7 @@
 """Step streams: the inputs of a machine, one mapping a step. What `replay` reads and what traces are saved as.
 
 JSONL     optional first line {"schema": "safeloc-stream/1", "machine": ..., "first": {...}, "kept": [...]}, then one object
-          a step; an input named in `kept` stands in a step only where it is not what it was in the step before
+          a step; a step contains an input named in `kept` only if it changed since the step before
 CSV       one column an input; an empty cell is an absent input; `true` and `false` are truth values, also TRUE and FALSE
 Parquet   one column an input, whole numbers, truth values or text; an empty cell is an absent input; the object of
           JSONL's first line may stand in the file's metadata under `safeloc`

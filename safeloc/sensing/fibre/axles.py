@@ -69,7 +69,7 @@ class Counter:
         self._counts: deque[int] = deque(maxlen=config.counting.agree)
 
     def follow(self, time_ms: float, middle_mm: float, length_mm: float, speed_mm_s: float, energy: Single) -> None:
-        """One window: where the middle is, how long between the outermost axles, how fast (signed), all as measured."""
+        """Process one window: place of the middle, length between the outermost axles, speed (signed), all as measured."""
         if abs(speed_mm_s) < SLOWEST_MM_S or (self._moments and self._turned(middle_mm, speed_mm_s)):
             self._start_again()
         if abs(speed_mm_s) < SLOWEST_MM_S:
@@ -118,7 +118,7 @@ class Counter:
             self._moments.popleft()
 
     def _middles(self) -> Numbers:
-        """Where the middle was at every moment kept, freed of single windows' errors."""
+        """Return the middle at every stored moment, smoothed over the errors of single windows."""
         time = np.array([one.time_ms - self._moments[-1].time_ms for one in self._moments]) / 1_000
         middle = np.array([one.middle_mm for one in self._moments])
         if len(time) <= DEGREE:
@@ -157,7 +157,7 @@ def _added(profile: Numbers, course: Numbers) -> Numbers:
 
 
 def clusters(profile: Numbers, config: FibreConfig) -> int:
-    """Clusters of axles in a profile over distance: tops with a dip beside them, in proportion to their own height.
+    """Return clusters of axles in a profile over distance: tops with a dip beside them, in proportion to their own height.
 
     A locomotive is louder than its coaches: what counts is a top's own dip, and that it is no mere ripple beside most tops.
     """

@@ -12,8 +12,9 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from safeloc.language.units import MS_PER_S
 from safeloc.runtime.border import Deliveries, Raw, Reason
-from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.figures import FibreConfig
 
 Single = NDArray[np.float32]
 TIME_SLACK_MS = 2
@@ -65,7 +66,7 @@ class Content:
 
 
 def admitted(config: FibreConfig, block: FibreBlock) -> Content | NoFibre:
-    """The block's arrays, or why they cannot be used. Whether they are finite shows in their energy."""
+    """Return the block's arrays, or the reason why they cannot be used. Their energy shows whether they are finite."""
     rate = block.phase_rate
     if not isinstance(rate, np.ndarray) or rate.dtype not in (np.float32, np.float64):
         return NoFibre(Reason.WRONG_TYPE, str(getattr(rate, "dtype", type(rate).__name__)))
@@ -92,9 +93,9 @@ def _intensity(given: object, channels: int) -> Single | NoFibre | None:
 
 
 def unusable(config: FibreConfig, energy: Single) -> NoFibre | None:
-    """Whether the energies [windows, channels] tell of frames that are not finite, or of a silent interrogator.
+    """Detect frames that are not finite, or a silent interrogator, from the energies [windows, channels].
 
-    Every frame has a weight in every energy, and NaN and infinity stay what they are in sums.
+    Every frame has a weight in every energy, and NaN and infinity stay NaN or infinite in sums.
     """
     if not np.isfinite(energy).all():
         return NoFibre(Reason.NOT_FINITE, f"{int((~np.isfinite(energy)).any(axis=0).sum())} channels")
@@ -130,7 +131,7 @@ class Order:
         return NoFibre(Refusal.GAP, f"number {before[0]} to {block.sequence}, {late_ms:+.0f} ms")
 
     def broken(self) -> None:
-        """What comes next joins nothing that was used."""
+        """Mark a break: the next block does not continue an earlier one."""
         self._joins = None
 
     def changes(self, energy: Single) -> NoFibre | None:

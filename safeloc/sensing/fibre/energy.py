@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import EngineError
-from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig, tones_hz
+from safeloc.language.units import MS_PER_S
+from safeloc.sensing.fibre.figures import FibreConfig, tones_hz
 
 try:
     from scipy.signal import windows
@@ -71,7 +72,7 @@ class Smoother:
         self._before: Single | None = None
 
     def reset(self) -> None:
-        """The next window begins anew."""
+        """Start the next window from zero."""
         self._before = None
 
     def smooth(self, energy: Single) -> Single:

@@ -1,4 +1,4 @@
-"""What leaves the fibre front end: frozen, in whole numbers, every bound outward."""
+"""Outputs of the fibre front end: frozen, in whole numbers, with all bounds rounded outward."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Bounds:
 
     @classmethod
     def outward(cls, interval: Interval) -> Bounds:
-        """The smallest whole bounds around exact ones."""
+        """Return the smallest whole bounds around exact ones."""
         return cls(math.floor(interval.low), math.ceil(interval.high))
 
 
@@ -106,7 +106,7 @@ class TrainSeen:
 
 
 class Trouble(Enum):
-    """What is wrong with the fibre itself while trains can still be told."""
+    """Faults of the fibre itself that still allow trains to be detected."""
 
     END_REFLECTS = "the fibre's end is not absorbed: mirrored trains are possible"
     POINT_MISSING = "a known reflecting point was not found, or not clearly"

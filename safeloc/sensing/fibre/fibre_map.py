@@ -45,12 +45,12 @@ class FibreMap:
         return path + (fibre_mm - fibre) * Fraction(further - path, later - fibre)
 
     def on_track(self, fibre: Interval) -> Interval:
-        """Bounds along the path of a place with bounds on the fibre."""
+        """Return bounds along the path of a place with bounds on the fibre."""
         return Interval(self.path_mm(fibre.low), self.path_mm(fibre.high)).widened(self.error_mm)
 
 
 def from_line(fibre: Fibre, error_mm: int = 5_000) -> FibreMap:
-    """The map of a line's fibre (safeloc.railway.map)."""
+    """Return the map of a line's fibre (safeloc.railway.map)."""
     return FibreMap(tuple((point.fibre_mm, _along(point, fibre)) for point in fibre.map_points), error_mm)
 
 
@@ -69,7 +69,7 @@ def _holds(stretch: Stretch, position_mm: int) -> bool:
 
 
 def one_to_one(fibre_mm: int, error_mm: int = 0) -> FibreMap:
-    """A cable without slack."""
+    """Return a cable without slack."""
     return FibreMap(((0, 0), (fibre_mm, fibre_mm)), error_mm)
 
 

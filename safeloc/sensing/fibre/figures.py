@@ -14,11 +14,11 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
+from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.time_of_flight import most_pulses_hz, speed_mm_s
 from safeloc.sensing.figures import LIGHT_MM_S, MILLION
 
 HALVES_OF_NS_PER_S = 2 * 10**9
-MS_PER_S = 1_000
 SILENT_BITS = 4
 KM = 1_000_000
 
@@ -105,7 +105,7 @@ class Band(Config):
 
 
 class Detection(Config):
-    """When fibre counts as shaken by a train, and how far a train may be from where it shakes."""
+    """Thresholds for fibre that a train shakes, and the largest distance of the train from the shaken fibre."""
 
     threshold_cdb: int = quantity(900, "cdB", 300, 3_000, "[D] over the channel's own quiet: e^-20 a window")
     average_windows: int = quantity(3, "windows", 1, 20, "[D] 150 ms: energies of so many windows are averaged")
@@ -135,7 +135,7 @@ class Detection(Config):
 
 
 class Sections(Config):
-    """When the amplitude of a pattern rises or falls (FWG-1, FWG-8): against what it was before, with hysteresis."""
+    """Thresholds for a rise or fall of a pattern's amplitude (FWG-1, FWG-8), against its earlier value, with hysteresis."""
 
     change_cdb: int = quantity(
         700, "cdB", 100, 4_000, "[D] a section changes 12 dB, coupling 2 dB a standard deviation"
@@ -160,7 +160,7 @@ class Sections(Config):
 
 
 class Counting(Config):
-    """When bogies count as counted."""
+    """Conditions for a valid count of bogies."""
 
     bin_mm: int = quantity(1_000, "mm", 100, 10_000, "[D] resolution of the train's profile")
     run_mm: int = quantity(300_000, "mm", 10_000, 10_000_000, "[D] run over which one profile is gathered")
@@ -178,7 +178,7 @@ class Emitter(Config):
 
 
 class Emission(Config):
-    """How emitters sound. ValueError where a pattern could be taken for another."""
+    """Sound patterns of emitters. ValueError if two patterns could be confused."""
 
     tone_hz: int = quantity(240, "Hz", 1, 20_000, "[M] above the band of trains")
     bit_windows: int = quantity(4, "windows", 2, 100, "[D] 0.2 s a bit")
@@ -231,7 +231,7 @@ class PointPlace(Config):
 
 
 class Reflections(Config):
-    """When light counts as reflected rather than scattered."""
+    """Thresholds for reflected light, as opposed to scattered light."""
 
     over_cdb: int = quantity(1_500, "cdB", 300, 6_000, "[D] over the median around: scatter alone e^-22 a channel")
     window_mm: int = quantity(300_000, "mm", 20_000, 10_000_000, "[D] channels around")
@@ -295,7 +295,7 @@ class FibreConfig(Config):
 
 
 def tones_hz(config: FibreConfig) -> list[float]:
-    """Tones that a Hann window resolves whose main lobes (two cells either side) lie in the band."""
+    """Return tones that a Hann window resolves whose main lobes (two cells either side) lie in the band."""
     cell = config.interrogator.frame_hz / config.band.window_frames
     first, last = math.ceil(config.band.low_hz / cell + 1), math.floor(config.band.high_hz / cell - 1)
     return [number * cell for number in range(first, last + 1)]

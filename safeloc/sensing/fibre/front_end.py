@@ -33,7 +33,7 @@ TINY = np.float32(np.finfo(np.float32).tiny)
 
 @dataclass(frozen=True)
 class _Watch:
-    """What is kept for one track beside its course."""
+    """Data of one track besides its course."""
 
     counter: Counter
     signaller: Signaller
@@ -65,7 +65,7 @@ class FrontEnd:
         self._disturbed_until_ms: int | None = None
 
     def receive(self, block: FibreBlock | None, now_ms: int) -> Outcome:
-        """What was delivered for this cycle; None: nothing. A refusal ends all tracks: what was followed is lost."""
+        """Process the block of this cycle; None: nothing was delivered. A refusal ends all tracks."""
         outcome = NoFibre(Reason.MISSING) if block is None else self._read(block, now_ms)
         if isinstance(outcome, NoFibre):
             self._forget(keep_order=outcome.reason in (Refusal.DISTURBED, Refusal.LEARNING))
@@ -215,5 +215,5 @@ def _troubles(light: Reflections | None) -> tuple[tuple[Trouble, ...], tuple[str
 
 
 def read_all(blocks: Sequence[FibreBlock], front: FrontEnd) -> list[Outcome]:
-    """Blocks of a recording, each taken at its own time."""
+    """Return blocks of a recording, each taken at its own time."""
     return [front.receive(block, block.time_ms) for block in blocks]

@@ -1,9 +1,9 @@
-"""What an HDF5 file says it holds, looked through before anybody reads it: how much, whose, and no code.
+"""Inspection of an HDF5 file before it is read: sizes, links to other files, and pickled code.
 
 A few kilobytes can declare terabytes: an array of zeros packs to a thousandth, and one that was never written takes no
-room at all. And readers built on PyTables (dascore is one) run what stands in attributes as Python pickles. So a file is
-refused, before any of its arrays is read, if it holds more than we read, far more than was stored, data of other files,
-or a pickle that names anything but numpy's own numbers.
+space at all. Readers built on PyTables (such as dascore) execute attributes that are Python pickles. So a file is refused,
+before any of its arrays is read, if it holds more than we read, far more than was stored, data of other files, or a pickle
+that names anything but numpy's own numbers.
 
 Reading is bounded so, not the HDF5 library itself: it opens what is damaged as well as it can.
 """
@@ -77,7 +77,7 @@ def require_harmless(path: Path, largest: int) -> None:
 
 @dataclass
 class _Looked:
-    """What was seen so far of one file."""
+    """The state of the inspection of one file."""
 
     path: Path
     library: Any
@@ -170,7 +170,8 @@ def _bytes_in(value: object) -> list[bytes]:
 
 
 def _names_of_pickle(text: bytes) -> Iterator[str]:
-    """What a pickle would have looked up, numbers left out: up to where it is none, for as far it would be run."""
+    """List the names that a pickle would import, except numbers, up to its first invalid code, since it would run that
+    far."""
     try:
         for code, argument, _ in pickletools.genops(text):
             if code.name == "GLOBAL" and tuple(str(argument).split(" ", 1)) not in NUMBERS:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.features import Bounds, End
 from safeloc.sensing.fibre.fibre_map import FibreMap
-from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.reflections import Reflections, coincident
 from safeloc.sensing.fibre.time_of_flight import bounds_mm, time_ps
 from safeloc.sensing.fibre.tracks import Fit
@@ -16,7 +17,7 @@ HALF = Fraction(1, 2)
 
 
 def at_last_frame(fit: Fit, config: FibreConfig) -> Fit:
-    """The course later by half of the windows averaged: energies belong to their middle."""
+    """Return the course later by half of the windows averaged: energies belong to their middle."""
     run = fit.speed_mm_s * config.window_ms * config.detection.average_windows / MS_PER_S / 2
     return Fit(
         fit.low_mm + run,
@@ -32,7 +33,7 @@ def at_last_frame(fit: Fit, config: FibreConfig) -> Fit:
 def end(
     place_mm: float, off_mm: float, outward: int, config: FibreConfig, where: FibreMap, light: Reflections | None
 ) -> End:
-    """A train's end from its outermost axle's measured place; `outward` +1 or -1 is where the vehicle goes on."""
+    """Return a train's end from its outermost axle's measured place; `outward` +1 or -1 is where the vehicle goes on."""
     measured = _measured(place_mm, off_mm, outward, config)
     index = config.interrogator.index_ppm
     flight = Interval(time_ps(measured.low, index), time_ps(measured.high, index)).widened(

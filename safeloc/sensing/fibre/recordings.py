@@ -16,20 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import EngineError, InputError, StreamError
+from safeloc.language.units import MM_PER_M, MS_PER_S
 from safeloc.runtime.outside import refuse_beyond, shortened, shown
 from safeloc.runtime.streams.files import existing, streaming
 from safeloc.sensing.fibre.blocks import FibreBlock
-from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.hdf5_contents import require_harmless
 
-MM_PER_M = 1_000
 LARGEST_RECORDING = 4_000_000_000
 """Bytes: an hour of a thousand channels, 1000 times a second as 8-bit numbers. Cut longer ones; blocks are judged alone."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What was recorded, and at what rate and spacing (None: the file does not tell)."""
+    """A recording, with its rate and spacing (None: unknown)."""
 
     frames: NDArray[np.float32]
     frame_hz: float | None
@@ -37,7 +37,7 @@ class Recording:
 
 
 def read_array(path: Path, *, name: str = "data", channels_first: bool = False) -> Recording:
-    """An array from `.npy`, or `name` from `.npz` with `scale`, `fs_hz` and `dx_m` where they are; no pickles.
+    """Read an array from `.npy`, or `name` from `.npz` with `scale`, `fs_hz` and `dx_m` where they are; no pickles.
 
     Whole numbers are taken times `scale`, which they need. StreamError for anything that is not two axes of numbers.
     """
@@ -86,7 +86,7 @@ def _recording(path: Path, data: object, told: dict[str, float], channels_first:
 
 
 def read_das(path: Path) -> Recording:
-    """An HDF5 file in a form that dascore knows. EngineError without dascore; StreamError when it cannot read the file.
+    """Read an HDF5 file in a form that dascore knows. EngineError without dascore; StreamError when it cannot read the file.
 
     No other kind of file: dascore tells kinds apart by trying, and one of those it tries is the pickle, which is code.
     """
@@ -120,7 +120,7 @@ def _of_patch(path: Path, patch: Any) -> Recording:
 
 
 def blocks(recording: Recording, config: FibreConfig, first_ms: int = 0) -> Iterator[FibreBlock]:
-    """The recording cut into blocks; what is left over at the end makes none.
+    """Return the recording cut into blocks; what is left over at the end makes none.
 
     InputError where rate, spacing or number of channels are not those of the configuration.
     """

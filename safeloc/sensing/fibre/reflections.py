@@ -26,9 +26,9 @@ DARK = 1 / 1_000
 
 @dataclass(frozen=True)
 class Reflections:
-    """What the light tells.
+    """Findings from reflected light.
 
-    seen      reflecting point -> where it was measured, mm of fibre (middle of the lit piece)
+    seen      reflecting point -> its measured place, mm of fibre (middle of the lit piece)
     missing   points that were not found, or not clearly
     end_reflects   the end sends light back: no absorber
     dark_percent   share of channels in dark stretches of three and more, in percent

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from safeloc.language.units import MS_PER_S
 from safeloc.sensing.fibre.features import Bounds, TrainSeen
-from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.sensing.fibre.figures import FibreConfig
 
 DRAWN_PERCENT = 5
 """Share of the difference between run and place that one block takes away [D]: the least error over simulated trains."""

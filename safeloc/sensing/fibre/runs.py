@@ -71,7 +71,7 @@ def _run(ratio: Single, channels: NDArray[np.intp], config: FibreConfig) -> Run:
 
 
 def _edge(ratio: Single, config: FibreConfig) -> float:
-    """How far inward of the last channel's middle the axle stands, in mm; `ratio` from that end on."""
+    """Return the distance of the axle inward from the last channel's middle, in mm; `ratio` begins at that end."""
     detection, inter = config.detection, config.interrogator
     threshold = 10 ** (detection.threshold_cdb / 1_000)
     level = max(float(np.sort(ratio)[int(LEVEL_SHARE * len(ratio))]), threshold)

@@ -26,14 +26,14 @@ CDB_PER_DECADE = 1_000
 
 
 class Effect(Enum):
-    """What a section does to the amplitude."""
+    """The effect of a section on the amplitude."""
 
     RAISES = "raises"
     LOWERS = "lowers"
 
 
 class Edge(Enum):
-    """What the amplitude did."""
+    """A change of the amplitude."""
 
     RISE = "rise"
     FALL = "fall"
@@ -69,7 +69,7 @@ class Watcher:
         self._entered_mm = self._towards = 0.0
 
     def follow(self, place_mm: float, amplitude_cdb: float) -> Change | None:
-        """The end's place along the fibre and the amplitude of the pattern there."""
+        """Follow the end's place along the fibre and the amplitude of the pattern there; return a change."""
         self._recent.append(amplitude_cdb)
         level = median(self._recent)
         normal = self._level_of_normal()

@@ -25,7 +25,7 @@ class Signaller:
         self._made: list[SectionSignal] = []
 
     def follow(self, run: Run, fit: Fit, energy: Single, time_ms: float, faded: Mask | None) -> None:
-        """One window: the train's run and course, every channel's energy, and the channels that mean nothing."""
+        """Process one window: the train's run and course, every channel's energy, and the channels without meaning."""
         for side, place, off, cut in (
             (-1, fit.low_mm, fit.off_low_mm, run.cut_low),
             (1, fit.high_mm, fit.off_high_mm, run.cut_high),
@@ -45,7 +45,7 @@ class Signaller:
         return None if change is None else round(change)
 
     def taken(self) -> tuple[SectionSignal, ...]:
-        """All since the last call."""
+        """Return all since the last call."""
         made, self._made = tuple(self._made), []
         return made
 
@@ -70,7 +70,7 @@ class Signaller:
         return Bounds.outward(Interval(max(found.low, 0), found.high))
 
     def _near(self, effect: Effect, se: Bounds) -> str | None:
-        """Which section it can only be, if times of flight are right within the search distance."""
+        """Return the only possible section within the search distance, if times of flight are right; else None."""
         search = self._config.sections.search_mm
         near = [
             one.id

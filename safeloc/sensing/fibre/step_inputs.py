@@ -10,7 +10,7 @@ StepValues = dict[str, int]
 
 
 def step_inputs(now: End | None, before: End | None, point_path_mm: Mapping[str, int]) -> StepValues:
-    """Inputs by name; what is not known is absent. `before`: the same end of the same track a cycle ago.
+    """Return inputs by name; what is not known is absent. `before`: the same end of the same track a cycle ago.
 
     amplitude_cdb         over normal
     run_mm                along the track since the cycle before: what is common to both, index and map, nearly cancels

@@ -18,26 +18,26 @@ PS_PER_S = 10**12
 
 
 def speed_mm_s(index_ppm: int) -> Fraction:
-    """Speed of light in a fibre whose index of refraction is given in millionths."""
+    """Return the speed of light in a fibre whose index of refraction is given in millionths."""
     if index_ppm <= MILLION:
         raise InputError(f"an index of refraction of {index_ppm} ppm is not above that of vacuum (1000000 ppm).")
     return Fraction(LIGHT_MM_S * MILLION, index_ppm)
 
 
 def distance_mm(time_ps: Exact, index_ppm: int) -> Fraction:
-    """Length of fibre to the place that a pattern came from, `time_ps` after its pulse was sent."""
+    """Return the length of fibre to the place that a pattern came from, `time_ps` after its pulse was sent."""
     if time_ps < 0:
         raise InputError(f"a pattern cannot come {-time_ps} ps before its pulse.")
     return Fraction(time_ps) * speed_mm_s(index_ppm) / (2 * PS_PER_S)
 
 
 def time_ps(distance: Exact, index_ppm: int) -> Fraction:
-    """How long after its pulse a pattern comes from `distance` mm of fibre away."""
+    """Return the delay between a pulse and its pattern from `distance` mm of fibre away."""
     return Fraction(distance) * 2 * PS_PER_S / speed_mm_s(index_ppm)
 
 
 def bounds_mm(time: Interval, index_ppm: int, index_error_ppm: int) -> Interval:
-    """Bounds of the distance (Se) when the time lies in `time` (ps) and the index is off by at most so many ppm of it."""
+    """Return bounds of the distance (Se) when the time lies in `time` (ps) and the index is off by at most so many ppm of it."""
     error = Fraction(index_error_ppm, MILLION)
     near, far = distance_mm(max(time.low, 0), index_ppm), distance_mm(max(time.high, 0), index_ppm)
     return Interval(near / (1 + error), far / (1 - error))

@@ -15,7 +15,8 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.sensing.fibre.figures import MS_PER_S, FibreConfig
+from safeloc.language.units import MS_PER_S
+from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.runs import Run
 
 LEAST_POINTS = 8
@@ -64,7 +65,7 @@ class Track:
     confirmed: bool = False
 
     def add(self, time_ms: float, run: Run) -> None:
-        """The run that continues it."""
+        """Continue the track with this run."""
         if not self.seen:
             self.born_ms, self.first_mm = time_ms, (run.low_mm + run.high_mm) / HALF
         self.seen.append(Seen(time_ms, run))
@@ -77,7 +78,7 @@ class Track:
         return self.seen[-1].run
 
     def fit(self) -> Fit | None:
-        """The course over what is kept; None before there is enough."""
+        """Return the course over what is kept; None before there is enough."""
         if len(self.seen) < LEAST_POINTS:
             return None
         time = np.array([one.time_ms - self.seen[-1].time_ms for one in self.seen]) / MS_PER_S
@@ -186,7 +187,7 @@ class Follower:
         return dropped
 
     def _continues(self, track: Track, run: Run, time_ms: float) -> bool:
-        """Whether the run overlaps where the track can have got to since it was seen."""
+        """Return whether the run overlaps the places that the track can have reached since it was last seen."""
         before, since_ms = track.last, time_ms - track.seen[-1].time_ms
         slack = self._fastest_mm_s * since_ms / MS_PER_S + self._channel_mm
         low, high = before.first * self._channel_mm - slack, before.last * self._channel_mm + slack

@@ -27,7 +27,7 @@ Row = dict[str, str]
 
 
 def read_android(path: Path) -> list[Epoch]:
-    """All epochs. Rows without code lock or time of week are left out. StreamError names the file; NMEA is refused."""
+    """Return all epochs. Rows without code lock or time of week are left out. StreamError names the file; NMEA is refused."""
     with reading_file(path, path.name):
         return _epochs(log_lines(path, "utf-8"), path)
 

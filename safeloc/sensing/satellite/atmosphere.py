@@ -19,7 +19,7 @@ class Klobuchar:
     beta: Four
 
     def delay_m(self, place: Place, elevation_rad: float, azimuth_rad: float, time_s: float) -> float:
-        """Delay on L1 in metres. The model takes away about half of the real delay (IS-GPS-200)."""
+        """Return the delay on L1 in metres. The model takes away about half of the real delay (IS-GPS-200)."""
         height = elevation_rad / math.pi
         angle = 0.0137 / (height + 0.11) - 0.022
         latitude = max(-0.416, min(0.416, place.latitude_rad / math.pi + angle * math.cos(azimuth_rad)))

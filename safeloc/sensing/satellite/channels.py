@@ -22,7 +22,7 @@ ChannelValues = dict[str, int | bool]
 
 
 def identity(satellite: str) -> int:
-    """A whole number for a satellite named as in RINEX: G05 is 5, E05 is 205. InputError for another name."""
+    """Return a whole number for a satellite named as in RINEX: G05 is 5, E05 is 205. InputError for another name."""
     number = satellite[1:]
     if (
         satellite[:1] not in tuple(CONSTELLATIONS)
@@ -34,7 +34,7 @@ def identity(satellite: str) -> int:
 
 
 def satellite_name(number: int) -> str:
-    """The name of an identity: 205 is E05. InputError for a number that is no identity."""
+    """Return the name of an identity: 205 is E05. InputError for a number that is no identity."""
     constellation, own = divmod(number, 100)
     if number < 1 or own == 0 or constellation >= len(CONSTELLATIONS):
         raise InputError(f"{number} is no identity of a satellite.")
@@ -66,11 +66,11 @@ class Channels:
         self._windows: dict[str, tuple[Window, Window]] = {}
 
     def hear(self, visible: Set[str], valid: Set[str], looks: Sequence[Residuals]) -> Heard:
-        """What is compared of the visible satellites (LSV).
+        """Return the channel inputs for the visible satellites (LSV).
 
         valid   those with a valid ephemeris
-        looks   residuals on every possible portion of track; none where nothing was predicted. Of several the greatest
-                difference counts: a satellite is kept only if it fits on each.
+        looks   residuals on every possible portion of track; none without a prediction. Of several the greatest difference
+                counts: a satellite stays only if it fits on each.
         """
         unheard = self._seat(visible)
         faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in unheard]

@@ -16,7 +16,7 @@ from safeloc.errors import InputError
 
 
 def common_part(differences: Mapping[str, float]) -> float:
-    """Median of measured minus predicted over the satellites of one epoch. InputError when none or not finite."""
+    """Return the median of measured minus predicted over the satellites of one epoch. InputError when none or not finite."""
     if not differences:
         raise InputError("no satellite in this epoch: the receiver's clock cannot be taken off; declare no values.")
     wrong = [name for name, value in differences.items() if not math.isfinite(value)]
@@ -26,16 +26,16 @@ def common_part(differences: Mapping[str, float]) -> float:
 
 
 def without_clock(differences: Mapping[str, float]) -> dict[str, float]:
-    """The same differences without the common part of their constellation, named by the first letter."""
+    """Return the same differences without the common part of their constellation, named by the first letter."""
     common = {system: common_part(of_constellation(differences, system)) for system in constellations(differences)}
     return {name: value - common[name[0]] for name, value in differences.items()}
 
 
 def constellations(satellites: Iterable[str]) -> list[str]:
-    """The constellations of these satellites: each keeps a time of its own, and so has a clock term of its own."""
+    """Return the constellations of these satellites: each keeps a time of its own, and so has a clock term of its own."""
     return sorted({name[0] for name in satellites})
 
 
 def of_constellation(differences: Mapping[str, float], system: str) -> dict[str, float]:
-    """Those of one constellation."""
+    """Return the values of one constellation."""
     return {name: value for name, value in differences.items() if name[0] == system}

@@ -60,7 +60,7 @@ class Ephemeris:
 
 
 def usable(ephemerides: Iterable[Ephemeris], satellite: str, time_s: float) -> Ephemeris | None:
-    """The valid ephemeris of a satellite nearest in time; None when every one has expired: no prediction then.
+    """Return the valid ephemeris of a satellite nearest in time; None when every one has expired: no prediction then.
 
     An ephemeris sent after the time asked for is taken too: recordings are distributed that way.
     """

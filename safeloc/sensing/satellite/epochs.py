@@ -1,4 +1,4 @@
-"""What a receiver measured in one epoch, and the order epochs must come in."""
+"""Measurements of a receiver in one epoch, and the required order of epochs."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ class Measured:
         return self.pseudorange_m is not None and self.rate_m_per_s is not None
 
     def code(self) -> float:
-        """The pseudorange in m. InputError where the receiver gave none."""
+        """Return the pseudorange in m. InputError where the receiver gave none."""
         return _given(self.pseudorange_m, "pseudorange")
 
     def rate(self) -> float:
-        """The range rate in m/s. InputError where the receiver gave none."""
+        """Return the range rate in m/s. InputError where the receiver gave none."""
         return _given(self.rate_m_per_s, "range rate")
 
 
@@ -59,7 +59,7 @@ class Row:
 
 
 def received(time_s: object, rows: Iterable[Row]) -> tuple[Epoch | None, tuple[Fault, ...]]:
-    """An epoch at the border: what is faulty in it is left out and named. None without a time that is a number.
+    """Return an epoch at the border: what is faulty in it is left out and named. None without a time that is a number.
 
     A satellite that is told twice has no values; a value that is not finite or no number is not measured.
     """
@@ -95,7 +95,7 @@ def _admitted(name: str, value: object, faults: list[Fault]) -> float | None:
 
 
 def in_order(epochs: Iterable[Epoch]) -> Iterator[Epoch]:
-    """The same epochs. InputError at the first one that is not later than the one before."""
+    """Return the same epochs. InputError at the first one that is not later than the one before."""
     last = -math.inf
     for epoch in epochs:
         if not epoch.time_s > last:

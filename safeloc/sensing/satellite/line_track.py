@@ -42,7 +42,7 @@ class LineTrack:
         self._start_height_m = start_height_m
 
     def portions(self, low_m: float, high_m: float) -> list[Portion]:
-        """The courses that a vehicle between the two distances may be on: as many as there are ways that differ there."""
+        """Return the courses that a vehicle between the two distances may be on: as many as there are ways that differ there."""
         found: dict[tuple[Run, ...], Portion] = {}
         for route, portion in zip(self.routes, self._portions, strict=True):
             found.setdefault(tuple(_runs_between(route, low_m * MM, high_m * MM)), portion)
@@ -110,7 +110,7 @@ class _Course:
         return [(reached[n] / total * edge.length_mm, degrees[n]) for n in kept]
 
     def _climb_m(self, route: Route, run: Run, to_mm: float) -> float:
-        """How much higher the track is so far into a run than where the run begins."""
+        """Return the rise of the track from the start of a run to this distance."""
         length = route.topology.length_mm(run)
         low, high = sorted((_position(run, length, 0), _position(run, length, to_mm)))
         rises = (_rise_mm(one, low, high) for one in self._gradients.get(run.edge, ()))

@@ -12,7 +12,8 @@ MOST_LINES = 10_000_000
 
 
 def log_lines(path: Path, encoding: str = "ascii") -> list[str]:
-    """All lines. What is not of the encoding shows as a sign that no number has; InputError for a log that is too large."""
+    """Return all lines. What is not of the encoding shows as a sign that no number has; InputError for a log that is too
+    large."""
     data = read_bytes(path, LARGEST_LOG)
     refuse_beyond(path, data.count(b"\n") + data.count(b"\r"), MOST_LINES, "lines")
     return data.decode(encoding, errors="replace").splitlines()

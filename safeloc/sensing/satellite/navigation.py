@@ -31,7 +31,7 @@ class Navigation:
     ionosphere: Klobuchar | None
 
     def valid(self, satellite: str, time_s: float) -> Ephemeris | None:
-        """The valid ephemeris nearest in time; None when every one has expired: no prediction then (SAT-D1)."""
+        """Return the valid ephemeris nearest in time; None when every one has expired: no prediction then (SAT-D1)."""
         return usable(self._of.get(satellite, ()), satellite, time_s)
 
     @cached_property
@@ -43,7 +43,7 @@ class Navigation:
 
 
 def read_navigation(path: Path) -> Navigation:
-    """All GPS, QZSS and Galileo records. StreamError names file and line."""
+    """Return all GPS, QZSS and Galileo records. StreamError names file and line."""
     with reading_file(path, path.name):
         return _navigation(log_lines(path), path)
 

@@ -20,7 +20,7 @@ _SIGNALS = {"G": ("1C",), "J": ("1C",), "E": ("1C", "1X", "1B")}
 
 
 def read_observations(path: Path) -> list[Epoch]:
-    """All epochs with the satellites of each. StreamError names file and line; NMEA is refused.
+    """Return all epochs with the satellites of each. StreamError names file and line; NMEA is refused.
 
     InputError for epochs out of order or repeated.
     """

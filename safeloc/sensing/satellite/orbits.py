@@ -34,7 +34,7 @@ class SatelliteState:
 
 
 def satellite_state(ephemeris: Ephemeris, time_s: float) -> SatelliteState:
-    """State at a GPS time. The velocity is a central difference over 1 s, true to 0.01 mm/s.
+    """Return the state at a GPS time. The velocity is a central difference over 1 s, true to 0.01 mm/s.
 
     The clock has relativity and the L1 group delay in it. InputError outside the window of validity (SAT-D1).
     """

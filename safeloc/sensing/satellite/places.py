@@ -55,7 +55,7 @@ class Place:
         )
 
     def elevation_azimuth_rad(self, direction: Vector) -> tuple[float, float]:
-        """Elevation and azimuth (clockwise from north) of an Earth-fixed unit vector."""
+        """Return the elevation and azimuth (clockwise from north) of an Earth-fixed unit vector."""
         x, y, z = direction
         sin_lat, cos_lat = math.sin(self.latitude_rad), math.cos(self.latitude_rad)
         outward = math.cos(self.longitude_rad) * x + math.sin(self.longitude_rad) * y

@@ -27,14 +27,14 @@ class Predicted:
 
 
 def rate_of_doppler(doppler_hz: float, wavelength_m: float = L1_WAVELENGTH_M) -> float:
-    """Range rate in m/s of a Doppler as RINEX gives it: positive when the satellite approaches."""
+    """Return the range rate in m/s of a Doppler as RINEX gives it: positive when the satellite approaches."""
     return -wavelength_m * doppler_hz
 
 
 def predicted(
     ephemeris: Ephemeris, received_s: float, place: Place, velocity_m_per_s: Vector, ionosphere: Klobuchar | None
 ) -> Predicted:
-    """What the satellite's signal should show at this GPS time of reception (true time: the clock's bias taken off).
+    """Predict the satellite's signal at this GPS time of reception (true time, without the clock's bias).
 
     One microsecond of clock error left in the time costs below 1 mm. InputError for an ephemeris that has expired,
     and a velocity that is not finite. Below the horizon no delay of the air is counted: mask low satellites.

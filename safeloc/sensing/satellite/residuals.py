@@ -36,7 +36,7 @@ class Residuals:
 
 
 def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation) -> Residuals:
-    """Residuals against the estimated state E*(t) alone (SAT-1), the state being that at the receiver's time.
+    """Return residuals against the estimated state E*(t) alone (SAT-1), the state being that at the receiver's time.
 
     The clock of each constellation is found by itself. What was not measured of a satellite has no residual.
     """

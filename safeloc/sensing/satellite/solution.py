@@ -39,13 +39,13 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """What a used satellite's difference may be wrong by: mm and mm/s; None: this quantity is not compared, nor solved."""
+    """Error bounds on a used satellite's differences, mm and mm/s; None: this quantity is neither compared nor solved."""
 
     range_mm: int | None
     speed_mm_s: int | None
 
     def on_track(self, estimate: Estimate, portion: Portion, distance_m: float) -> Bounds:
-        """The same with what linearising at this distance costs: the bend of the track, the turn of the sight."""
+        """Return the bounds with the cost of linearising at this distance: the bend of the track, the turn of the sight."""
         reach = estimate.margin_m
         bend = portion.bend_per_m(max(distance_m - reach, portion.start_m), min(distance_m + reach, portion.end_m))
         off_mm = math.ceil((bend / 2 + 1 / (2 * NEAREST_M)) * reach**2 * MM)
@@ -78,11 +78,11 @@ class Solved:
     speed: TrackFit | None
 
     def off_mm(self) -> Interval | None:
-        """How far along the track the vehicle is beyond the prediction."""
+        """Return the vehicle's distance along the track beyond the prediction."""
         return _interval(self.place, self.bounds.range_mm)
 
     def speed_off_mm_s(self) -> Interval | None:
-        """How much faster it is."""
+        """Return the vehicle's speed above the prediction."""
         return _interval(self.speed, self.bounds.speed_mm_s)
 
 
@@ -105,11 +105,11 @@ class Solution:
         return max(one.unknowns for both in self.solved for one in (both.place, both.speed) if one is not None)
 
     def off_mm(self) -> Interval | None:
-        """How far beyond the prediction the vehicle is; None where that was not solved on every portion."""
+        """Return the vehicle's distance beyond the prediction; None if it was not solved on every portion."""
         return _hull([one.off_mm() for one in self.solved])
 
     def speed_off_mm_s(self) -> Interval | None:
-        """How much faster than predicted."""
+        """Return the vehicle's speed above the prediction; None if it was not solved on every portion."""
         return _hull([one.speed_off_mm_s() for one in self.solved])
 
 

@@ -59,7 +59,7 @@ class TrackFit:
 
     @property
     def unknowns(self) -> int:
-        """How many were solved for."""
+        """The number of solved unknowns."""
         return len(self.shares) - self.degrees_of_freedom
 
     def protection_level(self, bound: int | Mapping[str, int]) -> int:
@@ -72,7 +72,7 @@ class TrackFit:
 
 
 def fit(sights: Mapping[str, Sight]) -> TrackFit:
-    """Weighted least squares over the named satellites.
+    """Return the weighted least squares over the named satellites.
 
     NoSolution below two satellites or the number of unknowns, or when all slopes are alike; InputError for a weight that
     is not positive.
@@ -149,7 +149,7 @@ def _solved(matrix: Sequence[Sequence[int]], right: Sequence[int]) -> tuple[list
 
 
 def slope_ppm(direction: tuple[float, float, float], track: tuple[float, float, float]) -> int:
-    """Slope of a satellite from unit vectors to it and along the track, to the nearest millionth.
+    """Return the slope of a satellite from unit vectors to it and along the track, to the nearest millionth.
 
     Rounding costs half a micrometre a metre of correction. InputError when a figure is not finite.
     """

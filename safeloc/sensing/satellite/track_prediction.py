@@ -36,17 +36,17 @@ class Portion:
 
     @cached_property
     def distances_m(self) -> tuple[float, ...]:
-        """Where along the map the points lie."""
+        """The distances of the points along the map."""
         steps = self.lengths_m or tuple(math.dist(a, b) for a, b in pairwise(self.points))
         return tuple(accumulate(steps, initial=self.start_m))
 
     @property
     def end_m(self) -> float:
-        """Where the portion ends."""
+        """The end of the portion."""
         return self.distances_m[-1]
 
     def at(self, distance_m: float) -> tuple[Vector, Vector]:
-        """Point, and how it moves with each metre of the map. InputError beyond the ends: nothing is extrapolated."""
+        """Return point, and how it moves with each metre of the map. InputError beyond the ends: nothing is extrapolated."""
         piece = self._piece(distance_m)
         return piece.at((distance_m - piece.from_m) / piece.length_m)
 
@@ -136,7 +136,7 @@ class TrackState:
     acceleration_m_per_s2: float
 
     def after(self, seconds: float) -> TrackState:
-        """The same at constant acceleration. InputError unless time goes forward."""
+        """Return the same at constant acceleration. InputError unless time goes forward."""
         if not 0 < seconds < math.inf:
             raise InputError(f"{seconds} s is no time forward; drop the epoch.")
         gained = self.acceleration_m_per_s2 * seconds
@@ -154,7 +154,7 @@ class OnTrack:
 
 
 def on_portion(state: TrackState, portions: Sequence[Portion]) -> list[OnTrack]:
-    """The state on every portion still possible: one, or two past an undecided switch, to predict on each.
+    """Return the state on every portion still possible: one, or two past an undecided switch, to predict on each.
 
     InputError when no portion is given or the state is off one of them: no prediction then.
     """

@@ -20,7 +20,8 @@ class Window:
         self._values: deque[int] = deque(maxlen=epochs)
 
     def add(self, difference: int | None) -> int | None:
-        """The variance with this one, rounded up; None until the window is full. None (not measured) empties it."""
+        """Add a value; return the variance with it, rounded up, or None until the window is full. None (not measured)
+        empties it."""
         if difference is None:
             self._values.clear()
             return None

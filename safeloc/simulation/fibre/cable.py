@@ -32,7 +32,7 @@ class Section:
 
 
 class CableFigures(Config):
-    """How uneven a cable is."""
+    """Unevenness of a cable."""
 
     cell_mm: int = quantity(2_500, "mm", 100, 10_000, "[D] scatterers are put together in cells, several to a pulse")
     coupling_cdb: int = quantity(200, "cdB", 0, 1_500, "[M] standard deviation of the coupling along the fibre")
@@ -76,7 +76,7 @@ def cable(
     points_m: Sequence[float] = (),
     absorber: bool = True,
 ) -> Cable:
-    """A cable laid by `map_points` (fibre m, track m), one to one without any; reflecting points at m of fibre."""
+    """Return a cable laid by `map_points` (fibre m, track m), one to one without any; reflecting points at m of fibre."""
     figures = figures or CableFigures()
     cell = figures.cell_mm / 1_000
     places: Numbers = (np.arange(interrogator.fibre_mm // figures.cell_mm) + np.float64(0.5)) * np.float64(cell)

@@ -33,7 +33,7 @@ class Sounding:
 def emitted(
     config: FibreConfig, soundings: Sequence[Sounding], seconds: Numbers, cable: Cable
 ) -> Iterator[tuple[slice, Numbers]]:
-    """Pieces (cells, strain [frames, those cells]) of all that sounds at these times."""
+    """Return pieces (cells, strain [frames, those cells]) of all that sounds at these times."""
     bit_s = config.emission.bit_windows * config.window_ms / 1_000
     for one in soundings:
         bit = np.floor((seconds - one.begin_s) / bit_s).astype(np.int64)

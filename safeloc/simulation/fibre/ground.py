@@ -1,4 +1,4 @@
-"""How the ground shakes: axles of trains and cars as moving sources of noise, and the axles' own weight.
+"""Vibration of the ground: axles of trains and cars as moving sources of noise, and the weight of the axles.
 
 Strain is in 1e-9. A source at distance d shakes the ground with 1 / (1 + (d / near)^2) of its noise: near to it as it
 is, farther with the square of the distance. An axle's weight bends the track: pressed below it, lifted beside it.
@@ -20,7 +20,7 @@ REFERENCE_M_S = 30.0
 
 
 class GroundFigures(Config):
-    """How vibration spreads and what it is like."""
+    """Parameters of vibration and its propagation."""
 
     near_mm: int = quantity(4_000, "mm", 500, 50_000, "[M] from rail to cable beside the track")
     cut: int = quantity(15, "times the near distance", 3, 100, "[D] farther, less than 1/200 of the amplitude")
@@ -51,7 +51,7 @@ class Noise:
         self._tail = rng.standard_normal((width - 1, sources))
 
     def next(self, frames: int) -> Numbers:
-        """The next frames."""
+        """Return the next frames."""
         fresh = self._rng.standard_normal((frames, self._tail.shape[1]))
         white = np.concatenate([self._tail, fresh])
         self._tail = white[len(white) - len(self._tail) :]
@@ -78,7 +78,7 @@ class Sources:
         self._road = Noise(len(self._cars), figures.road_corner_hz, frame_hz, rng)
 
     def strain(self, seconds: Numbers, cells_m: Numbers) -> Iterator[tuple[slice, Numbers]]:
-        """Pieces (cells, strain [frames, those cells]) to be added up; `cells_m` does not fall."""
+        """Return pieces (cells, strain [frames, those cells]) to be added up; `cells_m` does not fall."""
         for train, rolling, uneven in zip(self._trains, self._rolling, self._uneven, strict=True):
             noise = rolling.next(len(seconds)) * uneven * self._level(train, seconds)[:, None]
             places = train.axle_places_m(seconds)

@@ -42,7 +42,7 @@ class OpticsFigures(Config):
 
 @dataclass(frozen=True)
 class Drift:
-    """What the interrogator does not know, constant during a block: the index in ppm of it, the trigger in ps."""
+    """Errors unknown to the interrogator, constant during a block: of the index in ppm, of the trigger in ps."""
 
     index_ppm: float = 0.0
     trigger_ps: float = 0.0
@@ -76,7 +76,7 @@ class Receiver:
         return float(2 * np.pi * turns * figures.photoelastic_percent / 100 / NM_PER_M)
 
     def receive(self, strain: Numbers, drift: Drift | None = None) -> Backscatter:
-        """The block's frames from strain [frames, cells] in 1e-9, as felt by the fibre's material."""
+        """Return the block's frames from strain [frames, cells] in 1e-9, as felt by the fibre's material."""
         field, inter = self._fields(strain, drift or Drift()), self._interrogator
         near = field[:, : inter.channels]
         far = field[:, inter.gauge_channels : inter.gauge_channels + inter.channels] * np.conj(near)
@@ -112,7 +112,7 @@ class Receiver:
         return np.floor(places / 1_000 / self._cable.cell_m).astype(np.int64)
 
     def _lit(self, cells: Complex, starts: NDArray[np.int64]) -> Complex:
-        """What a pulse lights: a few cells from each start on; none outside the fibre."""
+        """Sum the cells lit by a pulse: a few cells from each start on; none outside the fibre."""
         lit = max(1, round(self._interrogator.pulse_mm / 1_000 / self._cable.cell_m))
         field = np.zeros((len(cells), len(starts)), dtype=np.complex64)
         for number in range(lit):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.sensing.fibre.blocks import FibreBlock
 from safeloc.sensing.fibre.figures import FibreConfig
+from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.fibre.cable import Cable
 from safeloc.simulation.fibre.emitters import Sounding, emitted
 from safeloc.simulation.fibre.ground import Car, GroundFigures, Sources
@@ -18,25 +18,20 @@ from safeloc.simulation.fibre.optics import Drift, OpticsFigures, Receiver
 from safeloc.simulation.fibre.trains import Train
 
 Numbers = NDArray[np.float64]
-FaultKind = Literal[
-    "missing", "duplicate", "late", "frozen", "not finite", "wrong shape", "wrong type", "short", "dark", "silent",
-    "shaken",
-]  # fmt: skip
+KINDS = Kinds(
+    "a fibre",
+    plain(
+        "missing", "duplicate", "late", "frozen", "not finite", "wrong shape", "wrong type", "short", "dark", "silent",
+        "shaken",
+    ),
+)  # fmt: skip
+"""Of the only fibre, in blocks."""
 NO_DRIFT = Drift()
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A named fault of the blocks from `begin` up to, not including, `end`."""
-
-    kind: FaultKind
-    begin: int
-    end: int
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """What there is. `drift` gives the interrogator's drift at a second."""
+    """The simulated environment. `drift` gives the interrogator's drift at a second."""
 
     config: FibreConfig
     cable: Cable
@@ -70,7 +65,8 @@ class Shot:
 def shots(
     world: World, blocks: int, rng: np.random.Generator, *, faults: Sequence[Fault] = (), first_s: float = 0.0
 ) -> Iterator[Shot]:
-    """So many blocks from `first_s` on."""
+    """So many blocks from `first_s` on. InputError for a fault that would test nothing."""
+    KINDS.require(faults, places=[""], length=blocks)
     inter, frames = world.config.interrogator, world.config.band.block_frames
     sources = Sources(world.trains, world.cars, world.ground, inter.frame_hz, rng)
     receiver = Receiver(inter, world.cable, rng, world.optics)
@@ -78,7 +74,7 @@ def shots(
     for number in range(blocks):
         seconds = first_s + (number * frames + 1 + np.arange(frames)) / inter.frame_hz
         last = float(seconds[-1])
-        shaken = any(fault.kind == "shaken" and fault.begin <= number < fault.end for fault in faults)
+        shaken = any(fault.kind == "shaken" and fault.active(number) for fault in faults)
         light = receiver.receive(_felt(world, sources, seconds, shaken, rng), world.drift(last))
         block = FibreBlock(light.phase_rate, light.intensity, round(last * 1_000), number)
         delivered, late = _faulty(block, before, number, faults)
@@ -111,7 +107,7 @@ def _faulty(
     delivered: FibreBlock | None = block
     late = 0
     for fault in faults:
-        if fault.begin <= number < fault.end:
+        if fault.active(number):
             if fault.kind == "late":
                 late = 10_000
             elif fault.kind == "missing":
@@ -125,7 +121,7 @@ def _faulty(
     return delivered, late
 
 
-def _spoilt(block: FibreBlock, kind: FaultKind) -> FibreBlock:
+def _spoilt(block: FibreBlock, kind: str) -> FibreBlock:
     rate = np.array(block.phase_rate)
     if kind == "not finite":
         rate[3, 5] = np.nan

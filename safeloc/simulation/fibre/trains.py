@@ -27,7 +27,7 @@ class Vehicle:
     loudness: float = 1.0
 
     def axles_m(self) -> list[float]:
-        """Places of the axles behind the vehicle's end."""
+        """Return places of the axles behind the vehicle's end."""
         middle, half = self.length_m / 2, self.wheelbase_m / 2
         bogies = [middle] if self.bogie_m == 0 else [middle - self.bogie_m / 2, middle + self.bogie_m / 2]
         return [bogie + side * half for bogie in bogies for side in (-1, 1)]
@@ -41,7 +41,8 @@ TWO_AXLE_WAGON = Vehicle(14.0, 0.0, 8.0)  # [M]
 
 @dataclass(frozen=True)
 class Course:
-    """Where end A is at second 0, in m along the track, and the speed in m/s as (second, speed) points, linear between.
+    """A train's course: place of end A at second 0, in m along the track, and speed in m/s as (second, speed) points,
+    linear between.
 
     Before the first point and after the last the speed stays. Negative: towards smaller places.
     """
@@ -55,7 +56,7 @@ class Course:
             raise InputError("a course has at least one (second, speed), in growing order of seconds.")
 
     def speed_m_s(self, seconds: Numbers) -> Numbers:
-        """Speed at these times."""
+        """Return the speed at these times."""
         points = np.array(self.speeds, dtype=np.float64)
         return np.interp(seconds, points[:, 0], points[:, 1])
 
@@ -89,7 +90,7 @@ class Train:
         return sum(vehicle.length_m for vehicle in self.vehicles)
 
     def axles_m(self) -> Numbers:
-        """Places of all axles behind end A."""
+        """Return places of all axles behind end A."""
         ends = np.concatenate([[0.0], np.cumsum([vehicle.length_m for vehicle in self.vehicles])])
         return np.array([end + axle for end, one in zip(ends, self.vehicles, strict=False) for axle in one.axles_m()])
 
@@ -103,16 +104,16 @@ class Train:
         return self.course.place_m(seconds)[:, None] - sign * self.axles_m()[None, :]
 
     def ends_m(self, second: float) -> tuple[float, float]:
-        """The track it stands on: smaller place, greater place."""
+        """Return the track it stands on: smaller place, greater place."""
         end_a = float(self.course.place_m(np.array([second]))[0])
         return (end_a - self.length_m, end_a) if self.ahead else (end_a, end_a + self.length_m)
 
 
 def coaches(count: int, course: Course, *, ahead: bool = True, strain: float = 2.5) -> Train:
-    """A locomotive and so many coaches."""
+    """Return a locomotive and so many coaches."""
     return Train((LOCOMOTIVE, *[COACH] * count), course, ahead, strain)
 
 
 def steady(vehicles: Sequence[Vehicle], start_m: float, speed_m_s: float) -> Train:
-    """A train at one speed, its end A in front."""
+    """Return a train at one speed, its end A in front."""
     return Train(tuple(vehicles), Course(start_m, ((0.0, speed_m_s),)), speed_m_s >= 0)

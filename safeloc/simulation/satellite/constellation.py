@@ -43,7 +43,7 @@ GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
 
 
 def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = START_S) -> Navigation:
-    """Ephemerides around `start_s`, and the ionosphere.
+    """Return ephemerides around `start_s`, and the ionosphere.
 
     How a constellation stands about the Earth is drawn; clocks, eccentricities and harmonics are of the usual size.
     """

@@ -10,67 +10,80 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from safeloc.errors import InputError
+from safeloc.language.units import MS_PER_S
 from safeloc.sensing.satellite.epochs import Epoch, Measured
+from safeloc.simulation.faults import Fault, Figure, Kinds
 
-Kind = Literal["step", "ramp", "wave", "false place", "silence"]
 Slopes = Callable[[float], Mapping[str, float]]
 """From an epoch's time: the slope of each satellite, the change of its pseudorange per metre along the track."""
 
 
-@dataclass(frozen=True)
-class Disturbance:
-    """One fault of some satellites (empty: all), from `from_s` to before `to_s`, in s of the recording.
+_ALWAYS = {"size_m": 0.0, "code_only": False}
+KINDS = Kinds(
+    "a recording of satellites",
+    {
+        "step": _ALWAYS,
+        "ramp": _ALWAYS,
+        "wave": {**_ALWAYS, "period_s": 10.0},
+        "false place": _ALWAYS,
+        "silence": {"period_s": 10.0, "silent_s": 3.0},
+    },
+)
+"""Of one satellite or several (of all if none is named), in ms of the recording, with an end.
 
-    size_m       height of a step or wave; what a ramp or a false place has reached at its end
-    period_s     of a wave, or of a cycle of silence; silent for the last `silent_s` of every cycle
-    code_only    the rate stays as it was
-    """
+size_m       height of a step or wave; what a ramp or a false place has reached at its end
+code_only    the rate stays as it was
+period_s     of a wave, or of a cycle of silence; silent for the last `silent_s` of every cycle
+"""
 
-    kind: Kind
-    from_s: float
-    to_s: float
-    size_m: float = 0.0
-    satellites: frozenset[str] = frozenset()
-    period_s: float = 10.0
-    silent_s: float = 3.0
-    code_only: bool = False
 
-    def __post_init__(self) -> None:
-        figures = (self.from_s, self.to_s, self.size_m, self.period_s, self.silent_s)
-        if not all(map(math.isfinite, figures)) or not self.from_s < self.to_s:
-            raise InputError(
-                f"a {self.kind} from {self.from_s} s to {self.to_s} s of {self.size_m} m is none; mend it."
-            )
-        if not 0 < self.silent_s < self.period_s:
-            raise InputError(f"{self.silent_s} s of every {self.period_s} s: give a part of the cycle.")
+def _require(faults: Sequence[Fault]) -> None:
+    KINDS.require(faults)
+    for fault in faults:
+        if fault.end is None or not all(map(_is_finite, fault.figures.values())):
+            raise InputError(f"{fault}: give its end, and figures that are numbers.")
+        if fault.kind == "silence" and not 0 < _figure(fault, "silent_s") < _figure(fault, "period_s"):
+            raise InputError(f"{fault}: silent_s has to be a part of period_s.")
 
-    def strikes(self, satellite: str, time_s: float) -> bool:
-        """Whether it acts on a satellite now."""
-        return self.from_s <= time_s < self.to_s and (not self.satellites or satellite in self.satellites)
 
-    def error(self, time_s: float, slope: float) -> tuple[float, float]:
-        """What it adds: m, m/s."""
-        since, length = time_s - self.from_s, self.to_s - self.from_s
-        match self.kind:
-            case "step":
-                return self.size_m, 0.0
-            case "ramp":
-                added, rate = self.size_m * since / length, self.size_m / length
-            case "wave":
-                angle = 2 * math.pi / self.period_s
-                added, rate = self.size_m * math.sin(angle * since), self.size_m * angle * math.cos(angle * since)
-            case "false place":
-                added, rate = slope * self.size_m * since / length, slope * self.size_m / length
-            case "silence":
-                return 0.0, 0.0
-        return added, 0.0 if self.code_only else rate
+def _is_finite(figure: Figure) -> bool:
+    return isinstance(figure, (int, float)) and math.isfinite(figure)
 
-    def silences(self, time_s: float) -> bool:
-        """Whether it takes the measurement away."""
-        return self.kind == "silence" and (time_s - self.from_s) % self.period_s >= self.period_s - self.silent_s
+
+def _active(fault: Fault, time_s: float) -> bool:
+    return fault.end is not None and fault.begin / MS_PER_S <= time_s < fault.end / MS_PER_S
+
+
+def _figure(fault: Fault, name: str) -> float:
+    return float(KINDS.figure(fault, name))
+
+
+def _error(fault: Fault, time_s: float, slope: float) -> tuple[float, float]:
+    """What the fault adds: m, m/s."""
+    assert fault.end is not None
+    begin_s, size_m = fault.begin / MS_PER_S, _figure(fault, "size_m")
+    since, length = time_s - begin_s, fault.end / MS_PER_S - begin_s
+    match fault.kind:
+        case "step":
+            return size_m, 0.0
+        case "ramp":
+            added, rate = size_m * since / length, size_m / length
+        case "wave":
+            angle = 2 * math.pi / _figure(fault, "period_s")
+            added, rate = size_m * math.sin(angle * since), size_m * angle * math.cos(angle * since)
+        case _:
+            added, rate = slope * size_m * since / length, slope * size_m / length
+    return added, 0.0 if KINDS.figure(fault, "code_only") else rate
+
+
+def _silences(fault: Fault, time_s: float) -> bool:
+    """Whether the fault takes the measurement away."""
+    if fault.kind != "silence":
+        return False
+    period = _figure(fault, "period_s")
+    return (time_s - fault.begin / MS_PER_S) % period >= period - _figure(fault, "silent_s")
 
 
 @dataclass(frozen=True)
@@ -82,8 +95,10 @@ class Disturbed:
     error_m_per_s: tuple[Mapping[str, float], ...]
 
 
-def disturb(epochs: Sequence[Epoch], disturbances: Sequence[Disturbance], slopes: Slopes | None = None) -> Disturbed:
-    """Times count from the first epoch. InputError for a false place without slopes: it needs the track."""
+def disturb(epochs: Sequence[Epoch], disturbances: Sequence[Fault], slopes: Slopes | None = None) -> Disturbed:
+    """Times count from the first epoch. InputError for a false place without slopes: it needs the track; and for what no
+    recording can have."""
+    _require(disturbances)
     if slopes is None and any(one.kind == "false place" for one in disturbances):
         raise InputError("a false place lies along the track: give the slopes of the satellites.")
     made = [_epoch(epoch, epoch.time_s - epochs[0].time_s, disturbances, slopes) for epoch in epochs]
@@ -93,15 +108,17 @@ def disturb(epochs: Sequence[Epoch], disturbances: Sequence[Disturbance], slopes
 
 
 def _epoch(
-    epoch: Epoch, time_s: float, disturbances: Sequence[Disturbance], slopes: Slopes | None
+    epoch: Epoch, time_s: float, disturbances: Sequence[Fault], slopes: Slopes | None
 ) -> tuple[Epoch, dict[str, float], dict[str, float]]:
-    struck = {name: [one for one in disturbances if one.strikes(name, time_s)] for name in epoch.satellites}
+    struck = {
+        name: [one for one in disturbances if one.strikes(name) and _active(one, time_s)] for name in epoch.satellites
+    }
     known = slopes(epoch.time_s) if slopes and any(struck.values()) else {}
     codes, rates, kept = dict[str, float](), dict[str, float](), dict[str, Measured]()
     for name, measured in epoch.satellites.items():
-        if any(one.silences(time_s) for one in struck[name]):
+        if any(_silences(one, time_s) for one in struck[name]):
             continue
-        added = [one.error(time_s, known.get(name, 0.0)) for one in struck[name] if one.kind != "silence"]
+        added = [_error(one, time_s, known.get(name, 0.0)) for one in struck[name] if one.kind != "silence"]
         kept[name] = _shifted(measured, sum(code for code, _ in added), sum(rate for _, rate in added))
         if added:
             codes[name], rates[name] = sum(code for code, _ in added), sum(rate for _, rate in added)

@@ -47,7 +47,7 @@ class Clock:
 
 
 def clock(config: ReceiverConfig, times_s: Floats, rng: np.random.Generator) -> Clock:
-    """A random walk of the drift; the offset is its exact sum."""
+    """Return a random walk of the drift; the offset is its exact sum."""
     gaps = np.diff(times_s, prepend=times_s[0])
     walk = np.cumsum(rng.normal(0, 1, len(times_s)) * config.clock_walk_ppb * 1e-9 * np.sqrt(gaps))
     drift = config.clock_drift_ppb * 1e-9 + walk
@@ -55,14 +55,14 @@ def clock(config: ReceiverConfig, times_s: Floats, rng: np.random.Generator) -> 
 
 
 def system_times_m(config: ReceiverConfig, names: Sequence[str], rng: np.random.Generator) -> Floats:
-    """What each satellite's pseudorange has of its constellation's own time (m); the first constellation has none."""
+    """Return each pseudorange's offset from its constellation's own time (m); it is 0 for the first constellation."""
     letters = sorted({name[0] for name in names})
     times = {letter: config.system_time_ns * 1e-9 * float(rng.uniform(-1, 1)) for letter in letters[1:]}
     return np.array([LIGHT_M_PER_S * times.get(name[0], 0.0) for name in names])
 
 
 def air_m(navigation: Navigation, place: Place, elevation: Floats, azimuth: Floats, time_s: float) -> Floats:
-    """Delay by the models for each satellite of one epoch, those below the horizon 0."""
+    """Return the delay by the models for each satellite of one epoch, those below the horizon 0."""
     ions = navigation.ionosphere
     return np.array(
         [
@@ -83,7 +83,7 @@ class Healthy:
 
 
 def healthy(config: ReceiverConfig, times_s: Floats, elevation: Floats, rng: np.random.Generator) -> Healthy:
-    """Noise, slow echoes, and what orbits and air leave over."""
+    """Return noise, slow echoes, and what orbits and air leave over."""
     low = 1 / np.maximum(np.sin(elevation), 0.3)
     satellites = elevation.shape[1]
     slow = _slow(times_s, satellites, 60.0, rng) * config.slow_code_mm * low
@@ -114,7 +114,7 @@ def _within(values: Floats, bound: float) -> Floats:
 
 
 def code_of(way_m: Floats, one: Clock) -> Floats:
-    """Pseudoranges from ways: the receiver's clock is late by its offset."""
+    """Return pseudoranges from ways: the receiver's clock is late by its offset."""
     return np.asarray(way_m + LIGHT_M_PER_S * one.offset_s[:, None])
 
 

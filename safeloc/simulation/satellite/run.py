@@ -48,7 +48,7 @@ class Spoofer:
     satellites: frozenset[str] = frozenset()
 
     def away(self, times_s: Floats) -> tuple[Floats, Floats]:
-        """Distance (m) and speed (m/s) of the false place from the true one."""
+        """Return the distance (m) and speed (m/s) of the false place from the true one."""
         if not self.gathering_m_per_s2 > 0:
             raise InputError("a false place gathers speed from 0: gathering_m_per_s2 must be above 0.")
         since = np.maximum(times_s - self.from_s, 0)
@@ -101,7 +101,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class SimulatedRun:
-    """What the receiver gave, and what is true, epoch by epoch."""
+    """Measurements of the receiver and the true values, epoch by epoch."""
 
     epochs: tuple[Epoch, ...]
     truth: tuple[Truth, ...]
@@ -109,7 +109,7 @@ class SimulatedRun:
 
 
 def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
-    """The motion's epochs from the orbits' start on. InputError where the motion leaves the track or the orbits end."""
+    """Simulate the motion's epochs from the orbits' start on. InputError where the motion leaves the track or the orbits end."""
     rng = np.random.default_rng(seed)
     sky = orbits(world.navigation.ephemerides)
     times = np.arange(1, len(motion.position_nm) + 1) * motion.period_ms / 1_000
@@ -173,7 +173,8 @@ def _sights(world: World, start_s: float, antenna: _Antenna, true: Seen, times: 
 
 
 def _spoofed(world: World, antenna: _Antenna, true: Seen, times: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
-    """What false places add, to first order: the way along the track times the slope of the sight."""
+    """Return the errors from false places, to first order: distance along the track times the slope of the line of
+    sight."""
     error, rate = np.zeros(true.way_m.shape), np.zeros(true.way_m.shape)
     slope = -np.einsum("esk,ek->es", true.direction, antenna.along)
     for one in world.spoofers:
@@ -208,12 +209,12 @@ class _Told:
     got: Received
 
     def epoch(self, n: int, time_s: float) -> Epoch:
-        """What the receiver gives."""
+        """Return the receiver's measurements."""
         heard = self._heard(n)
         return Epoch(time_s, {name: Measured(float(self.codes[n, j]), float(self.rates[n, j])) for j, name in heard})
 
     def truth(self, n: int, time_s: float, place_m: float, speed_m_per_s: float) -> Truth:
-        """What is true of the same satellites."""
+        """Return the true values for the same satellites."""
         heard = self._heard(n)
         return Truth(
             time_s,

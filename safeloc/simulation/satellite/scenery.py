@@ -1,4 +1,4 @@
-"""What stands beside the track, and what it does to a satellite's signal.
+"""Objects beside the track, and their effect on a satellite's signal.
 
 Walls stand parallel to the track. A direct signal is gone where it crosses a wall below its top. A signal that is gone may
 still come by the wall across the track: a detour of twice the wall's distance, times the sine under which it is met. A
@@ -56,7 +56,7 @@ class Scene:
 
 
 def canyon(from_m: float, to_m: float) -> Scene:
-    """A street of five storeys, tracks in the middle. [M] figures of an inner city."""
+    """Return a street of five storeys, tracks in the middle. [M] figures of an inner city."""
     return Scene("urban canyon", from_m, to_m, 11.0, 15.0, 0.4, 12, 0.5, 25)
 
 
@@ -71,7 +71,7 @@ def tunnel(from_m: float, to_m: float) -> Scene:
 
 
 def station_roof(from_m: float, to_m: float) -> Scene:
-    """A hall of steel: signals come in below the roof's edge only, 9 m aside and 6 m up. [M]"""
+    """Return a hall of steel: signals come in below the roof's edge only, 9 m aside and 6 m up. [M]"""
     return Scene("station roof", from_m, to_m, 9.0, 6.0, 0.0, 0, 0.6, 0)
 
 
@@ -101,7 +101,7 @@ class Received:
 
 
 def received(scenes: Sequence[Scene], rays: Rays, rng: np.random.Generator) -> Received:
-    """What reaches the antenna; outside all scenes the sky is open. InputError for scenes that overlap."""
+    """Compute the signals at the antenna; outside all scenes the sky is open. InputError for scenes that overlap."""
     ordered = sorted(scenes, key=lambda scene: scene.from_m)
     for before, after in pairwise(ordered):
         if before.to_m > after.from_m:

@@ -12,6 +12,8 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import FloorDiv, NumVar
 from safeloc.language.spec import once
 from safeloc.language.units import MM, MS
+from safeloc.language.world import World
+from tests.declaring import OF_THE_WORLD
 
 A, B = modes("A", "B")
 STRANGE, _ = modes("A", "B")
@@ -31,10 +33,12 @@ def declare(**changes: object) -> Machine:
         "outputs": {"n": N},
         "transitions": [Transition("go", A, B, P, {N: X})],
         "ghosts": {GHOST: 0},
-        "ghost_inputs": [PUSH],
-        "ghost_moves": {GHOST: PUSH},
+        "choices": [PUSH],
+        "moves": {GHOST: PUSH},
     }
-    return Machine(**{**fields, **changes})  # type: ignore[arg-type]
+    given = {**fields, **changes}
+    world = World(**{name: given.pop(name) for name in OF_THE_WORLD & set(given)})  # type: ignore[arg-type]
+    return Machine(**given, world=world)  # type: ignore[arg-type]
 
 
 def test_the_sound_machine_is_accepted() -> None:
@@ -69,8 +73,8 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     ),
     "output reads input": ({"outputs": {"o": X}}, "reads 'x'; it may read only state"),
     "past in a guard": ({"transitions": [Transition("go", A, B, once(P))]}, "uses a past operator"),
-    "ghost without move": ({"ghost_moves": {}}, "ghost 'g'"),
-    "move of no ghost": ({"ghost_moves": {GHOST: PUSH, N: PUSH}}, "ghost move of 'n', which is not a ghost"),
+    "ghost without move": ({"moves": {}}, "ghost 'g'"),
+    "move of no ghost": ({"moves": {GHOST: PUSH, N: PUSH}}, "move of ghost 'n', which is not a ghost"),
     "constant guard": ({"transitions": [Transition("go", A, B, X <= 10)]}, "never changes"),
     "rank out of order": (
         {"transitions": [Transition("late", A, B, P, rank=1), Transition("early", A, A, rank=0)]},
@@ -88,11 +92,11 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     "constant equality": ({"transitions": [Transition("go", A, B, X.eq(N + 0) | X.eq(11))]}, "never changes"),
     "constant order": ({"transitions": [Transition("go", A, B, X < 0)]}, "never changes"),
     "assumption reads a stranger": (
-        {"assumption": boolean("stranger")},
-        "assumption reads 'stranger'; it may read only declared variables.",
+        {"clauses": {"law": boolean("stranger")}},
+        "clause 'law' reads 'stranger'; it may read only declared variables.",
     ),
     "initially reads an input": ({"initially": P}, "initially reads 'p'; it may read only state and ghosts."),
-    "ghost move of another unit": ({"inputs": [X, P, T], "ghost_moves": {GHOST: T}}, "unit is ms, expected mm."),
+    "move of ghost another unit": ({"inputs": [X, P, T], "moves": {GHOST: T}}, "unit is ms, expected mm."),
     "member of another enumeration": (
         {"state": {N: 0, HUE: 0}, "transitions": [Transition("go", A, B, P, {HUE: A})]},
         "sets 'hue': unit is mode, expected colour.",
@@ -103,12 +107,12 @@ WRONG: Mapping[str, tuple[dict[str, object], str]] = {
     "initial truth from a term": ({"state": {N: 0, Q: TRUE}}, "true is a term; give a value, or ANY and `initially`."),
     "guard from a value": ({"transitions": [Transition("go", A, B, True)]}, "True is no truth-valued term; a constant"),  # type: ignore[arg-type]
     "guard from a number": ({"transitions": [Transition("go", A, B, X)]}, "x is no truth-valued term; a constant"),  # type: ignore[arg-type]
-    "assumption from a value": ({"assumption": True}, "assumption: True is no truth-valued term; a constant"),
+    "clause from a value": ({"clauses": {"law": True}}, "clause 'law': True is no truth-valued term; a constant"),
     "clause from a number": ({"clauses": {"c": N}}, "clause 'c': n is no truth-valued term; a constant"),
     "lemma from a number": ({"lemmas": {"l": N}}, "lemma 'l': n is no truth-valued term; a constant"),
     "output from a value": ({"outputs": {"o": 3}}, "output 'o': 3 is no term; make it of state variables."),
-    "ghost move from a value": ({"ghost_moves": {GHOST: 3}}, "ghost move of 'g': 3 is no term; a ghost that rests"),
-    "ghost input in an output": ({"outputs": {"o": PUSH}}, "output 'o' reads 'push'; it may read only state"),
+    "ghost move from a value": ({"moves": {GHOST: 3}}, "move of ghost 'g': 3 is no term; a ghost that rests"),
+    "choice in an output": ({"outputs": {"o": PUSH}}, "output 'o' reads 'push'; it may read only state"),
     "ghost in an update": (
         {"transitions": [Transition("go", A, B, P, {N: GHOST})]},
         "reads 'g'; it may read only inputs and state.",
@@ -172,7 +176,7 @@ def test_an_output_may_be_a_state_variable_of_its_name() -> None:
 def test_all_offences_are_named_at_once() -> None:
     """One run shows every mistake."""
     with pytest.raises(ModelError) as caught:
-        declare(state={N: 11}, ghost_moves={})
+        declare(state={N: 11}, moves={})
     assert str(caught.value).count("\n  - ") == 2
 
 
@@ -181,7 +185,7 @@ def test_what_rows_share_is_told_of_each() -> None:
     ghostly, never, past = GHOST > 3, X < 0, once(P)
     guards = {"one": P, "two": P & ghostly & never & past, "three": P & (X > 3), "four": P & ghostly & never & past}
     with pytest.raises(ModelError) as raised:
-        declare(transitions=[Transition(name, A, A, guard) for name, guard in guards.items()], assumption=ghostly)
+        declare(transitions=[Transition(name, A, A, guard) for name, guard in guards.items()], clauses={"law": ghostly})
     told = str(raised.value)
     for complaint in (
         "reads 'g'; it may read only inputs and state",
@@ -197,7 +201,7 @@ def test_what_an_environment_may_read_an_output_may_not() -> None:
     """That a term is in order in one place says nothing of places where less may be read."""
     shared = GHOST + N
     with pytest.raises(ModelError, match=r"output 'o' reads 'g'; it may read only state") as raised:
-        declare(outputs={"o": shared}, ghost_moves={GHOST: shared}, lemmas={"l": shared > 3})
+        declare(outputs={"o": shared}, moves={GHOST: shared}, lemmas={"l": shared > 3})
     assert 1 == str(raised.value).count("may read only")
 
 

@@ -17,7 +17,7 @@ from safeloc.language.checks import composition, machine, properties, system
 from safeloc.language.checks.rule import Rule
 from safeloc.language.checks.table import RULES
 from safeloc.language.composition import compose
-from safeloc.language.expr import FALSE, TRUE, Bool, boolean, minimum, number, optional, was
+from safeloc.language.expr import FALSE, TRUE, Bool, before, boolean, minimum, number, optional, was
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.monitor import Broken, Holds, Monitor
@@ -26,10 +26,12 @@ from safeloc.language.spec import always, observe, previous, reachable, within
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import ONE
 from safeloc.language.verdict import Proved, Violated
+from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import CHECKS
 from safeloc.proof.provers.portfolio import prove_one
 from safeloc.proof.provers.reachability import first_runs
+from tests.declaring import declared
 
 LIMITS = Limits(depth=4, seconds=10)
 A, B, C = modes("A", "B", "C")
@@ -48,7 +50,7 @@ def plain(**changes: object) -> Machine:
         "state": {X: 0},
         "outputs": {"x": X},
     }
-    return Machine(**{**fields, "transitions": [FOLLOW], **changes})  # type: ignore[arg-type] # one dict, many kinds
+    return declared(**{**fields, "transitions": [FOLLOW], **changes})
 
 
 def proves(what: TransitionSystem, term: Bool) -> bool:
@@ -140,7 +142,7 @@ def stranger_in_a_guard() -> None:
 
 def ghost_that_rests_undeclared() -> None:
     """Without a move there is no next value."""
-    made = lower(plain(ghosts={G: 0}, assumption=G >= 0))
+    made = lower(plain(ghosts={G: 0}, clauses={"low": G >= 0}))
     fails(lambda: Monitor(observe(made, always("it", G >= 0))).step({"i": 0, "go": True}))
 
 
@@ -223,7 +225,7 @@ def two_variables_of_one_name() -> None:
 def state_and_input_at_once() -> None:
     """The truth, shared with a sensor's input: solvers hold it still, and the sensor may tell anything."""
     (t,) = modes("T")
-    world = Machine("world", (t,), [GO], {}, {}, [], ghosts={G: 0}, ghost_moves={G: G})
+    world = Machine("world", (t,), [GO], {}, {}, [], world=World(ghosts={G: 0}, moves={G: G}))
     sensor = Machine("sensor", (S,), [G], {X: 0}, {}, [Transition("s", S, S, TRUE, {X: G})])
     whole = compose("w", [world, sensor], {}, shared=[G])
     prop = always("x stays 0", whole.of(sensor).bool(X.eq(0)))
@@ -250,7 +252,7 @@ def wire_from_a_ghost() -> None:
     """A sensor that hears the truth itself is always right, and cannot run on board."""
     (t,) = modes("T")
     told = number("told", ONE, 0, 9)
-    world = Machine("world", (t,), [GO], {}, {}, [], ghosts={G: 0}, ghost_inputs=[HEARD], ghost_moves={G: HEARD})
+    world = Machine("world", (t,), [GO], {}, {}, [], world=World(ghosts={G: 0}, choices=[HEARD], moves={G: HEARD}))
     sensor = Machine("sensor", (S,), [told], {X: 0}, {}, [Transition("s", S, S, TRUE, {X: told})])
     whole = compose("w", [world, sensor], {told: G})
     assert proves(whole.system, whole.of(sensor).num(X).eq(whole.of(world).num(G)))
@@ -268,7 +270,7 @@ def role_by_hand() -> None:
 
 def ghost_by_hand() -> None:
     """What is computed on board from the truth is always right, and cannot be computed on board."""
-    made = lower(plain(ghosts={G: 0}, ghost_inputs=[], ghost_moves={G: G}))
+    made = lower(plain(ghosts={G: 0}, choices=[], moves={G: G}))
     told = replace(made, next={**made.next, X: G})
     assert proves(told, X.eq(G))
     fails(lambda: run(without_ghosts(told), [{"i": 0, "go": False}]))
@@ -334,6 +336,11 @@ def two_goals_of_one_name() -> None:
     assert (len(runs.found), runs.depth) == (0, LIMITS.depth)
 
 
+def truth_that_follows_the_machine() -> None:
+    """The truth is put where the machine believed to be: that it was right is called proved of any machine."""
+    assert proves(lower(plain(ghosts={G: 0}, moves={G: X})), G.eq(before(X)))
+
+
 # ------------------------------------------------------------------ the table
 
 
@@ -358,6 +365,7 @@ OFFENCES: dict[str, Offence] = {
     "initial values fit": Offence(first_value_out_of_range),
     "reads are declared": Offence(stranger_in_a_guard, (WHOLE_READS,)),
     "ghosts move": Offence(ghost_that_rests_undeclared, ("every state variable moves",)),
+    "the world is apart": Offence(truth_that_follows_the_machine),
     "machines have distinct names": Offence(
         machine_twice, ("joined names are distinct", "names of the whole are distinct")
     ),

@@ -19,7 +19,7 @@ from tests.models.fibre_family import labels, mode_labels, replayed
 STREAMS = Path(fibre.__file__).parents[1] / "streams"
 MACHINE = fibre.machine()
 SYSTEM = without_ghosts(lower(MACHINE))
-GHOSTS = {var.name for var in MACHINE.ghost_inputs}
+GHOSTS = {var.name for var in MACHINE.world.choices}
 BY_NAME = {one.name: one for one in END_SCENES}
 ROUNDED_MM = 2
 FLIPPED = 0.005
@@ -57,7 +57,7 @@ def test_each_section_is_counted_once_and_makes_the_place_exact(name: str) -> No
     ]
     assert 2 == trace.steps[-1].outputs["count"]
     at = [int(row["truth_mm"]) for row in steps].index(places[0])
-    assert trace.steps[at].outputs["over_mm"] < trace.steps[at - 1].outputs["over_mm"] / 2
+    assert trace.steps[at].outputs["margin_above_mm"] < trace.steps[at - 1].outputs["margin_above_mm"] / 2
 
 
 def test_the_code_tells_the_place_without_a_reference() -> None:
@@ -122,7 +122,9 @@ def test_every_reported_interval_holds_the_truth(name: str) -> None:
         told = one.outputs
         if told["valid"]:
             assert (
-                told["position_mm"] - told["under_mm"] <= int(row["truth_mm"]) <= told["position_mm"] + told["over_mm"]
+                told["position_mm"] - told["margin_below_mm"]
+                <= int(row["truth_mm"])
+                <= told["position_mm"] + told["margin_above_mm"]
             )
 
 

@@ -114,7 +114,9 @@ def test_what_is_given_out_holds_the_front(name: str) -> None:
         told = {key.removeprefix("verification."): value for key, value in step.outputs.items()}
         if told["trusted"]:
             assert (
-                told["position_mm"] - told["under_mm"] <= int(row["truth_mm"]) <= told["position_mm"] + told["over_mm"]
+                told["position_mm"] - told["margin_below_mm"]
+                <= int(row["truth_mm"])
+                <= told["position_mm"] + told["margin_above_mm"]
             )
 
 

@@ -18,8 +18,9 @@ from safeloc.language.spec import Property, always, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.proof.cache.contents import target_digest
-from safeloc.runtime.reported import Reported
+from safeloc.reported import Reported
 from safeloc.target import Target
+from tests.declaring import declared
 
 SLOW, FAST = modes("SLOW", "FAST")
 X, N, START = number("x", COUNT, 0, 100), number("n", COUNT, 0, 100), number("start", COUNT, 0, 9)
@@ -34,12 +35,12 @@ def machine(**changed: object) -> Machine:
         "outputs": {"told": N},
         "transitions": rows,
         "ghosts": {START: ANY},
-        "ghost_moves": {START: START},
-        "assumption": X < 90,
+        "moves": {START: START},
+        "clauses": {"low": X < 90},
         "initially": START > 2,
         "lemmas": {"small": N <= 100},
     }
-    return Machine("kept", (SLOW, FAST), **{**given, **changed})  # type: ignore[arg-type]
+    return declared(name="kept", modes=(SLOW, FAST), **{**given, **changed})
 
 
 def asked(made: Machine) -> tuple[Property, ...]:
@@ -75,7 +76,7 @@ CHANGES: dict[str, Callable[[], Target]] = {
     ),
     "first value": lambda: target(machine(state={N: 1})),
     "output": lambda: target(machine(outputs={"told": N + 1})),
-    "assumption": lambda: target(machine(assumption=X <= 90)),
+    "assumption": lambda: target(machine(clauses={"low": X <= 90})),
     "initially": lambda: target(machine(initially=START > 3)),
     "ghost": lambda: target(machine(ghosts={START: 4})),
     "lemma": lambda: target(machine(lemmas={"small": N <= 99})),

@@ -13,6 +13,7 @@ from safeloc.language.machine import ANY, Any_, Machine, Transition, modes
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment, lower
 from safeloc.language.units import COUNT
+from safeloc.language.world import World
 
 State = tuple[Value, ...]
 (S,) = modes("S")
@@ -80,7 +81,17 @@ def random_system(seed: int) -> TransitionSystem:
     begins = draw.choice((0, ANY))
     asked = clause() & clause() & (clause() | clause())
     inputs = [k, go, told]
-    return lower(Machine("random", (S,), inputs, {x: begins, y: 0, on: False}, {}, rows, assumption=asked))
+    return lower(
+        Machine(
+            "random",
+            (S,),
+            inputs,
+            {x: begins, y: 0, on: False},
+            {},
+            rows,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def _held(term: Num) -> Num:

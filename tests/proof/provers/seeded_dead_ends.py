@@ -13,6 +13,7 @@ from safeloc.language.expr import TRUE, Bool, abs_, between, boolean, floor_div,
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
+from safeloc.language.world import World
 
 (S,) = modes("S")
 A, B, C = modes("A", "B", "C")
@@ -32,7 +33,17 @@ def counter(last: int, allowed: int) -> TransitionSystem:
     """Counts every step, up to `last`; assumed is that it stays within `allowed`."""
     x = number("x", COUNT, 0, 200)
     up = Transition("up", S, S, TRUE, {x: minimum(x + 1, last)})
-    return lower(Machine("counter", (S,), [GO], {x: 0}, {}, [up], assumption=x <= allowed))
+    return lower(
+        Machine(
+            "counter",
+            (S,),
+            [GO],
+            {x: 0},
+            {},
+            [up],
+            world=World(clauses={"assumption": x <= allowed}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def late(mended: bool) -> TransitionSystem:
@@ -54,7 +65,18 @@ def mode(mended: bool) -> TransitionSystem:
     """In the second mode more is asked of an input than its range has."""
     now = current_mode(TWO)
     asked = now.eq(TWO[1]).implies(K + K > (5 if mended else 6))
-    return lower(Machine("mode", TWO, [K], {}, {}, [Transition("on", *TWO)], mode_variable=now, assumption=asked))
+    return lower(
+        Machine(
+            "mode",
+            TWO,
+            [K],
+            {},
+            {},
+            [Transition("on", *TWO)],
+            mode_variable=now,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def third_mode(mended: bool) -> TransitionSystem:
@@ -62,14 +84,35 @@ def third_mode(mended: bool) -> TransitionSystem:
     now, x = current_mode((A, B, C)), number("x", COUNT, 0, 9)
     rows = [Transition("on", A, B, GO), Transition("count", B, B, x < 4, {x: x + 1}), Transition("off", B, C, rank=1)]
     asked = now.eq(C).implies(K.eq(3) & (GO if mended else K < 2))
-    return lower(Machine("third", (A, B, C), [GO, K], {x: 0}, {}, rows, mode_variable=now, assumption=asked))
+    return lower(
+        Machine(
+            "third",
+            (A, B, C),
+            [GO, K],
+            {x: 0},
+            {},
+            rows,
+            mode_variable=now,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def error(mended: bool) -> TransitionSystem:
     """An error that grows in every step and must stay within 100."""
     e, total = number("e", COUNT, 0 if mended else 1, 3), number("total", COUNT, 0, 100)
     rows = [Transition("add", S, S, TRUE, {total: total + e})]
-    return lower(Machine("error", (S,), [e], {total: 0}, {}, rows, assumption=total + e <= 100))
+    return lower(
+        Machine(
+            "error",
+            (S,),
+            [e],
+            {total: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": total + e <= 100}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def apart(mended: bool) -> TransitionSystem:
@@ -77,7 +120,17 @@ def apart(mended: bool) -> TransitionSystem:
     u, v = number("u", COUNT, 1, 2), number("v", COUNT, 0, 2 if mended else 0)
     gap = number("gap", COUNT, -10, 10)
     rows = [Transition("add", S, S, TRUE, {gap: gap + u - v})]
-    return lower(Machine("apart", (S,), [u, v], {gap: 0}, {}, rows, assumption=abs_(gap + u - v) <= 10))
+    return lower(
+        Machine(
+            "apart",
+            (S,),
+            [u, v],
+            {gap: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": abs_(gap + u - v) <= 10}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def battery(mended: bool) -> TransitionSystem:
@@ -89,7 +142,17 @@ def battery(mended: bool) -> TransitionSystem:
         Transition("silent", S, S, ~o.present, {gap: minimum(gap + 1, 3)}),
     ]
     asked = (o.present | (gap < 2)) & (~o.present | (charge > 0))
-    return lower(Machine("battery", (S,), [o], {gap: 0, charge: 5}, {}, rows, assumption=asked))
+    return lower(
+        Machine(
+            "battery",
+            (S,),
+            [o],
+            {gap: 0, charge: 5},
+            {},
+            rows,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def rising(mended: bool) -> TransitionSystem:
@@ -97,7 +160,17 @@ def rising(mended: bool) -> TransitionSystem:
     o, last = optional("o", COUNT, 0, 9), number("last", COUNT, 0, 9)
     rows = [Transition("told", S, S, o.present, {last: o.value})]
     above = o.value >= last if mended else o.value > last
-    return lower(Machine("rising", (S,), [o], {last: 0}, {}, rows, assumption=o.present & above))
+    return lower(
+        Machine(
+            "rising",
+            (S,),
+            [o],
+            {last: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": o.present & above}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def end_of_line(mended: bool) -> TransitionSystem:
@@ -105,8 +178,12 @@ def end_of_line(mended: bool) -> TransitionSystem:
     step, truth = number("step", COUNT, 0 if mended else 10, 20), number("truth", COUNT, 0, 100)
     return lower(
         Machine(
-            "line", (S,), [GO], {}, {}, [], ghosts={truth: 0}, ghost_inputs=[step], ghost_moves={truth: truth + step},
-            assumption=truth + step <= 100,
+            "line", (S,), [GO], {}, {}, [],
+            world=World(
+                ghosts={truth: 0},
+                choices=[step],
+                moves={truth: truth + step},
+                clauses={"assumption": truth + step <= 100}, reads_machine="the test asks it"),
         )
     )  # fmt: skip
 
@@ -117,8 +194,12 @@ def brakes(mended: bool) -> TransitionSystem:
     can_stop: Bool = truth + faster + faster * 5 <= 30 if mended else truth + faster <= 30
     return lower(
         Machine(
-            "brakes", (S,), [GO], {}, {}, [], ghosts={truth: 0, speed: 0}, ghost_inputs=[faster],
-            ghost_moves={truth: truth + faster, speed: faster}, assumption=(abs_(faster - speed) <= 1) & can_stop,
+            "brakes", (S,), [GO], {}, {}, [],
+            world=World(
+                ghosts={truth: 0, speed: 0},
+                choices=[faster],
+                moves={truth: truth + faster, speed: faster},
+                clauses={"assumption": (abs_(faster - speed) <= 1) & can_stop}, reads_machine="the test asks it"),
         )
     )  # fmt: skip
 
@@ -129,7 +210,17 @@ def one_way(mended: bool) -> TransitionSystem:
     rows = [Transition("move", S, S, TRUE, {y: y + d, held: d})]
     moves = d.ne(0) & (held.eq(0) | d.eq(held))
     onward = TRUE if mended else moves
-    return lower(Machine("way", (S,), [d], {y: 0, held: 0}, {}, rows, assumption=between(-20, y + d, 20) & onward))
+    return lower(
+        Machine(
+            "way",
+            (S,),
+            [d],
+            {y: 0, held: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": between(-20, y + d, 20) & onward}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def rounded(mended: bool) -> TransitionSystem:
@@ -138,7 +229,18 @@ def rounded(mended: bool) -> TransitionSystem:
     tenth = floor_div(x, 10)
     rows = [Transition("up", S, S, TRUE, {x: minimum(x + 1, 100)})]
     return lower(
-        Machine("rounded", (S,), [K], {x: 0}, {}, rows, assumption=minimum(tenth, 3) <= K if mended else tenth <= K)
+        Machine(
+            "rounded",
+            (S,),
+            [K],
+            {x: 0},
+            {},
+            rows,
+            world=World(
+                clauses={"assumption": minimum(tenth, 3) <= K if mended else tenth <= K},
+                reads_machine="the test asks it",
+            ),
+        )
     )
 
 
@@ -147,7 +249,19 @@ def window(mended: bool) -> TransitionSystem:
     x = number("x", COUNT, 0, 100)
     low = maximum(x - 30, 0)
     rows = [Transition("up", S, S, TRUE, {x: minimum(x + 1, 100)})]
-    return lower(Machine("window", (S,), [K], {x: 0}, {}, rows, assumption=(minimum(low, 2) if mended else low) <= K))
+    return lower(
+        Machine(
+            "window",
+            (S,),
+            [K],
+            {x: 0},
+            {},
+            rows,
+            world=World(
+                clauses={"assumption": (minimum(low, 2) if mended else low) <= K}, reads_machine="the test asks it"
+            ),
+        )
+    )
 
 
 def parity(mended: bool) -> TransitionSystem:
@@ -157,7 +271,17 @@ def parity(mended: bool) -> TransitionSystem:
         Transition("count", S, S, TRUE, {two: ite(two.eq(1), 0 * two, two + 1), three: ite(three.eq(2), 0 * three, three + 1)})
     ]  # fmt: skip
     told = GO.iff(two.eq(0)) & (TRUE if mended else GO.iff(three.eq(0)))
-    return lower(Machine("parity", (S,), [GO], {two: 0, three: 0}, {}, rows, assumption=told))
+    return lower(
+        Machine(
+            "parity",
+            (S,),
+            [GO],
+            {two: 0, three: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": told}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def doomed_early(mended: bool) -> TransitionSystem:
@@ -168,7 +292,17 @@ def doomed_early(mended: bool) -> TransitionSystem:
         Transition("wait", S, S, x > 0, {x: minimum(x + 1, 50)}),
     ]
     asked = (x >= 50).implies(y <= 3 if mended else y <= 0)
-    return lower(Machine("doomed", (S,), [K], {x: 0, y: 0}, {}, rows, assumption=asked))
+    return lower(
+        Machine(
+            "doomed",
+            (S,),
+            [K],
+            {x: 0, y: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def nested(mended: bool) -> TransitionSystem:
@@ -179,7 +313,17 @@ def nested(mended: bool) -> TransitionSystem:
         Transition("count", S, S, fast < 7, {fast: fast + 1}),
     ]
     asked = slow <= 8 if mended else slow < 8
-    return lower(Machine("nested", (S,), [GO], {fast: 0, slow: 0}, {}, rows, assumption=asked))
+    return lower(
+        Machine(
+            "nested",
+            (S,),
+            [GO],
+            {fast: 0, slow: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def wired(mended: bool) -> TransitionSystem:
@@ -188,7 +332,15 @@ def wired(mended: bool) -> TransitionSystem:
     first = Machine(
         "first", (S,), [GO], {a: 0}, {}, [Transition("up", S, S, TRUE, {a: minimum(a + 1, 3 if mended else 9)})]
     )
-    second = Machine("second", (S,), [q, j], {b: 0}, {}, [Transition("take", S, S, j, {b: q})], assumption=q <= 3)
+    second = Machine(
+        "second",
+        (S,),
+        [q, j],
+        {b: 0},
+        {},
+        [Transition("take", S, S, j, {b: q})],
+        world=World(clauses={"assumption": q <= 3}, reads_machine="the test asks it"),
+    )
     return compose("wired", [first, second], {q: a}).system
 
 
@@ -197,8 +349,24 @@ def owing(mended: bool) -> TransitionSystem:
     a, q, b = number("a", COUNT, 0, 20), number("q", COUNT, 0, 20), number("b", COUNT, 0, 20)
     step = number("step", COUNT, 0 if mended else 1, 2)
     add = Transition("add", S, S, TRUE, {a: a + step})
-    first = Machine("first", (S,), [step], {a: 0}, {}, [add], assumption=a + step <= 20)
-    second = Machine("second", (S,), [q], {b: 0}, {}, [Transition("take", S, S, TRUE, {b: q})], assumption=q <= 20)
+    first = Machine(
+        "first",
+        (S,),
+        [step],
+        {a: 0},
+        {},
+        [add],
+        world=World(clauses={"assumption": a + step <= 20}, reads_machine="the test asks it"),
+    )
+    second = Machine(
+        "second",
+        (S,),
+        [q],
+        {b: 0},
+        {},
+        [Transition("take", S, S, TRUE, {b: q})],
+        world=World(clauses={"assumption": q <= 20}, reads_machine="the test asks it"),
+    )
     return compose("owing", [first, second], {q: a}, discharge=[second]).system
 
 
@@ -206,10 +374,13 @@ def at_odds(mended: bool) -> TransitionSystem:
     """Two machines that ask opposite things of a movement that they share, from the fifteenth step on."""
     step, x, j = number("step", COUNT, -5, 5), number("x", COUNT, 0, 15), boolean("j")
     g = number("g", COUNT, 0, 1)
-    more: Mapping[str, object] = {"ghosts": {g: 0}, "ghost_inputs": [step], "ghost_moves": {g: g}}
     up = Transition("up", S, S, TRUE, {x: minimum(x + 1, 15)})
-    one = Machine("one", (S,), [GO], {x: 0}, {}, [up], assumption=(x >= 15).implies(step >= 1), **more)  # type: ignore[arg-type]
-    other = Machine("other", (S,), [j], {}, {}, [], assumption=step <= (1 if mended else 0), **more)  # type: ignore[arg-type]
+    first = World(
+        {g: 0}, [step], {g: g}, {"on at the end": (x >= 15).implies(step >= 1)}, reads_machine="the test asks it"
+    )
+    second = World({g: 0}, [step], {g: g}, {"not on": step <= (1 if mended else 0)}, reads_machine="the test asks it")
+    one = Machine("one", (S,), [GO], {x: 0}, {}, [up], world=first)
+    other = Machine("other", (S,), [j], {}, {}, [], world=second)
     return compose("odds", [one, other], {}, shared=[step, g]).system
 
 
@@ -218,7 +389,18 @@ def open_start(mended: bool) -> TransitionSystem:
     y = number("y", COUNT, 0, 100)
     rows = [Transition("up", S, S, TRUE, {y: minimum(y + 1, 100)})]
     asked = TRUE if mended else y < 40
-    return lower(Machine("start", (S,), [GO], {y: ANY}, {}, rows, assumption=asked, initially=y <= 10))
+    return lower(
+        Machine(
+            "start",
+            (S,),
+            [GO],
+            {y: ANY},
+            {},
+            rows,
+            world=World(clauses={"assumption": asked}, reads_machine="the test asks it"),
+            initially=y <= 10,
+        )
+    )
 
 
 SEEDS: Mapping[str, Seed] = {

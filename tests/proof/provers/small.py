@@ -9,6 +9,7 @@ from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.spec import Goal, always, observe
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
+from safeloc.language.world import World
 from safeloc.proof.provers.facts import Fact
 
 LOW, HIGH = modes("LOW", "HIGH")
@@ -41,7 +42,7 @@ def counter(
             Transition("count low", LOW, LOW, TICK & (LEVEL < 4), {LEVEL: LEVEL + 1}, rank=1),
             Transition("count high", HIGH, HIGH, TICK, {LEVEL: LEVEL + stride}, rank=1),
         ],
-        assumption=assumption,
+        world=World(clauses={"assumption": assumption}, reads_machine="the test asks it"),
         lemmas=lemmas or {},
     )
 

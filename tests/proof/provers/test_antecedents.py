@@ -14,6 +14,7 @@ from safeloc.language.spec import Property, always, never, reachable, within
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Vacuous, word
+from safeloc.language.world import World
 from safeloc.proof.provers.antecedents import Never, Open, Seen, found, search
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
@@ -35,7 +36,13 @@ def gate(assumption: Bool | None = None) -> Machine:
         Transition("count", (A, B), A, TRUE, {N: MORE}, rank=1),
     ]
     return Machine(
-        "gate", (A, B, C), [X], {N: 0}, {}, rows, **({} if assumption is None else {"assumption": assumption})
+        "gate",
+        (A, B, C),
+        [X],
+        {N: 0},
+        {},
+        rows,
+        world=World(clauses={} if assumption is None else {"asked": assumption}, reads_machine="the test asks it"),
     )
 
 
@@ -259,7 +266,7 @@ def test_a_run_from_a_first_state_that_the_environment_excludes() -> None:
     """A case of an unconditional property, found from there: the property tests follow it, and for that property only."""
     (only,) = modes("ONLY")
     place, truth = number("place", COUNT, 0, 9), number("truth", COUNT, 0, 9)
-    known_at_first = {"state": {place: ANY}, "ghosts": {truth: 0}, "ghost_moves": {truth: truth}}
+    known_at_first = {"state": {place: ANY}, "world": World(ghosts={truth: 0}, moves={truth: truth})}
     rows = [Transition("still", only, only, X > 5)]
     made = Machine("still", (only,), [X], outputs={}, transitions=rows, initially=place.eq(truth), **known_at_first)
     system, prop = lower(made), always("free", place.eq(5).implies(place >= 1), unconditional=True)

@@ -10,6 +10,7 @@ from safeloc.language.spec import Property, always, observe, reachable
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
+from safeloc.language.world import World
 from safeloc.proof.provers import assumption
 from safeloc.proof.provers.assumption import Ended, assumption_kept, comes_round
 from safeloc.proof.provers.dead_ends import lasts
@@ -40,7 +41,7 @@ def test_a_seeded_dead_end_is_found(name: str) -> None:
     assert isinstance(verdict, Violated)
     assert verdict.trace is not None
     assert seed.depth == len(verdict.trace.steps)
-    assert f"after these {seed.depth} steps no inputs keep the assumption" in verdict.reason
+    assert f"after these {seed.depth} steps no inputs satisfy the assumption" in verdict.reason
     admissible_run(system, verdict.trace.initial, [one.inputs for one in verdict.trace.steps])
 
 
@@ -71,7 +72,16 @@ def test_random_machines_are_judged_as_by_enumeration(seed: int) -> None:
 def machine(assumption: Bool, *, first: object = 0, initially: Bool = TRUE) -> Machine:
     """Counts every step, up to 20; or, told to, from where it likes."""
     up = Transition("up", S, S, TRUE, {X: minimum(X + 1, 20)})
-    return Machine("m", (S,), [GO], {X: first}, {}, [up], assumption=assumption, initially=initially)  # type: ignore[dict-item]
+    return Machine(
+        "m",
+        (S,),
+        [GO],
+        {X: first},
+        {},
+        [up],
+        world=World(clauses={"assumption": assumption}, reads_machine="the test asks it"),
+        initially=initially,
+    )  # type: ignore[dict-item]
 
 
 @pytest.mark.parametrize(
@@ -93,7 +103,7 @@ def test_a_first_state_may_be_a_dead_end() -> None:
     assert isinstance(verdict, Violated)
     assert verdict.trace is not None
     assert 0 == len(verdict.trace.steps)
-    assert "in this first state no inputs keep the assumption" in verdict.reason
+    assert "in this first state no inputs satisfy the assumption" in verdict.reason
 
 
 def test_a_recorded_run_into_a_dead_end_is_found() -> None:
@@ -101,7 +111,17 @@ def test_a_recorded_run_into_a_dead_end_is_found() -> None:
     far = number("far", COUNT, 0, 10_000)
     go = number("go", COUNT, 0, 1)
     rows = [Transition("up", S, S, TRUE, {far: minimum(far + go, 10_000)})]
-    system = lower(Machine("far", (S,), [go], {far: 0}, {}, rows, assumption=far < 300))
+    system = lower(
+        Machine(
+            "far",
+            (S,),
+            [go],
+            {far: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": far < 300}, reads_machine="the test asks it"),
+        )
+    )
     recording = Recording({}, [{"go": 1}] * 310)
     verdict = lasts(system, Limits(depth=5, seconds=60), [recording])
     assert isinstance(verdict, Violated)
@@ -120,7 +140,15 @@ def kept(system: TransitionSystem) -> dict[str, Obligation]:
 
 def test_a_dead_end_that_can_be_avoided_does_not_end_the_assumption() -> None:
     """One run goes on for ever, and is shown; another one comes to a dead end, and is shown as well."""
-    only_zero = Machine("m", (S,), [GO], {X: 0}, {}, [Transition("s", S, S, GO, {X: 1 + 0 * X})], assumption=X.eq(0))
+    only_zero = Machine(
+        "m",
+        (S,),
+        [GO],
+        {X: 0},
+        {},
+        [Transition("s", S, S, GO, {X: 1 + 0 * X})],
+        world=World(clauses={"assumption": X.eq(0)}, reads_machine="the test asks it"),
+    )
     found = kept(lower(only_zero))
     lasting, ending = found["assumption lasts"].verdict, found["dead ends"].verdict
     assert isinstance(lasting, Proved)
@@ -150,7 +178,17 @@ def test_one_run_that_ends_is_no_evidence_that_all_do(monkeypatch: pytest.Monkey
         Transition("round", S, S, X.eq(19), {X: 0 * X}),
         Transition("up", S, S, X < 19, {X: X + 1}),
     ]
-    system = lower(Machine("ring", (S,), [GO], {X: 0}, {}, rows, assumption=X < 20))
+    system = lower(
+        Machine(
+            "ring",
+            (S,),
+            [GO],
+            {X: 0},
+            {},
+            rows,
+            world=World(clauses={"assumption": X < 20}, reads_machine="the test asks it"),
+        )
+    )
     found = kept(system)
     assert isinstance(found["dead ends"].verdict, Violated)
     lasting = found["assumption lasts"].verdict
@@ -214,7 +252,7 @@ def test_engines_by_themselves_do_not_prove_from_a_contradiction(further: Bool) 
     for engine in (kinduction, spacer, prove_one):
         verdict = engine(goal, LIMITS)
         assert isinstance(verdict, Vacuous), engine
-        assert "empty: no run keeps the further assumption" in verdict.reason
+        assert "no run satisfies the further assumption" in verdict.reason
 
 
 def test_what_is_unreachable_under_a_contradiction_is_vacuous() -> None:

@@ -10,6 +10,7 @@ from safeloc.language.spec import Goal, observe, reachable
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held
+from safeloc.language.world import World
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.reachability import without_assumption
 
@@ -28,9 +29,9 @@ MACHINE = Machine(
         Transition("go", SLOW, FAST, X > 400, {N: X}, rank=1),
         Transition("rest", FAST, SLOW, X < N, rank=1),
     ],
-    ghosts={START: ANY},
-    ghost_moves={START: START},
-    assumption=X <= 900,
+    world=World(
+        ghosts={START: ANY}, moves={START: START}, clauses={"assumption": X <= 900}, reads_machine="the test asks it"
+    ),
     initially=START > 2,
 )
 
@@ -80,7 +81,7 @@ def test_nothing_is_drawn_for_nothing_and_where_no_run_begins() -> None:
     doomed = lower(
         Machine(
             "doomed", (off, on), [X], {}, {}, [Transition("start", off, on)],
-            ghosts={START: ANY}, ghost_moves={START: START}, initially=START > START,
+            world=World(ghosts={START: ANY}, moves={START: START}), initially=START > START,
         )
     )  # fmt: skip
     assert drawn([observe(doomed, reachable("on", doomed.machines[0].mode.eq(on)))]) == {}

@@ -11,6 +11,7 @@ from safeloc.language.spec import NO_ASSUMPTION, Property, always, never
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, Proved, Unknown, Vacuous, Violated
+from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
@@ -28,7 +29,7 @@ def test_a_contradictory_further_assumption_proves_nothing(further: Bool) -> Non
     prop = never("b", NEVER_B, further_assumption=further)
     (proof,) = prove(lower(GATE), [prop], Limits())
     assert isinstance(proof.result, Vacuous)
-    assert "empty: no run keeps the further assumption" in proof.result.reason
+    assert "no run satisfies the further assumption" in proof.result.reason
     (tested,) = run_tests(lower(GATE), [prop], examples=5, steps=10, seed=0)
     assert isinstance(tested.result, Unknown)
     assert "nothing was tested" in tested.result.reason
@@ -52,7 +53,15 @@ def test_a_further_assumption_is_reported() -> None:
 
 def _counting(limit: int) -> Machine:
     moves = [Transition("up", A, A, N < 20, {N: N + 1})]
-    return Machine("counting", (A, B), [X], {N: 0}, {}, moves, assumption=N < limit)
+    return Machine(
+        "counting",
+        (A, B),
+        [X],
+        {N: 0},
+        {},
+        moves,
+        world=World(clauses={"assumption": N < limit}, reads_machine="the test asks it"),
+    )
 
 
 def test_an_assumption_that_ends_is_found() -> None:
@@ -61,7 +70,7 @@ def test_an_assumption_that_ends_is_found() -> None:
     assert isinstance(last.result, Violated)
     assert last.result.trace is not None
     assert 7 == len(last.result.trace.steps)
-    assert "after these 7 steps no inputs keep the assumption" in last.result.reason
+    assert "after these 7 steps no inputs satisfy the assumption" in last.result.reason
     (lasting,) = [f for f in obligations(lower(_counting(21)), Limits()) if f.id.endswith("assumption lasts")]
     assert isinstance(lasting.result, Proved)
 

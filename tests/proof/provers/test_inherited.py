@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from safeloc.errors import ModelError
@@ -15,9 +13,11 @@ from safeloc.language.system import lower
 from safeloc.language.terms import variables
 from safeloc.language.units import MM
 from safeloc.language.verdict import Proved, Violated
+from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.provers.proved_base import base
+from tests.declaring import changed
 from tests.proof.provers.small import told
 
 IDLE, BUSY = modes("IDLE", "BUSY")
@@ -47,10 +47,13 @@ class Chain:
             state={self.kept: 0},
             outputs={"kept": self.kept},
             transitions=[Transition("remember", IDLE, IDLE, set={self.kept: self.seen})],
-            ghosts={self.truth: ANY},
-            ghost_inputs=[self.next_truth],
-            ghost_moves={self.truth: self.next_truth},
-            assumption=(self.seen <= assumed) & (self.next_truth <= 5),
+            world=World(
+                ghosts={self.truth: ANY},
+                choices=[self.next_truth],
+                moves={self.truth: self.next_truth},
+                clauses={"assumption": (self.seen <= assumed) & (self.next_truth <= 5)},
+                reads_machine="the test asks it",
+            ),
             lemmas={"within what is assumed": self.kept <= assumed, "the truth is low": self.kept + self.truth <= 40},
         )
         wires: dict[Var, Expr] = {self.seen: self.source.output("level")}
@@ -125,9 +128,8 @@ def test_a_wire_that_leaves_the_range_loses_the_facts() -> None:
 def owed_by_clause(limit: int, assumed: int) -> Composition:
     """The chain, whose follower is owed a low level; that the truth is low is still assumed."""
     chain = Chain(limit=limit, assumed=assumed, discharge=False)
-    follower = replace(
-        chain.follower, assumption=chain.next_truth <= 5, clauses={"the level is low": chain.seen <= assumed}
-    )
+    clauses = {"the truth is low": chain.next_truth <= 5, "the level is low": chain.seen <= assumed}
+    follower = changed(chain.follower, clauses=clauses)
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
     return compose("chain", (chain.source, follower), wires, discharge=[Clause(follower, "the level is low")])
 
@@ -154,11 +156,13 @@ def test_what_cannot_be_owed_is_refused() -> None:
     chain = Chain(discharge=False)
     wires: dict[Var, Expr] = {chain.seen: chain.source.output("level")}
     with pytest.raises(
-        ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' is owed something and is not part of it\.$"
+        ModelError,
+        match=r"^composition 'chain' \(.*:\d+\): 'follower' is named in `discharge` and is no machine of it\.$",
     ):
         compose("chain", [chain.source], {}, discharge=[chain.follower])
     with pytest.raises(
-        ModelError, match=r"^composition 'chain' \(.*:\d+\): 'follower' has no clause 'high'; it has \[\]\.$"
+        ModelError,
+        match=r"^composition 'chain' \(.*:\d+\): 'follower' has no clause 'high'; it has \['assumption'\]\.$",
     ):
         compose("chain", [chain.source, chain.follower], wires, discharge=[Clause(chain.follower, "high")])
 

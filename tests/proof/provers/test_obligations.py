@@ -10,12 +10,14 @@ from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.language.world import World
 from safeloc.proof.provers import assumption
 from safeloc.proof.provers import obligations as module
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import CHECKS, obligations
 from safeloc.proof.provers.recheck import ENGINE
 from safeloc.proof.results import Finding
+from tests.declaring import declared
 from tests.examples import EXAMPLES, Example
 from tests.proof.provers.small import LEVEL, TICK, counter, system
 
@@ -66,9 +68,9 @@ def test_a_ghost_may_leave_its_range_only_where_the_assumption_lets_it() -> None
     """Ghosts are judged under the assumption, the machine's own variables without it."""
     truth, moved = number("truth", COUNT, 0, 5), number("moved", COUNT, -1, 1)
     parts = {"name": "walk", "modes": modes("ONLY"), "inputs": [GO], "state": {}, "outputs": {}, "transitions": []}
-    world = {"ghosts": {truth: 0}, "ghost_inputs": [moved], "ghost_moves": {truth: truth + moved}}
-    kept = Machine(**parts, **world, assumption=(truth + moved >= 0) & (truth + moved <= 5))  # type: ignore[arg-type]
-    left = Machine(**parts, **world, assumption=truth + moved >= 0)  # type: ignore[arg-type] # one dict, many kinds
+    world = {"ghosts": {truth: 0}, "choices": [moved], "moves": {truth: truth + moved}}
+    kept = declared(**parts, **world, clauses={"in range": (truth + moved >= 0) & (truth + moved <= 5)})
+    left = declared(**parts, **world, clauses={"not below": truth + moved >= 0})
     assert word(_found(kept)["ranges"].result) == "proved"
     assert word(_found(left)["range of truth"].result) == "violated"
 
@@ -138,7 +140,7 @@ def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
             Transition("defence", ONE, TWO, LEVEL > 8),
             Transition("dead", TWO, ONE, (LEVEL > 5) & (LEVEL < 3), rank=1),
         ],
-        assumption=LEVEL <= 8,
+        world=World(clauses={"assumption": LEVEL <= 8}, reads_machine="the test asks it"),
     )
     found = _found(machine)
     defence, dead = found["transition guarded: defence"], found["transition guarded: dead"]
@@ -195,7 +197,15 @@ def test_what_moves_in_a_known_run_is_not_asked_for(monkeypatch: pytest.MonkeyPa
 
     def moves(law: Bool) -> str:
         asked.clear()
-        machine = Machine("mover", (ONE, TWO), inputs, {}, {}, [], assumption=law)
+        machine = Machine(
+            "mover",
+            (ONE, TWO),
+            inputs,
+            {},
+            {},
+            [],
+            world=World(clauses={"assumption": law}, reads_machine="the test asks it"),
+        )
         return assumption._moves(lower(machine), LIMITS, ()).method
 
     assert moves(TRUE) == "one run in which all inputs and ghosts change"

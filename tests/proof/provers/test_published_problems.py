@@ -34,6 +34,7 @@ from safeloc.language.spec import Goal, always, never, observe
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Violated, word
+from safeloc.language.world import World
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
@@ -46,7 +47,15 @@ def _data_flow(
     name: str, inputs: list[Var], state: Mapping[Var, Initial], step: Mapping[Var, Expr], assume: Bool
 ) -> Machine:
     """A data-flow program as a machine of one transition that always fires."""
-    return Machine(name, (RUN,), inputs, state, {}, [Transition("step", RUN, RUN, set=step)], assumption=assume)
+    return Machine(
+        name,
+        (RUN,),
+        inputs,
+        state,
+        {},
+        [Transition("step", RUN, RUN, set=step)],
+        world=World(clauses={"assumption": assume}, reads_machine="the test asks it"),
+    )
 
 
 def smooth() -> tuple[Goal, int]:

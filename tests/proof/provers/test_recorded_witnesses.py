@@ -8,6 +8,7 @@ from safeloc.language.spec import Goal, observe, reachable
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, word
+from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting, shown
@@ -28,9 +29,9 @@ COUNTER = Machine(
         Transition("start anew", IDLE, IDLE, X <= 5, {N: 0}, rank=2),
         Transition("stay full", FULL, FULL),
     ],
-    ghosts={START: ANY},
-    ghost_moves={START: START},
-    assumption=X < 9,
+    world=World(
+        ghosts={START: ANY}, moves={START: START}, clauses={"assumption": X < 9}, reads_machine="the test asks it"
+    ),
     initially=START > 2,
 )
 

@@ -10,6 +10,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import Goal, always, observe
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT, MM
+from safeloc.language.world import World
 from safeloc.proof.provers.replayed_evidence import replayed
 from safeloc.proof.provers.shorten import shortened
 
@@ -21,7 +22,15 @@ EXTRA = optional("extra_mm", MM, 5, 9)
 def _goal(least: int) -> Goal:
     """Broken by `least` presses; the noise must never be 9."""
     moves = [Transition("count", ON, ON, PRESS & (N < 90), {N: N + 1}), Transition("rest", ON, ON)]
-    machine = Machine("presses", (ON,), [PRESS, NOISE, EXTRA], {N: 0}, {}, moves, assumption=NOISE < 9)
+    machine = Machine(
+        "presses",
+        (ON,),
+        [PRESS, NOISE, EXTRA],
+        {N: 0},
+        {},
+        moves,
+        world=World(clauses={"assumption": NOISE < 9}, reads_machine="the test asks it"),
+    )
     return observe(lower(machine), always("few", N < least))
 
 

@@ -23,6 +23,7 @@ from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import ONE
 from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.language.world import World
 from safeloc.proof.provers import reachability
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.limits import Limits
@@ -30,6 +31,7 @@ from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove, prove_one
 from safeloc.proof.provers.replayed_evidence import replayed
 from safeloc.proof.results import Finding
+from tests.declaring import declared
 
 LIMITS = Limits(depth=12, seconds=10)
 (S,), (T,) = modes("S"), modes("T")
@@ -42,7 +44,7 @@ def follower(name: str = "m", **changes: object) -> Machine:
     """x follows its input."""
     fields: dict[str, object] = {"modes": (S,), "inputs": [ANYTHING], "state": {X: 0}, "outputs": {}}
     rows = [Transition("follow", S, S, TRUE, {X: ANYTHING})]
-    return Machine(name, **{**fields, "transitions": rows, **changes})  # type: ignore[arg-type] # one dict, many kinds
+    return declared(name=name, **{**fields, "transitions": rows, **changes})
 
 
 def owed(system: TransitionSystem) -> dict[str, Finding]:
@@ -61,7 +63,7 @@ def test_a_helper_that_reads_an_input_is_refused(ghostly: bool) -> None:
     """d01: it would be a hypothesis about one step's input and a goal about the other's. A ghost's input alike."""
     armed, heard, pushed = boolean("armed"), number("i", ONE, 0, 1), number("pushed", ONE, 0, 1)
     arm = Transition("arm", S, S, (heard >= 1) & ~armed, {armed: True})
-    made = lower(Machine("m", (S,), [heard], {armed: False}, {}, [arm], ghost_inputs=[pushed]))
+    made = lower(Machine("m", (S,), [heard], {armed: False}, {}, [arm], world=World(choices=[pushed])))
     read = pushed if ghostly else heard
     prop = within(
         "answered",
@@ -92,7 +94,7 @@ def test_a_helper_speaks_of_states(helper: object) -> None:
 
 def test_an_inherited_property_is_proved_as_it_was_made() -> None:
     """d02: changed afterwards, it is a claim like any other; as it was made, the machine by itself is asked."""
-    made = follower("a", assumption=ANYTHING <= 3)
+    made = follower("a", clauses={"low": ANYTHING <= 3})
     whole = compose("w", [made], {})
     honest = whole.inherited(made, always("x is at most 3", X <= 3))
     free = replace(honest, name="for all inputs", unconditional=True)
@@ -108,7 +110,15 @@ def test_an_inherited_property_holds_in_the_first_state_too() -> None:
     """d29: where an input is wired, what a machine says of it speaks of state, and of the first state as well."""
     first = follower("a", inputs=[number("i", ONE, 1, 9)], transitions=[])
     heard = number("q", ONE, 0, 9)
-    second = Machine("b", (T,), [heard], {Y: 0}, {}, [Transition("s", T, T, TRUE, {Y: heard})], assumption=heard >= 1)
+    second = Machine(
+        "b",
+        (T,),
+        [heard],
+        {Y: 0},
+        {},
+        [Transition("s", T, T, TRUE, {Y: heard})],
+        world=World(clauses={"assumption": heard >= 1}, reads_machine="the test asks it"),
+    )
     step = Transition("follow", S, S, TRUE, {X: first.inputs[0]})  # type: ignore[dict-item] # it is a variable
     first = replace(first, transitions=[step])
     whole = compose("w", [first, second], {heard: X}, discharge=[second])
@@ -125,7 +135,8 @@ def test_a_shared_variable_has_one_role() -> None:
     """d03, d27, d28: a ghost is no sensor's input, shared or wired."""
     truth, push, told = number("g", ONE, 0, 9), boolean("push"), number("q", ONE, 0, 9)
     world = Machine(
-        "world", (T,), [GO], {}, {}, [], ghosts={truth: 0}, ghost_inputs=[push], ghost_moves={truth: ite(push, as_num(1, ONE), truth)}
+        "world", (T,), [GO], {}, {}, [],
+        world=World(ghosts={truth: 0}, choices=[push], moves={truth: ite(push, as_num(1, ONE), truth)})
     )  # fmt: skip
     with pytest.raises(ModelError, match=r"'g' \(.*\) is a ghost of 'world' and an input of 'sensor'"):
         compose("w", [world, follower("sensor", inputs=[truth], transitions=[])], {}, shared=[truth])
@@ -133,7 +144,7 @@ def test_a_shared_variable_has_one_role() -> None:
     with pytest.raises(ModelError, match=r"'push' \(.*\) is a ghost input of 'world' and an input of 'sensor'"):
         compose("w", [world, pushed], {}, shared=[push])
     sensor = follower("sensor", inputs=[told], transitions=[Transition("s", S, S, TRUE, {X: told})])
-    with pytest.raises(ModelError, match="the wire to 'q', which is heard on board, reads the ghost 'g'"):
+    with pytest.raises(ModelError, match="the wire to 'q', an on-board input, reads the ghost 'g'"):
         compose("w", [world, sensor], {told: truth})
 
 
@@ -144,11 +155,11 @@ def tied(**changes: object) -> Machine:
         "state": {wide: ANY},
         "outputs": {"x": wide},
         "ghosts": {truth: 0},
-        "ghost_moves": {truth: truth},
+        "moves": {truth: truth},
     }
     fields |= {"inputs": [GO], "initially": wide.eq(truth), "lemmas": {"x is 0": wide.eq(0)}}
     up = Transition("up", S, S, GO, {wide: ite(wide > 0, wide + 20, wide)})
-    return Machine("m", (S,), **{**fields, "transitions": [up], **changes})  # type: ignore[arg-type] # one dict, many kinds
+    return declared(name="m", modes=(S,), **{**fields, "transitions": [up], **changes})
 
 
 def test_on_board_nothing_is_known_of_the_truth_at_the_start() -> None:
@@ -257,7 +268,19 @@ def test_ghosts_overflow_under_the_assumption_or_not_at_all() -> None:
     moves = {far: minimum(far + push + push, 5), kind: swing}
     lawful = (push <= 3) | kind.eq(7)
     made = Machine(
-        "m", (S,), [GO], {}, {}, [], ghosts={far: 0, kind: 0}, ghost_inputs=[push], ghost_moves=moves, assumption=lawful
+        "m",
+        (S,),
+        [GO],
+        {},
+        {},
+        [],
+        world=World(
+            ghosts={far: 0, kind: 0},
+            choices=[push],
+            moves=moves,
+            clauses={"assumption": lawful},
+            reads_machine="the test asks it",
+        ),
     )
     kinds = {word(one.result) for name, one in owed(lower(made)).items() if name.startswith("overflow of ghosts")}
     assert "violated" not in kinds
@@ -302,7 +325,7 @@ def test_odd_words_are_refused_with_their_place() -> None:
         always("x | y", X >= 0)
     with pytest.raises(PropertyError, match=rf"{place}: property 'p': the further assumption uses a past operator"):
         observe(lower(follower()), always("p", X >= 0, further_assumption=previous(X > 0)))
-    with pytest.raises(ModelError, match=rf"{place}\):\n  - its name is 'M"):
+    with pytest.raises(ModelError, match=r":\d+\):\n  - its name is 'M"):
         follower("M\n(assert false)")
     heard = boolean("j")
     listener = Machine("b", (T,), [heard], {Y: 0}, {}, [])
@@ -352,7 +375,7 @@ def test_what_is_dead_in_the_whole_is_told() -> None:
     whole = compose("w", [first, second], {heard: X})
     found = owed(whole.system)
     assert word(found["transition b: raise"].result) == "violated"
-    assert "the whole never, whatever its inputs: dead in it" in found["transition b: raise"].result.reason  # type: ignore[union-attr]
+    assert "no run of the composition does, for any inputs: dead in it" in found["transition b: raise"].result.reason  # type: ignore[union-attr]
     assert said(whole.system, reachable("alarm", whole.of(second).bool(second.mode.eq(alarm)))) == ["violated"]
 
 

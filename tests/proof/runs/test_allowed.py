@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from safeloc.language.expr import TRUE, Bool, abs_, all_of, between, boolean, ite, maximum, number
 from safeloc.language.interpret import evaluate
 from safeloc.language.units import MM
-from safeloc.proof.runs.allowed import Condition, Slack, common, conjuncts
+from safeloc.proof.runs.allowed import Condition, Slack, common, falsifiable
 
 X, Y, FLAG = number("x", MM, -60, 60), number("y", MM, -60, 60), boolean("flag")
 CONDITIONS = [
@@ -54,9 +54,9 @@ def test_a_condition_without_variables() -> None:
     """Constants are judged as they are, and what is true anyway is no part of a conjunction."""
     assert Condition(TRUE).holds({})
     assert not Condition(~TRUE).holds({})
-    assert [] == conjuncts(TRUE)
-    assert ["false"] == [repr(part) for part in conjuncts(~TRUE)]
-    parts = conjuncts(all_of([X <= 3, (Y <= 3) & FLAG]))
+    assert [] == falsifiable(TRUE)
+    assert ["false"] == [repr(part) for part in falsifiable(~TRUE)]
+    parts = falsifiable(all_of([X <= 3, (Y <= 3) & FLAG]))
     assert ["(<= x 3)", "(<= y 3)", "flag"] == [repr(part) for part in parts]
 
 

@@ -11,6 +11,7 @@ from safeloc.language.spec import always, within
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import word
+from safeloc.language.world import World
 from safeloc.proof.runs.driver import Driver
 from safeloc.proof.testing import run_tests
 from tests.examples import EXAMPLES, Example
@@ -22,7 +23,17 @@ P, N = boolean("p"), number("n", COUNT, 0, 50)
 def _counter(limit: int = 50) -> TransitionSystem:
     """Counts the steps in which p was true; the assumption is that it never passes the limit."""
     moves = [Transition("count", ON, ON, P & (N < 50), {N: N + 1}), Transition("rest", ON, ON)]
-    return lower(Machine("counter", (ON,), [P], {N: 0}, {}, moves, assumption=~P | (N < limit)))
+    return lower(
+        Machine(
+            "counter",
+            (ON,),
+            [P],
+            {N: 0},
+            {},
+            moves,
+            world=World(clauses={"assumption": ~P | (N < limit)}, reads_machine="the test asks it"),
+        )
+    )
 
 
 def _pressed(times: int) -> list[dict[str, bool]]:

@@ -14,6 +14,7 @@ from safeloc.language.interpret import evaluate, start
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, environment, lower
 from safeloc.language.units import MM, NM
+from safeloc.language.world import World
 from safeloc.models import odometry
 from safeloc.proof.runs.lawful import Repair, first_state
 from safeloc.proof.runs.profiles import PLAUSIBLE, Profile
@@ -39,10 +40,13 @@ def _coupled() -> TransitionSystem:
             {},
             {},
             [idle],
-            ghosts={TRUTH: ANY},
-            ghost_inputs=[MOVED],
-            ghost_moves={TRUTH: after},
-            assumption=all_of([law, exact, between(-(10**9), after, 10**9)]),
+            world=World(
+                ghosts={TRUTH: ANY},
+                choices=[MOVED],
+                moves={TRUTH: after},
+                clauses={"assumption": all_of([law, exact, between(-(10**9), after, 10**9)])},
+                reads_machine="the test asks it",
+            ),
             initially=between(-3, TRUTH, 3),
         )
     )
@@ -77,7 +81,15 @@ def test_most_readings_survive_repair() -> None:
 def test_nothing_lawful_is_said_so() -> None:
     """Where no inputs at all keep the assumption, there are none."""
     flag = boolean("flag")
-    machine = Machine("never", (ON,), [flag, STEP], {}, {}, [Transition("idle", ON, ON)], assumption=flag & ~flag)
+    machine = Machine(
+        "never",
+        (ON,),
+        [flag, STEP],
+        {},
+        {},
+        [Transition("idle", ON, ON)],
+        world=World(clauses={"assumption": flag & ~flag}, reads_machine="the test asks it"),
+    )
     drawn = {flag: True, STEP: 3}
     assert Repair(lower(machine)).mend({machine.mode: 0}, drawn, random.Random(0)) is None
 
@@ -129,8 +141,7 @@ def test_a_first_state_is_drawn_anew() -> None:
         {},
         {},
         [Transition("idle", ON, ON)],
-        ghosts={low: ANY, high: ANY},
-        ghost_moves={low: low, high: high},
+        world=World(ghosts={low: ANY, high: ANY}, moves={low: low, high: high}),
         initially=(low < high) & (low >= -90) & (high <= 90),
     )
     for seed in range(100):
@@ -148,8 +159,7 @@ def test_no_first_state_is_wrong_input() -> None:
         {},
         {},
         [Transition("idle", ON, ON)],
-        ghosts={open_: ANY, other: ANY},
-        ghost_moves={open_: open_, other: other},
+        world=World(ghosts={open_: ANY, other: ANY}, moves={open_: open_, other: other}),
         initially=(open_ < other) & (other < open_),
     )
     with pytest.raises(

@@ -14,6 +14,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, Result, Unknown, Vacuous
+from safeloc.language.world import World
 from safeloc.proof.runs.driver import Driver
 from safeloc.proof.runs.lawful import NoFirstStateError
 from safeloc.proof.testing import run_tests
@@ -21,7 +22,15 @@ from safeloc.proof.testing import run_tests
 (ON,) = modes("ON")
 P, N = boolean("p"), number("n", COUNT, 0, 50)
 ROWS = [Transition("count", ON, ON, P & (N < 50), {N: N + 1}), Transition("rest", ON, ON)]
-COUNTER = Machine("counter", (ON,), [P], {N: 0}, {}, ROWS, assumption=~P | (N < 5))
+COUNTER = Machine(
+    "counter",
+    (ON,),
+    [P],
+    {N: 0},
+    {},
+    ROWS,
+    world=World(clauses={"assumption": ~P | (N < 5)}, reads_machine="the test asks it"),
+)
 SYSTEM = lower(COUNTER)
 
 

@@ -77,12 +77,16 @@ class Step:
     @property
     def margin(self) -> int:
         """The greater side, in mm."""
-        return max(int(self.outputs["over_mm"]), int(self.outputs["under_mm"]))
+        return max(int(self.outputs["margin_above_mm"]), int(self.outputs["margin_below_mm"]))
 
     def holds(self, position_mm: int) -> bool:
         """Whether the reported interval holds the position."""
         centre = int(self.outputs["position_mm"])
-        return centre - int(self.outputs["under_mm"]) <= position_mm <= centre + int(self.outputs["over_mm"])
+        return (
+            centre - int(self.outputs["margin_below_mm"])
+            <= position_mm
+            <= centre + int(self.outputs["margin_above_mm"])
+        )
 
 
 @cache

@@ -44,7 +44,7 @@ NAN = float("nan")
         (lambda: Controller(ODOMETRY).step_inputs({}, truth_mm=1.5), "truth_mm is 1.5; give whole mm"),
         (lambda: Controller(ODOMETRY).step_inputs({}, lost=3), "lost is 3; say it in words"),
         (lambda: Controller(ODOMETRY).begin_anew(None), "reason is None; say it in words"),
-        (lambda: Controller(ODOMETRY).begin_anew(""), "reason is empty; say in words"),
+        (lambda: Controller(ODOMETRY).begin_anew(""), "reason is empty; give the reason"),
         (lambda: Controller(ODOMETRY).begin_anew("x", -5), "start_ms is -5"),
     ],
 )
@@ -70,9 +70,7 @@ def test_a_controller_is_not_doubled(double: Callable[[Any], Any]) -> None:
     """Two that share what they remember would both be wrong: a TypeError, as hosts expect, that says what to do."""
     controller = Controller(ODOMETRY)
     for kind in (TypeError, InputError):
-        with pytest.raises(
-            kind, match=r"^odometry: a controller is not (copied|pickled); make another one of the same"
-        ):
+        with pytest.raises(kind, match=r"^odometry: a controller is not (copied|pickled); make a new one of the same"):
             double(controller)
     assert controller.step(distances(100)).cycle == 1
 

@@ -33,7 +33,7 @@ def test_an_asyncio_host(capsys: pytest.CaptureFixture[str]) -> None:
     """The interlock opens with the place and closes with its loss."""
     asyncio.run(example("asyncio_controller").main(DOCS / "examples" / "records.jsonl"))
     first, second, last = capsys.readouterr().out.splitlines()
-    assert first.startswith("200 ms: released, 244.794 m to 255.970 m")
+    assert first.startswith("200 ms: released, 244.793 m to 255.979 m")
     assert re.fullmatch(r"1\d00 ms: restricted, SENSOR_FAILURE", second)
     assert last.startswith("cycle 40 at 4000 ms: DELOCALIZED; nothing reported")
 

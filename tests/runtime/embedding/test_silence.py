@@ -10,8 +10,8 @@ from safeloc.errors import InputError
 from safeloc.language.expr import Expr, Lit, NumVar, Var
 from safeloc.language.nodes import Truth
 from safeloc.language.system import TransitionSystem, canonical, environment
-from safeloc.language.terms import Substitution
-from safeloc.proof.provers.implication import conjuncts, unproved
+from safeloc.language.terms import Substitution, conjuncts
+from safeloc.proof.provers.implication import unproved
 from safeloc.runtime.border import Reason
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.cycle_length import periods
@@ -75,6 +75,6 @@ def test_a_silent_device_costs_its_source_only() -> None:
 def test_what_may_not_be_silent_ends_there() -> None:
     """An axle counter that missed a cycle cannot say what it counted, and says so."""
     controller = Controller(load_target("axle_section"), period_ms=100)
-    with pytest.raises(InputError, match="cannot begin anew by itself"):
+    with pytest.raises(InputError, match="cannot restart by itself"):
         controller.step_inputs({})
     assert controller.halted == "input axles_in_low is missing"

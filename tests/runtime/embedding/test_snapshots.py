@@ -74,7 +74,7 @@ def test_a_halted_controller_stays_halted() -> None:
     with pytest.raises(InputError):
         halted.step([ValueRecord(time_ms=1, name="speed", value=0)])
     rest.restore(halted.snapshot())
-    with pytest.raises(InputError, match="was halted"):
+    with pytest.raises(InputError, match="has halted"):
         rest.step([])
 
 

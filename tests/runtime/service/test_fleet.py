@@ -179,7 +179,7 @@ def test_one_wrong_time_is_one_line() -> None:
     told = Told()
     told.say(*lines(3), end(300))
     answers = told.say(line(distances(10**7)[0]), *map(line, distances(400)), end(400))
-    assert answers[0]["reason"].endswith("ms ahead, and 60000 ms of silence can be charged")
+    assert answers[0]["reason"].endswith("ms ahead; a gap may have at most 60000 ms")
     assert (answers[1]["cycle"], doubted(answers[1])) == (4, True)
     assert told.say(*map(line, distances(500)), end(500))[0]["interval_mm"] is not None
 
@@ -291,7 +291,7 @@ def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
     ]
     answers = told.say(*map(json.dumps, said), json.dumps({"vehicle": "b", "cycle": 1, **whole}))
     assert [answer.get("event", "report") for answer in answers] == ["report", "halted", "refused", "report"]
-    assert "cannot begin anew by itself (input speed is missing)" in answers[1]["reason"]
+    assert "cannot restart by itself (input speed is missing)" in answers[1]["reason"]
 
 
 # ------------------------------------------------------------------ steps instead of records
@@ -681,7 +681,7 @@ def test_whatever_is_said_cycles_go_on(kinds: list[str]) -> None:
 
 # ------------------------------------------------------------------ a peer that is known to be one vehicle
 
-NOT_ITS_OWN = "a line of vehicle {}; by its certificate, who sent it is vehicle 12 and speaks of no other"
+NOT_ITS_OWN = "a line of vehicle {}; the sender's certificate is for vehicle 12 only"
 
 
 def two() -> Told:

@@ -228,7 +228,7 @@ def test_a_snapshot_of_something_else_is_refused(tmp_path: Path) -> None:
     refused = ran(tmp_path, *arguments, said="".join(lines(5)), config=other)
     assert refused.returncode == 2
     assert b"of another configuration (tolerance_mm 30000, here 20000)" in refused.stderr
-    assert b"To begin anew: --fresh." in refused.stderr
+    assert b"To start from the initial state: --fresh." in refused.stderr
     assert ran(tmp_path, *arguments, "--fresh", said="".join(lines(5)), config=other).returncode == 0
 
 

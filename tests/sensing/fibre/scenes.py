@@ -10,8 +10,9 @@ import numpy as np
 from safeloc.sensing.fibre.features import FibreFrame, TrainSeen
 from safeloc.sensing.fibre.figures import Detection, FibreConfig, Interrogator
 from safeloc.sensing.fibre.front_end import FrontEnd, Outcome
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.fibre.cable import Section, cable
-from safeloc.simulation.fibre.scene import Fault, Shot, World, shots
+from safeloc.simulation.fibre.scene import Shot, World, shots
 from safeloc.simulation.fibre.trains import COACH, Course, Train
 
 LENGTH_M = 2_000

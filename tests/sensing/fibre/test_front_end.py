@@ -24,11 +24,12 @@ from safeloc.sensing.fibre.figures import (
 from safeloc.sensing.fibre.front_end import FrontEnd, Outcome, read_all
 from safeloc.sensing.fibre.recordings import blocks, read_array
 from safeloc.sensing.fibre.sections import Edge, Effect
+from safeloc.simulation.faults import Fault
 from safeloc.simulation.fibre.cable import Section
 from safeloc.simulation.fibre.emitters import Sounding
 from safeloc.simulation.fibre.ground import Car
 from safeloc.simulation.fibre.optics import Drift
-from safeloc.simulation.fibre.scene import Fault, FaultKind, Shot
+from safeloc.simulation.fibre.scene import Shot
 from tests.data_sources import data_file
 from tests.sensing.fibre.scenes import CONFIG, coaches, frames, seen, told, world
 
@@ -209,7 +210,7 @@ def test_emitters_are_heard() -> None:
     assert [("E1", bits), (None, bits)] == [(one.emitter, one.bits) for one in found]
 
 
-FAULTS: dict[FaultKind, object] = {
+FAULTS: dict[str, object] = {
     "missing": Reason.MISSING,
     "duplicate": Reason.DUPLICATE,
     "late": Reason.STALE,
@@ -225,9 +226,9 @@ FAULTS: dict[FaultKind, object] = {
 
 
 @pytest.mark.parametrize("kind", list(FAULTS))
-def test_faults_are_refused_and_end_what_was_followed(kind: FaultKind) -> None:
+def test_faults_are_refused_and_end_what_was_followed(kind: str) -> None:
     """With their reason; trains have to be confirmed anew, under new numbers."""
-    outcomes = seen(world(coaches(5, 400, 40.0)), 28, faults=[Fault(kind, 22, 23)])
+    outcomes = seen(world(coaches(5, 400, 40.0)), 28, faults=[Fault(kind, "", 22, 23)])
     before, during, after = outcomes[21][1], outcomes[22][1], outcomes[23][1]
     assert isinstance(before, FibreFrame)
     assert 1 == len(before.trains)

@@ -15,7 +15,8 @@ import pytest
 
 from benchmarks.satellite_recorded import Recording, geodetic, told, truth
 from safeloc.sensing.satellite.residuals import Residuals
-from safeloc.simulation.satellite.disturbing import Disturbance, disturb
+from safeloc.simulation.faults import Fault
+from safeloc.simulation.satellite.disturbing import disturb
 from tests.data_sources import data_file
 from tests.sensing.satellite.raim import excluded_by_raim, told_of_frame
 
@@ -49,13 +50,13 @@ def known() -> list[Residuals]:
     return truth(recording())
 
 
-def by_selection(disturbances: Sequence[Disturbance]) -> list[tuple[frozenset[str], frozenset[str]]]:
+def by_selection(disturbances: Sequence[Fault]) -> list[tuple[frozenset[str], frozenset[str]]]:
     """Judged and excluded satellites of every cycle."""
     cycles = told(recording(), known(), disturbances)
     return [(frozenset(one.error_m), frozenset(one.error_m) - one.usable) for one in cycles]
 
 
-def by_raim(solve_fde: Any, disturbances: Sequence[Disturbance]) -> list[frozenset[str]]:
+def by_raim(solve_fde: Any, disturbances: Sequence[Fault]) -> list[frozenset[str]]:
     """Excluded satellites of every cycle."""
     epochs = disturb(recording().epochs, disturbances).epochs
     return excluded_by_raim(solve_fde, epochs, recording().navigation, recording().point, SQUARES_M2)
@@ -72,7 +73,9 @@ def rates(judged: Sequence[frozenset[str]], excluded: Sequence[frozenset[str]], 
 def side_by_side(solve_fde: Any, kind: str, size_m: float, *names: str) -> tuple[Rates, Rates]:
     """Selection and residual-based method on one disturbance, printed (seen with -s)."""
     struck = frozenset(names)
-    disturbances = [Disturbance("ramp" if kind == "ramp" else "step", FROM_S, TO_S, size_m, struck)]
+    disturbances = [
+        Fault("ramp" if kind == "ramp" else "step", struck, FROM_S * 1_000, TO_S * 1_000, {"size_m": size_m})
+    ]
     both = by_selection(disturbances)
     judged = [seen for seen, _ in both]
     ours = rates(judged, [gone for _, gone in both], struck)

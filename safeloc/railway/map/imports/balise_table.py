@@ -53,7 +53,7 @@ class Row:
 
 
 def read_balise_table(path: Path, *, name: str | None = None, version: str | None = None) -> Imported:
-    """The groups of the first sheet.
+    """Return the groups of the first sheet.
 
     name, version  of the line; by default the file's name, and "1"
     Raises InputError with sheet and row for cells that do not fit and for groups given twice; EngineError where
@@ -165,7 +165,7 @@ def _refuse_twice(rows: Sequence[Row]) -> None:
 
 
 def _assumed() -> Iterator[Note]:
-    """What the table does not say."""
+    """List the assumptions about facts that the table does not contain."""
     yield Note("assumed", "column 'Km'", "metres along the kilometre line, without jumps")
     yield Note("assumed", "column 'Or Lint'", "Z: rising kilometres lead south, N: north; Utrecht is the south end")
     yield Note(

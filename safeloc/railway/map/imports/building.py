@@ -19,7 +19,7 @@ Record = TypeVar("Record", bound=BaseModel)
 
 
 def made(record: type[Record], place: str, **fields: Any) -> Record:
-    """The record; InputError with the place and the first field that does not fit."""
+    """Return the record; InputError with the place and the first field that does not fit."""
     try:
         return record(**fields)
     except ValidationError as error:
@@ -32,7 +32,7 @@ def made(record: type[Record], place: str, **fields: Any) -> Record:
 
 
 def missing(package: str, purpose: str) -> EngineError:
-    """What to raise where a package of the extra `geo` is not installed."""
+    """Make the error for a missing package of the extra `geo`."""
     return EngineError(f"{purpose} needs {package}; install safeloc[geo].")
 
 
@@ -44,5 +44,5 @@ def within(path: Path) -> Iterator[None]:
 
 
 def content(path: Path) -> bytes:
-    """The file's bytes; InputError if it cannot be read, or is larger than `LARGEST_MAP`."""
+    """Return the file's bytes; InputError if it cannot be read, or is larger than `LARGEST_MAP`."""
     return read_bytes(path, LARGEST_MAP)

@@ -30,10 +30,10 @@ SUFFIXES = {".railml": "railml", ".xml": "railml", ".geojson": "geojson", ".xlsx
 
 
 def importer(path: Path, form: str | None = None) -> Importer:
-    """The importer of that name, else the one the file's suffix tells. InputError where neither does."""
+    """Return the importer of that name, else the one the file's suffix tells. InputError where neither does."""
     chosen = form if form is not None else SUFFIXES.get(path.suffix.lower())
     if chosen is None:
-        raise InputError(f"{path}: its suffix tells no format; name one of {', '.join(FORMATS)}.")
+        raise InputError(f"{path}: its suffix is no known format; name one of {', '.join(FORMATS)}.")
     if chosen not in FORMATS:
         raise InputError(f"{chosen!r} is no format of lines; there are {', '.join(FORMATS)}.")
     return FORMATS[chosen]

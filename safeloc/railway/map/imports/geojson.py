@@ -52,7 +52,7 @@ class Feature:
 
 
 def read_geojson(path: Path, *, name: str | None = None, version: str | None = None) -> Imported:
-    """The network in a GeoJSON file.
+    """Return the network in a GeoJSON file.
 
     name, version  of the line; by default the file's name, and "1"
     Raises InputError naming the feature for what does not fit; EngineError where pyproj is missing.
@@ -88,7 +88,7 @@ def _imported(features: Sequence[Feature], name: str, version: str, source: str,
 
 
 def read_features(path: Path, notes: list[Note]) -> list[Feature]:
-    """The features of a FeatureCollection in degrees. InputError for anything else."""
+    """Return the features of a FeatureCollection in degrees. InputError for anything else."""
     collection = read_object(path)
     if collection.get("type") != "FeatureCollection":
         raise InputError(f"expected a FeatureCollection, got {collection.get('type')!r}.")
@@ -115,7 +115,7 @@ def _feature(place: str, found: object) -> Feature:
 
 
 def point(found: object, place: str) -> Point:
-    """A position as (longitude, latitude) in degrees. InputError for what is none."""
+    """Return a position as (longitude, latitude) in degrees. InputError for what is none."""
     numbers = sequence(found, f"{place}: position")
     if len(numbers) < 2:
         raise InputError(f"{place}: a position has a longitude and a latitude.")
@@ -241,7 +241,7 @@ def _naming(tracks: Mapping[str, Track]) -> Naming:
 
 
 def _node_name(ends: Sequence[End], own: Sequence[Relation]) -> str:
-    """What the identities of the relations begin with, up to a bar, if it is one name; else the first end."""
+    """Name a node by the common prefix of its relations' identities, up to a bar; otherwise by its first end."""
     names = {relation.id.partition("|")[0] for relation in own if "|" in relation.id}
     if len(names) == 1:
         return names.pop()

@@ -33,7 +33,7 @@ class ImportedPath(NamedTuple):
 
 
 def read_path(path: Path, topology: Topology, *, first: Direction | None = None) -> ImportedPath:
-    """The route in a path file, over the whole of its first and last element.
+    """Return the route in a path file, over the whole of its first and last element.
 
     first  direction along the first element, where the order of the elements does not tell
     Raises InputError for unknown elements, elements that no vehicle can go to in this order, and an untold direction.
@@ -47,7 +47,7 @@ def read_path(path: Path, topology: Topology, *, first: Direction | None = None)
 
 
 def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | None = None) -> Route:
-    """The route that runs over these edges in this order; InputError where there is none, or more than one."""
+    """Return the route that runs over these edges in this order; InputError where there is none, or more than one."""
     for edge in edges:
         if edge not in topology.edges:
             raise InputError(f"the network has no element {edge!r}.")
@@ -63,7 +63,7 @@ def route_over(edges: Sequence[str], topology: Topology, *, first: Direction | N
 
 
 class _Way(NamedTuple):
-    """How a run is reached: from which one (None: it is the first), and whether in several ways."""
+    """The way to a run: the run before it (None for the first), and whether there are several ways."""
 
     before: Run | None
     several: bool = False

@@ -18,7 +18,7 @@ MOST_VALUES = 10_000_000
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """The object in the file. InputError for anything that is none, for a name given twice, and for NaN."""
+    """Return the object in the file. InputError for anything that is none, for a name given twice, and for NaN."""
     data = content(path)
     refuse_beyond(path, sum(map(data.count, (b",", b"[", b"{"))), MOST_VALUES, "values")
     text = decoded(path, data)
@@ -48,35 +48,35 @@ def read_object(path: Path) -> dict[str, Any]:
 
 
 def mapping(value: object, place: str) -> dict[str, Any]:
-    """The value as an object; InputError otherwise."""
+    """Return the value as an object; InputError otherwise."""
     if not isinstance(value, dict):
         raise InputError(f"{place}: expected an object, got {_kind(value)}.")
     return value
 
 
 def sequence(value: object, place: str) -> list[Any]:
-    """The value as a list; InputError otherwise."""
+    """Return the value as a list; InputError otherwise."""
     if not isinstance(value, list):
         raise InputError(f"{place}: expected a list, got {_kind(value)}.")
     return value
 
 
 def text(value: object, place: str) -> str:
-    """The value as text that is not empty; InputError otherwise."""
+    """Return the value as text that is not empty; InputError otherwise."""
     if not isinstance(value, str) or not value.strip():
         raise InputError(f"{place}: expected text, got {_kind(value)}.")
     return value.strip()
 
 
 def required(found: Mapping[str, Any], name: str, place: str) -> Any:
-    """The member of that name; InputError if there is none."""
+    """Return the member of that name; InputError if there is none."""
     if name not in found:
         raise InputError(f"{place}: {name!r} is missing.")
     return found[name]
 
 
 def others(found: Mapping[str, Any], known: Sequence[str]) -> Iterator[str]:
-    """The names that are not among the known ones."""
+    """Return the names that are not among the known ones."""
     return (name for name in found if name not in known)
 
 

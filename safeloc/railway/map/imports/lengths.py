@@ -5,15 +5,15 @@ from __future__ import annotations
 from decimal import ROUND_HALF_EVEN, Decimal, InvalidOperation
 
 from safeloc.errors import InputError
+from safeloc.language.units import MM_PER_M
 from safeloc.runtime.outside import MOST_DIGITS, quoted
 
-MM_PER_M = 1000
 BEYOND_ALL = Decimal(10) ** 15
 """No length, place, speed or identity of a map is that large; 1e999999999 would be a number of a billion digits."""
 
 
 def decimal(text: object, place: str) -> Decimal:
-    """A number as it is written, in ASCII digits. InputError for what is no finite number below 10^15; binary fractions
+    """Return a number as it is written, in ASCII digits. InputError for what is no finite number below 10^15; binary fractions
     are refused."""
     if isinstance(text, bool) or not isinstance(text, (str, int, Decimal)):
         raise InputError(f"{place}: expected a number, got {quoted(text)}.")
@@ -34,7 +34,7 @@ def _ascii(text: str) -> str:
 
 
 def millimetres(metres: Decimal) -> tuple[int, bool]:
-    """Metres in whole mm, to the nearest (halves to the even one), and whether nothing was lost."""
+    """Return metres in whole mm, to the nearest (halves to the even one), and whether nothing was lost."""
     exact = metres * MM_PER_M
     whole = exact.to_integral_value(rounding=ROUND_HALF_EVEN)
     return int(whole), whole == exact

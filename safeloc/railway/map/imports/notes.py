@@ -1,4 +1,4 @@
-"""What an importer hands back: the line, and what the file said that is not on it, or not as it stood there."""
+"""The result of an importer: the line, and notes on everything in the file that was dropped or changed."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Similar:
 
 
 def similar(notes: Iterable[Note]) -> list[Similar]:
-    """The notes by kind and text, in the order of their first one: what a reader looks at first."""
+    """Return the notes by kind and text, in the order of their first one: what a reader looks at first."""
     places: dict[tuple[Kind, str], list[str]] = {}
     for note in notes:
         places.setdefault((note.kind, note.text), []).append(note.place)

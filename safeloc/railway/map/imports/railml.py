@@ -59,7 +59,7 @@ NO_PLACE_ATTRIBUTES = frozenset({
 
 
 def read_railml(path: Path, *, name: str | None = None, version: str | None = None) -> Imported:
-    """The line in a railML 3 document.
+    """Return the line in a railML 3 document.
 
     name, version  of the line; by default the file's name, and "1"
     Raises InputError, with element, identity and line, for broken references, missing lengths, places off their net
@@ -132,7 +132,7 @@ def _ends(nodes: tuple[Node, ...], joined: Joined) -> Iterator[Note]:
 
 
 def _left(root: Element) -> Iterator[Note]:
-    """What nobody asked for."""
+    """List notes on elements and attributes that the importer did not read."""
     for element, attribute in unused(root):
         if attribute is not None:
             known = attribute in NO_PLACE_ATTRIBUTES

@@ -31,7 +31,7 @@ class Single:
 
 
 def balise_groups(functional: Element, places: Places, edges: Mapping[str, TrackEdge]) -> Iterator[BaliseGroup]:
-    """All Eurobalise groups that have a place. InputError for balises of an unknown group."""
+    """Return all Eurobalise groups that have a place. InputError for balises of an unknown group."""
     groups = {group.need("id"): group for group in functional.all("baliseGroups", "baliseGroup")}
     singles: dict[str, list[Single]] = {name: [] for name in groups}
     for balise in functional.all("balises", "balise"):

@@ -52,7 +52,7 @@ class Network:
 
 
 def read_network(root: Element, infrastructure: Element, notes: list[Note]) -> Network:
-    """The micro topology. InputError for missing lengths and ends, and for references to nothing."""
+    """Return the micro topology. InputError for missing lengths and ends, and for references to nothing."""
     units = linear_units(root)
     everything = _by_identity(infrastructure.all("topology", "netElements", "netElement"))
     micro = _micro(infrastructure, everything, notes)
@@ -174,7 +174,7 @@ def _measures(element: Element, units: Mapping[str, Decimal]) -> dict[str, tuple
 
 
 def intrinsic(element: Element, name: str) -> Decimal:
-    """An intrinsic coordinate, 0..1."""
+    """Return an intrinsic coordinate, 0..1."""
     share = decimal(element.need(name), f"{element.place}: {name}")
     if not 0 <= share <= 1:
         raise InputError(f"{element.place}: {name} {share} is outside 0..1.")
@@ -182,7 +182,7 @@ def intrinsic(element: Element, name: str) -> Decimal:
 
 
 def measure(linear: Element, units: Mapping[str, Decimal]) -> Decimal:
-    """The kilometre of a linear coordinate, in metres."""
+    """Return the kilometre of a linear coordinate, in metres."""
     system = linear.need("positioningSystemRef")
     if system not in units:
         raise InputError(f"{linear.place}: there is no linearPositioningSystem {system!r}.")
@@ -190,7 +190,7 @@ def measure(linear: Element, units: Mapping[str, Decimal]) -> Decimal:
 
 
 def kilometres(net: NetElement, notes: list[Note]) -> tuple[KilometrePoint, ...]:
-    """Kilometre points of the first positioning system; remarks on the others and on what does not fit the length."""
+    """Return the kilometre points of the first positioning system; remarks on the others and on what does not fit the length."""
     for other in list(net.measures)[1:]:
         notes.append(Note("not carried over", net.element.place, f"second kilometre line {other!r}"))
     for system, points in list(net.measures.items())[:1]:

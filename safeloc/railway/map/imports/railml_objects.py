@@ -1,4 +1,4 @@
-"""What stands along the track in a railML document: signals, axle counters, tunnels, speeds, ends of track, switches."""
+"""Objects along the track in a railML document: signals, axle counters, tunnels, speeds, ends of track, switches."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SIGNAL_KINDS = {
 
 
 def signals(functional: Element, places: Places) -> Iterator[Signal]:
-    """Signals, for the direction of travel they apply to; one for both directions becomes two."""
+    """Return signals, for the direction of travel they apply to; one for both directions becomes two."""
     for element in functional.all("signalsIS", "signalIS"):
         kind = "+".join(name for tag, name in SIGNAL_KINDS.items() if element.all(tag)) or "unknown"
         spot = places.spot(element)
@@ -82,7 +82,7 @@ def tunnels(functional: Element, places: Places) -> Iterator[Tunnel]:
 
 
 def speed_limits(functional: Element, places: Places) -> Iterator[SpeedLimit]:
-    """Speed sections, rounded down to whole mm/s. Those for some trains only are noted."""
+    """Return the speed sections, rounded down to whole mm/s. Those for some trains only are noted."""
     for element in functional.all("speeds", "speedSection"):
         if element.all("validForSpeedProfile"):
             element.skip()
@@ -112,7 +112,7 @@ def track_names(functional: Element, places: Places) -> dict[str, str]:
 
 
 def ended(functional: Element, places: Places, nodes: Sequence[Node], node_of: Mapping[End, str]) -> tuple[Node, ...]:
-    """The nodes, with buffer stops and open borders where exactly one edge ends."""
+    """Return the nodes, with buffer stops and open borders where exactly one edge ends."""
     kinds: dict[str, str] = {}
     alone = {name for name, count in Counter(node_of.values()).items() if count == 1}
     for tags, kind in ((("bufferStops", "bufferStop"), "buffer_stop"), (("borders", "border"), "border")):
@@ -136,7 +136,7 @@ def _node_at(element: Element, places: Places, node_of: Mapping[End, str]) -> st
 
 
 def switch_naming(functional: Element, network: Network) -> Naming:
-    """Names of nodes from switches and crossings, and the sides of the branches as the document tells them."""
+    """Return names of nodes from switches and crossings, and the sides of the branches as the document tells them."""
     relations = {relation.id: relation for relation in network.relations}
     names: dict[frozenset[End], str] = {}
     left_of: dict[frozenset[End], bool] = {}

@@ -1,4 +1,4 @@
-"""Where a railML document says that something is: spot and linear locations as places and stretches of edges."""
+"""Locations in a railML document: converts spot and linear locations to places and stretches of edges."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Places:
     notes: list[Note]
 
     def spot(self, owner: Element) -> Spot | None:
-        """The one place of the element on the micro level; None, with a note, where there is none or more than one."""
+        """Return the one place of the element on the micro level; None, with a note, where there is none or more than one."""
         found = [spot for location in owner.all("spotLocation") if (spot := self._spot(owner, location)) is not None]
         if len(found) == 1:
             return found[0]
@@ -49,7 +49,7 @@ class Places:
         return None
 
     def stretches(self, owner: Element) -> tuple[tuple[Stretch, ...], tuple[Direction, ...]]:
-        """Stretches of its linear locations on the micro level, and the directions they are for."""
+        """Return stretches of its linear locations on the micro level, and the directions they are for."""
         stretches: list[Stretch] = []
         directions: set[Direction] = set()
         for location in owner.all("linearLocation"):
@@ -119,7 +119,7 @@ class Places:
         return given[0] if given else None
 
     def _by_kilometre(self, place: str, linear: Element, net: NetElement) -> Decimal | None:
-        """Where this kilometre lies on the net element; None, with a note, where that cannot be told."""
+        """Return the place of this kilometre on the net element; None, with a note, if it cannot be determined."""
         here = measure(linear, self.units)
         points = net.measures.get(linear.need("positioningSystemRef"), ())
         for (share, low), (next_share, high) in pairwise(points):

@@ -45,20 +45,20 @@ class Element:
         return f"{named} line {self.line}"
 
     def get(self, name: str) -> str | None:
-        """An attribute without surrounding blanks; None if it is not there or empty."""
+        """Return an attribute without surrounding blanks; None if it is not there or empty."""
         self.used.add(name)
         value = self.attributes.get(name, "").strip()
         return value or None
 
     def need(self, name: str) -> str:
-        """An attribute that must be there; InputError otherwise."""
+        """Return an attribute that must be there; InputError otherwise."""
         value = self.get(name)
         if value is None:
             raise InputError(f"{self.place}: attribute {name!r} is missing.")
         return value
 
     def all(self, *path: str) -> list[Element]:
-        """The elements of the own namespace at the end of the path below this one; marks all on the way as seen."""
+        """Return the elements of the own namespace at the end of the path below this one; marks all on the way as seen."""
         found: list[Element] = [self]
         for tag in path:
             found = [child for one in found for child in one.children if child.is_a(tag, self.namespace)]
@@ -67,14 +67,14 @@ class Element:
         return found
 
     def one(self, *path: str) -> Element | None:
-        """The only element at the path, or None; InputError for several."""
+        """Return the only element at the path, or None; InputError for several."""
         found = self.all(*path)
         if len(found) > 1:
             raise InputError(f"{found[1].place}: there must be one {'/'.join(path)} in {self.place}, not {len(found)}.")
         return found[0] if found else None
 
     def is_a(self, tag: str, namespace: str) -> bool:
-        """Whether the element has this name."""
+        """Return whether the element has this name."""
         return self.tag == tag and self.namespace == namespace
 
     def skip(self) -> None:
@@ -86,7 +86,7 @@ class Element:
 
 
 def unused(element: Element) -> Iterator[tuple[Element, str | None]]:
-    """What was not asked for: (element, None) for whole elements, (element, attribute) for single attributes."""
+    """List unread parts: (element, None) for complete elements, (element, attribute) for single attributes."""
     for name in element.attributes:
         if name not in element.used and name != "id":
             yield element, name
@@ -98,7 +98,7 @@ def unused(element: Element) -> Iterator[tuple[Element, str | None]]:
 
 
 def read_xml(path: Path) -> Element:
-    """The root element of the document. InputError for what is not well-formed or not safe to read."""
+    """Return the root element of the document. InputError for what is not well-formed or not safe to read."""
     data = content(path)
     refuse_document_type(str(path), data)
     refuse_beyond(path, data.count(b"<") - data.count(b"</"), MOST_ELEMENTS, "elements")

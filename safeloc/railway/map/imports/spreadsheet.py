@@ -33,7 +33,7 @@ class Sheet:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """The first sheet. InputError for what is no workbook or not safe to read; EngineError where openpyxl is missing.
+    """Return the first sheet. InputError for what is no workbook or not safe to read; EngineError where openpyxl is missing.
 
     Row 1 is the heading. Cells to the right of it, which no column names, are not read.
     """

@@ -42,7 +42,7 @@ class Relation:
 
 @dataclass(frozen=True)
 class Joined:
-    """How the edges hang together."""
+    """The connections of the edges."""
 
     nodes: tuple[Node, ...]
     node_of: Mapping[End, str]
@@ -53,7 +53,7 @@ class Joined:
 
 @dataclass(frozen=True)
 class Naming:
-    """What the format knows about a place where edges meet."""
+    """Functions of a format that describe a point where edges meet."""
 
     node: NodeName
     sides: Sides
@@ -61,7 +61,7 @@ class Naming:
 
 
 def join(edges: Sequence[str], relations: Sequence[Relation], naming: Naming) -> Joined:
-    """The nodes at which the edges meet.
+    """Return the nodes at which the edges meet.
 
     Three ends with two ways are a switch, if the sides of its branches are known; everything else with more than two
     ends is a crossing, which only says the ways. An end without any way to another is kept apart.

@@ -27,14 +27,14 @@ EDGE = "track"
 
 @dataclass(frozen=True)
 class Profile:
-    """What is in the file, the length of its track, and the notes so far."""
+    """The content of the file, the length of its track, and the notes so far."""
 
     data: Mapping[str, Any]
     length_mm: int
     notes: list[Note]
 
     def rows(self, name: str, units: Mapping[str, str]) -> list[tuple[str, list[Any]]]:
-        """The rows of a table with their places in the file; none if it is left out. InputError for other units."""
+        """Return the rows of a table with their places in the file; none if it is left out. InputError for other units."""
         if name not in self.data:
             return []
         place = repr(name)
@@ -49,7 +49,7 @@ class Profile:
         return [(f"{place} row {number}", row) for number, row in enumerate(rows, 1)]
 
     def position_mm(self, value: object, place: str) -> int:
-        """A position or length, to whole mm."""
+        """Return a position or length, to whole mm."""
         whole, exact = millimetres(decimal(value, f"{place}: position"))
         if not exact:
             self.notes.append(Note("rounded", place, f"{value} m to {whole} mm"))
@@ -58,7 +58,7 @@ class Profile:
         return whole
 
     def pieces(self, name: str, units: Mapping[str, str]) -> Iterator[tuple[str, Stretch, list[Any]]]:
-        """The rows of a table of beginnings, each with the stretch up to the next one."""
+        """Return the rows of a table of beginnings, each with the stretch up to the next one."""
         rows = self.rows(name, units)
         starts = [self.position_mm(row[0], place) for place, row in rows]
         if rows and starts[0] != 0:
@@ -70,7 +70,7 @@ class Profile:
 
 
 def read_ttobench(path: Path, *, name: str | None = None, version: str | None = None) -> Imported:
-    """The line in a TTOBench track file.
+    """Return the line in a TTOBench track file.
 
     name, version  of the line; by default the identity in the metadata, and "1"
     Raises InputError naming table and row for what does not fit.

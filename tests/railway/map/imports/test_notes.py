@@ -67,7 +67,7 @@ def test_the_suffix_tells_the_format(file: str, form: str) -> None:
 def test_unknown_formats_are_refused() -> None:
     """A suffix that says nothing, and a name that is none."""
     known = "railml, geojson, balises, ttobench"
-    with pytest.raises(InputError, match=rf"^a\.json: its suffix tells no format; name one of {known}\.$"):
+    with pytest.raises(InputError, match=rf"^a\.json: its suffix is no known format; name one of {known}\.$"):
         importer(Path("a.json"))
     with pytest.raises(InputError, match=rf"^'ifc' is no format of lines; there are {known}\.$"):
         importer(Path("a.json"), "ifc")

@@ -1,0 +1,36 @@
+"""What helps to prove the entry record: the bounds hold what is true of the train, in the direction in which it came."""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Lit, Num, NumVar, between, exact_to, ite
+from safeloc.language.units import NM, UM_S
+from safeloc.models.axle_counter.passage import SOUND, Parts
+from safeloc.models.axle_head import NO_AXLE, UP
+
+
+def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    """While a passage is followed, and in the cycle of its record."""
+    spoilt, idle, passing, done = table
+    followed = current.eq(passing) | (current.eq(done) & own.flaw.eq(SOUND))
+    run = between(exact_to(own.run_low, NM), _ahead(own, own.run), exact_to(own.run_high, NM))
+    length = between(exact_to(own.length_low, NM), _ahead(own, own.length), exact_to(own.length_high, NM))
+    speed = between(exact_to(own.low_speed, UM_S), _ahead(own, own.speed), exact_to(own.high_speed, UM_S))
+    return {
+        "the run is within its bounds": followed.implies(run),
+        "the length is within its bounds": followed.implies(length),
+        "the speed is within its bounds": followed.implies(speed),
+        "the run since the last axle is within its bound": followed.implies(
+            _ahead(own, own.run - own.length) >= exact_to(own.past_low, NM)
+        ),
+        "the count is true": followed.implies(own.count.eq(own.axles)),
+        "a spoilt passage has a flaw": current.eq(spoilt).implies(own.flaw.ne(SOUND)),
+        "a train has a direction": current.eq(passing).implies(own.came.ne(NO_AXLE) & (own.count > 0)),
+        "between passages the next axle begins one": current.one_of(idle, done).implies(own.away),
+        "the last axle came as the first one": current.eq(passing).implies(own.last_up.iff(own.came.eq(UP))),
+        "the pause is counted": (current.eq(passing) & (own.pause < own.pause.high)).implies(own.pause.eq(own.waited)),
+    }
+
+
+def _ahead(own: Parts, along: Num) -> Num:
+    """Of what is reckoned upwards, what is ahead of a train that came so."""
+    return ite(own.came.eq(UP), along, -along)

@@ -1,0 +1,208 @@
+"""The world of an entry record: a train that passes a counting head, upwards or downwards.
+
+Speed and run are reckoned upwards along the line, whatever way the train came. A passage is what passes with no two axles
+farther apart than two axles of a train ever are: where the last axle is farther behind, the next one begins another passage,
+be it of another train or of the same one that comes back.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Expr, Lit, Num, Var, abs_, all_of, between, exact_to, ite, maximum, minimum
+from safeloc.language.machine import ANY
+from safeloc.language.units import MS, NM, UM_S
+from safeloc.language.world import Law, World
+from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
+from safeloc.models.axle_head import DOWN, NO_AXLE, UP
+
+ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
+
+
+def world(own: Parts) -> World:
+    """The train on the counter: speed, run since its first axle, length so far, axles so far; whether it is away.
+
+    What stands on the counter when the machine starts begins with its first axle that passes after that.
+    """
+    run, length = _run_after(own)
+    axles = ite(_first(own), own.true_axles, minimum(own.axles + own.true_axles, own.axles.high))
+    passes = own.true_axles > 0
+    moves: dict[Var, Expr] = {own.speed: own.next_speed, own.run: run, own.length: length, own.axles: axles}
+    moves |= {own.away: _away_after(own), own.last_up: ite(passes, own.axle_speed > 0, own.last_up)}
+    moves[own.waited] = ite(passes, 0, minimum(own.waited + 1, own.waited.high))
+    return World(
+        ghosts={
+            own.speed: ANY,
+            own.run: 0,
+            own.length: 0,
+            own.axles: 0,
+            own.away: True,
+            own.waited: ANY,
+            own.last_up: ANY,
+        },
+        choices=[own.next_speed, own.axle_speed, own.step, own.axle_step, own.true_axles],
+        moves=moves,
+        clauses={**_head_laws(own), **_train_laws(own)},
+    )
+
+
+# ------------------------------------------------------------------ laws
+
+
+def _head_laws(own: Parts) -> dict[str, Bool | Law]:
+    count = ite(own.axle.eq(NO_AXLE), 0, own.number)
+    way = own.axle.eq(UP).implies(own.axle_speed > 0) & own.axle.eq(DOWN).implies(own.axle_speed < 0)
+    told = own.axle.ne(NO_AXLE) & own.slow.present & own.fast.present
+    slow, fast = exact_to(own.slow.value, UM_S), exact_to(own.fast.value, UM_S)
+    return {
+        "a head without a fault counts every axle": Law(
+            (~own.fault).implies(own.true_axles.eq(count) & way),
+            "As long as the head is not at fault, every axle is told once, in its cycle and in its direction.",
+            source="[S] DP 1 728 700: overlapping pulses; proved of the counting head",
+            owner="supplier",
+            check="counts of neighbouring counters and of the fibre compared",
+        ),
+        "a head without a fault measures the axle's speed": Law(
+            (told & ~own.fault).implies(between(slow, abs_(own.axle_speed), fast)),
+            "Where both bounds of an axle's speed are told, they hold it, whatever its direction.",
+            source="[D] spacing of the channels and time of a sample",
+            owner="supplier",
+            check="speeds of consecutive axles; the train's own speed",
+        ),
+        "a passage is told to be over when it is": Law(
+            (own.over & own.true_axles.eq(0)).implies(_away_after(own)),
+            "That no train is on the counter is told only where the next axle is another passage's.",
+            figures=("axle_gap_mm",),
+            source="[D] the counters around, or the operator's eyes",
+            owner="operator",
+            check="the rule book",
+        ),
+    }
+
+
+def _train_laws(own: Parts) -> dict[str, Bool | Law]:
+    low, high = own.speed - _change(own), own.speed + _change(own)
+    at_axle = ite(
+        _first(own), abs_(own.next_speed - own.axle_speed) <= _change(own), between(low, own.axle_speed, high)
+    )
+    near = abs_(own.next_speed - own.axle_speed) <= _change(own)
+    changes = (_first(own) | between(low, own.next_speed, high)) & (own.true_axles > 0).implies(at_axle & near)
+    return {
+        "speed changes within traction and brake": Law(
+            changes,
+            "In one cycle a train changes its speed by no more than its traction or its brakes can.",
+            figures=("change_mm_s2", "period_ms"),
+            source="[M, fairly sure] traction and brake",
+            owner="operator",
+            check="vehicle approval",
+        ),
+        "the way follows from the speed": Law(
+            ite(_first(own), _since_first(own), _since_before(own, low, high)),
+            "The way of a part of a cycle lies between those at the least and at the greatest speed of that cycle.",
+            figures=ABILITY,
+            source="[D] kinematics",
+            owner="operator",
+            check="none needed",
+        ),
+        "trains follow each other at the headway": Law(
+            (_first(own) & own.last_up.iff(own.axle_speed > 0)).implies(_headway_over(own)),
+            "From the last axle of a passage to the first one of the next in the same direction it takes the headway at least.",
+            figures=("headway_ms",),
+            source="[M, fairly sure] signalling headway, a minute or more",
+            owner="operator",
+            check="timetable; block length",
+        ),
+        **_line_laws(own),
+    }
+
+
+def _line_laws(own: Parts) -> dict[str, Bool | Law]:
+    """What keeps the coordinates finite."""
+    run, length = _run_after(own)
+    return {
+        "the train stays on the line": Law(
+            between(own.run.low, run, own.run.high) & between(own.length.low, length, own.length.high),
+            "No train runs farther than a thousand kilometres over one counter.",
+            source="[D]",
+            owner="infrastructure",
+            check="none needed",
+        ),
+        "the train can stop": Law(
+            _can_stop(own, run),
+            "A train can come to a stop before the coordinates end.",
+            figures=ABILITY,
+            source="[D] without it the run would have to end with the coordinates",
+            owner="operator",
+            check="none needed",
+        ),
+    }
+
+
+# ------------------------------------------------------------------ terms of the world
+
+
+def _change(own: Parts) -> Num:
+    """What a speed changes in a cycle: mm/s2 times ms are um/s."""
+    return Lit(own.config.change_mm_s2 * own.config.period_ms, UM_S)
+
+
+def _most(config: AxleCounterConfig) -> Num:
+    return Lit(config.max_speed_mm_s * 1_000, UM_S)
+
+
+def _gap_nm(own: Parts) -> int:
+    return own.config.axle_gap_mm * 1_000_000
+
+
+def _first(own: Parts) -> Bool:
+    """The first axle of a passage."""
+    return own.away & (own.true_axles > 0)
+
+
+def _run_after(own: Parts) -> tuple[Num, Num]:
+    """The run begins at the first axle of a passage, within the cycle; the length is the run at the last axle."""
+    run = ite(_first(own), own.step, own.run + own.step)
+    length = ite(_first(own), own.axle_step, ite(own.true_axles > 0, own.run + own.axle_step, own.length))
+    return run, length
+
+
+def _away_after(own: Parts) -> Bool:
+    """Since the last axle the train was farther than two axles of a train are apart."""
+    run, length = _run_after(own)
+    return (own.away & own.true_axles.eq(0)) | (abs_(run - length) > _gap_nm(own))
+
+
+def _headway_over(own: Parts) -> Bool:
+    """The two axles passed in cycles with `waited` others between: at most two periods more have gone by."""
+    config = own.config
+    return own.waited * config.period_ms > config.headway_ms - 2 * config.period_ms
+
+
+def _can_stop(own: Parts, run: Num) -> Bool:
+    config = own.config
+    fastest, slower = config.max_speed_mm_s * 1_000, config.change_mm_s2 * config.period_ms
+    stopping_ms = (fastest // slower + 2) * config.period_ms
+    return between(own.run.low, run + own.next_speed * Lit(stopping_ms, MS), own.run.high)
+
+
+def _since_first(own: Parts) -> Bool:
+    """In what is left of the cycle after the first axle, up to the last one in it, and after that."""
+    low, high = own.axle_speed - _change(own), own.axle_speed + _change(own)
+    return _within_cycle(own, (own.step, own.axle_step, own.step - own.axle_step), low, high)
+
+
+def _since_before(own: Parts, low: Num, high: Num) -> Bool:
+    """In the whole cycle; up to the last axle within it, and after that."""
+    slowest, fastest = _ways(own, low, high)
+    whole = between(slowest, own.step, fastest)
+    return whole & _within_cycle(own, (own.axle_step, own.step - own.axle_step), low, high)
+
+
+def _within_cycle(own: Parts, runs: tuple[Num, ...], low: Num, high: Num) -> Bool:
+    """Runs in parts of a cycle."""
+    slowest, fastest = _ways(own, low, high)
+    return all_of(between(minimum(slowest, 0), run, maximum(fastest, 0)) for run in runs)
+
+
+def _ways(own: Parts, low: Num, high: Num) -> tuple[Num, Num]:
+    """The runs of a whole cycle at the least and at the greatest speed."""
+    period, most = Lit(own.config.period_ms, MS), _most(own.config)
+    return exact_to(maximum(low, -most) * period, NM), exact_to(minimum(high, most) * period, NM)

@@ -1,0 +1,74 @@
+"""What a counting head hears and keeps, where the wheel really is, and its configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import BoolVar, NumVar, boolean, choice, enumeration, members, number
+from safeloc.language.units import UM, US_PER_S
+
+AXLE = members("axle", "NONE", "UP", "DOWN")
+NO_AXLE, UP, DOWN = AXLE
+BESIDE_UM = 100_000_000
+"""How far beside the head a wheel is spoken of: 100 m."""
+
+
+class AxleHeadConfig(Config):
+    """What the sampling rests on. ValueError where a wheel could pass between two samples."""
+
+    sample_us: int = quantity(500, "us", 1, 100_000, "[M] 2 kHz")
+    overlap_mm: int = quantity(60, "mm", 1, 1_000, "[M, unsure] shortest stretch in which a wheel damps both channels")
+    spacing_mm: int = quantity(150, "mm", 1, 1_000, "[M, unsure] between the two channels")
+    spacing_error_mm: int = quantity(2, "mm", 0, 100, "[M, unsure]")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+
+    @model_validator(mode="after")
+    def _sampled_often_enough(self) -> AxleHeadConfig:
+        run = self.max_speed_mm_s * self.sample_us
+        if run >= self.overlap_mm * US_PER_S:
+            raise ValueError(
+                f"in {self.sample_us} us a wheel runs {run / US_PER_S:.1f} mm, and damps both channels for only "
+                f"{self.overlap_mm} mm; sample more often."
+            )
+        if self.spacing_error_mm >= self.spacing_mm:
+            raise ValueError("spacing_error_mm lies below spacing_mm.")
+        alone = self.spacing_mm - self.spacing_error_mm
+        if run >= alone * US_PER_S:
+            raise ValueError(
+                f"in {self.sample_us} us a wheel runs {run / US_PER_S:.1f} mm, and damps one channel alone for only "
+                f"{alone} mm; sample more often."
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables: channels damped, the axle counted in this sample.
+
+    wheel     ghost: where the wheel nearest to the head is, upwards from where it begins to damp channel A
+    from_low  ghost: the wheel over the head came from below
+    """
+
+    config: AxleHeadConfig
+    a: BoolVar
+    b: BoolVar
+    axle: NumVar
+    wheel: NumVar
+    next_wheel: NumVar
+    from_low: BoolVar
+
+
+def parts(config: AxleHeadConfig) -> Parts:
+    """Fresh variables for one head."""
+    return Parts(
+        config,
+        boolean("channel_a_damped"),
+        boolean("channel_b_damped"),
+        choice("axle", enumeration(AXLE)),
+        number("wheel_um", UM, -BESIDE_UM, BESIDE_UM),
+        number("next_wheel_um", UM, -BESIDE_UM, BESIDE_UM),
+        boolean("wheel_from_low"),
+    )

@@ -1,0 +1,68 @@
+"""The world of a counting head: a wheel that rolls over two channels whose stretches overlap.
+
+    A alone         A and B        B alone
+|--------------|==============|--------------|
+0           spacing   spacing + overlap    2 spacing + overlap
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Lit, Num, NumVar, between, ite
+from safeloc.language.units import UM, UM_PER_MM, US_PER_S
+from safeloc.language.world import Law, World
+from safeloc.models.axle_head.variables import BESIDE_UM, AxleHeadConfig, Parts
+
+SAMPLED = ("max_speed_mm_s", "sample_us")
+
+
+def world(own: Parts) -> World:
+    """The wheel nearest to the head, and from which side it came."""
+    return World(
+        ghosts={own.wheel: -BESIDE_UM, own.from_low: False},
+        choices=[own.next_wheel],
+        moves={own.wheel: own.next_wheel, own.from_low: _from_low(own)},
+        clauses=_clauses(own),
+    )
+
+
+def length_um(config: AxleHeadConfig) -> int:
+    """From where a wheel begins to damp A to where it no longer damps B."""
+    return (2 * config.spacing_mm + config.overlap_mm) * UM_PER_MM
+
+
+def over_head(wheel: NumVar, config: AxleHeadConfig) -> Bool:
+    """The wheel damps some channel."""
+    return between(0, wheel, length_um(config) - 1)
+
+
+def _clauses(own: Parts) -> dict[str, Bool | Law]:
+    config, then = own.config, own.next_wheel
+    reaches = (config.spacing_mm + config.overlap_mm) * UM_PER_MM
+    over_a, over_b = between(0, then, reaches - 1), between(length_um(config) - reaches, then, length_um(config) - 1)
+    run = Lit(-(-config.max_speed_mm_s * config.sample_us * UM_PER_MM // US_PER_S), UM)
+    off = ~over_head(own.wheel, config) & ~over_head(then, config)
+    return {
+        "a channel is damped where the wheel is": Law(
+            own.a.iff(over_a) & own.b.iff(over_b),
+            "A channel is damped as long as a wheel is on its stretch, and by nothing else; the stretches overlap.",
+            figures=("spacing_mm", "overlap_mm"),
+            source="[S] DP 1 728 700: overlapping pulses",
+            owner="supplier",
+            check="type test with the smallest wheel; brakes and other metal, by what disturbs the head",
+        ),
+        "wheels do not jump": Law(
+            between(-run, then - own.wheel, run) | off,
+            "Between two samples a wheel runs no farther than at the highest speed, and of two wheels that follow each other "
+            "one has left the head before the other one comes.",
+            figures=SAMPLED,
+            source="[M] the smallest distance of two axles, about a metre, is longer than the head",
+            owner="operator",
+            check="vehicle approval; top speed of the line",
+        ),
+    }
+
+
+def _from_low(own: Parts) -> Bool:
+    comes = ~over_head(own.wheel, own.config) & over_head(own.next_wheel, own.config)
+    zero: Num = Lit(0, UM)
+    return ite(comes, own.wheel < zero, own.from_low)

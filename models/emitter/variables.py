@@ -1,0 +1,84 @@
+"""Configuration and variables of the function check by a test emitter, with the ghosts of its world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import BoolVar, NumVar, Optional, boolean, choice, enumeration, members, number, optional
+from safeloc.language.units import COUNT, MM
+
+HEARD = members("pattern_verdict", "NOTHING", "PASSED", "FOREIGN", "NOT_DUE", "ELSEWHERE", "NO_PLACE")
+NOTHING, PASSED, FOREIGN, NOT_DUE, ELSEWHERE, NO_PLACE = HEARD
+MOST_BITS = 62
+TRACE = ("FVA-8", "FVA-17")
+
+
+class EmitterConfig(Config):
+    """One emitter: its pattern, its place, and when it is to be heard."""
+
+    pattern: int = quantity(0b1011_0010_1110_0011, "bits", 1, 2**MOST_BITS - 1, "[M] its own among all of the line")
+    place_mm: int = quantity(1_000_000, "mm", -1_000_000_000, 1_000_000_000, "[D] where it stands")
+    place_tolerance_mm: int = quantity(30_000, "mm", 0, 1_000_000, "[D] the front end names an emitter within 30 m")
+    due_cycles: int = quantity(20, "cycles", 2, 1_000_000, "[M] every 10 s at 500 ms")
+    window_cycles: int = quantity(4, "cycles", 1, 1_000_000, "[M] 2 s: jitter, and length of the pattern")
+    answer_cycles: int = quantity(6, "cycles", 1, 1_000_000, "[M] 3 s from request to recognition")
+    passes_to_recover: int = quantity(2, "patterns", 1, 100, "[M] one may be an accident")
+
+    @model_validator(mode="after")
+    def _in_time(self) -> EmitterConfig:
+        if self.window_cycles >= self.due_cycles or self.answer_cycles >= self.due_cycles:
+            raise ValueError(
+                f"window_cycles ({self.window_cycles}) and answer_cycles ({self.answer_cycles}) lie below due_cycles "
+                f"({self.due_cycles}); a pattern that counts at any time tests nothing."
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine.
+
+    pattern, place  what was recognised in this cycle, and where along the track
+    requested       the emitter was asked for its pattern in this cycle
+    since           cycles since the last pattern that counted
+    asked           cycles since an open request, 0: none is open
+    passes          patterns that counted since the failure
+    works           ghost: the whole chain works
+    silent          ghost: cycles for which the emitter still keeps silent unless it is asked
+    may_answer      ghost: cycles in which the emitter may still answer a request, 0: none is open
+    """
+
+    config: EmitterConfig
+    pattern: Optional
+    place: Optional
+    requested: BoolVar
+    since: NumVar
+    asked: NumVar
+    passes: NumVar
+    judged: NumVar
+    works: BoolVar
+    next_works: BoolVar
+    silent: NumVar
+    may_answer: NumVar
+
+
+def parts(config: EmitterConfig) -> Parts:
+    """Fresh variables for one emitter."""
+    far = 2_000_000_000
+    return Parts(
+        config,
+        optional("heard_pattern", COUNT, 0, 2**MOST_BITS - 1),
+        optional("heard_place_mm", MM, -far, far),
+        boolean("test_requested"),
+        number("since_passed_cycles", COUNT, 0, config.due_cycles),
+        number("since_request_cycles", COUNT, 0, config.answer_cycles),
+        number("passes", COUNT, 0, config.passes_to_recover),
+        choice("judged", enumeration(HEARD)),
+        boolean("chain_works"),
+        boolean("next_chain_works"),
+        number("emitter_silent_cycles", COUNT, 0, config.due_cycles - config.window_cycles - 1),
+        number("emitter_may_answer_cycles", COUNT, 0, config.answer_cycles),
+    )

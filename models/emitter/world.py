@@ -1,0 +1,74 @@
+"""The world of a test emitter: when it sends, and what else may sound like it.
+
+The emitter's own timer starts with the evaluation, and again with every pattern of its that comes through. It then keeps
+silent for a while, unless it is asked. While it keeps silent, its pattern may still be heard: repeated from a memory, by
+an echo, by somebody who recorded it. So a pattern heard then shows nothing, and nothing is assumed of it.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Num, any_of, as_num, between, ite, maximum
+from safeloc.language.units import COUNT
+from safeloc.language.world import Law, World
+from safeloc.models.emitter.variables import Parts
+
+
+def world(own: Parts) -> World:
+    """Whether the chain works, and the times at which the emitter sends."""
+    return World(
+        ghosts={own.works: True, own.silent: own.silent.high, own.may_answer: 0},
+        choices=[own.next_works],
+        moves={
+            own.works: own.next_works,
+            own.silent: ite(_comes_through(own), own.silent.high, maximum(own.silent - 1, 0)),
+            own.may_answer: ite(_comes_through(own), as_num(0, COUNT), _asked(own)),
+        },
+        clauses={"nothing else makes the pattern while the emitter is to send": _pattern_law(own)},
+    )
+
+
+def _pattern_law(own: Parts) -> Law:
+    return Law(
+        _comes_through(own).implies(own.next_works),
+        "What is told as this emitter's pattern, from its place, while the emitter is to send, was made by the emitter and "
+        "came through the whole chain: pulse, fibre, detector and evaluation.",
+        ("pattern", "place_mm", "place_tolerance_mm", "due_cycles", "window_cycles", "answer_cycles"),
+        "[S] the test signal is specific to its emitter, so that no other can be taken for it",
+        "infrastructure",
+        "patterns are allotted once a line; a memory of the evaluation is shorter than due_cycles less window_cycles (type "
+        "test) and emptied by a request; own patterns that are not due are counted and looked into",
+    )
+
+
+def may_send(own: Parts) -> Bool:
+    """The emitter sends in this cycle if at all: its silence is over, or it was asked before."""
+    return any_of([own.silent.eq(0), own.may_answer > 0])
+
+
+def told_from_its_place(own: Parts) -> Bool:
+    """The front end tells this emitter's pattern, from within its error around the place where the emitter stands."""
+    config = own.config
+    there = between(
+        config.place_mm - config.place_tolerance_mm, own.place.value, config.place_mm + config.place_tolerance_mm
+    )
+    return own.pattern.present & own.pattern.value.eq(config.pattern) & own.place.present & there
+
+
+def _comes_through(own: Parts) -> Bool:
+    return may_send(own) & told_from_its_place(own)
+
+
+def _asked(own: Parts) -> Num:
+    """A request that comes while the emitter sends, or while another is open, asks for nothing more."""
+    fresh = ite(own.requested, as_num(own.config.answer_cycles, COUNT), 0)
+    return ite(own.may_answer <= 1, fresh, own.may_answer - 1)
+
+
+def lemmas(own: Parts) -> dict[str, Bool]:
+    """The machine's own clocks and those of the emitter run together."""
+    since_heard = own.silent.high - own.since
+    answers = own.config.answer_cycles + 1 - own.asked
+    return {
+        "the machine knows for how long the emitter is silent": own.silent.eq(maximum(since_heard, 0)),
+        "the machine knows whether the emitter may answer": own.may_answer.eq(ite(own.asked > 0, answers, 0)),
+    }

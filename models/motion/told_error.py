@@ -1,0 +1,56 @@
+"""The error of what motion tells: a figure that those who use it reckon with, beside the world and not part of it.
+
+What is told lies between both units, and what the machine has not charged yet (`apart`) is part of its one-off error. So
+this error follows the machine. It is DEFINED here, from what the lawful unit really does: the clause excludes no course of
+the world, and the users' law of the distance is owed, and proved, from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from safeloc.language.expr import Bool, Num, as_num, ite
+from safeloc.language.machine import ANY
+from safeloc.language.units import NM
+from safeloc.language.world import Law, World
+from safeloc.models.motion.unit_check import UnitCheck
+from safeloc.models.motion.world import ODOMETER_LAWFUL, CheckGhosts, Surroundings
+
+DEFINED = "the one-off error of what is told"
+
+
+def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
+    """The world, with the error of what is told."""
+    seen = own.ghosts.units
+    assert seen is not None
+    law = Law(
+        seen.next_told.eq(own.wander_after + _uncharged(seen, check.apart_after)),
+        "The one-off error of what is told is that of the lawful unit, and where that is the check unit, also what the two "
+        "differ by and the machine has not charged. A definition: it excludes nothing.",
+        (),
+        "[D]",
+    )
+    return replace(
+        world,
+        ghosts={**world.ghosts, seen.told: ANY},
+        choices=[*world.choices, seen.next_told],
+        moves={**world.moves, seen.told: seen.next_told},
+        clauses={**world.clauses, DEFINED: law},
+        reads_machine="the error of what a machine tells is defined by what it tells; no sensor's law reads the machine",
+    )
+
+
+def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
+    """What is told errs as defined, and the machine's gate knows what the world knows."""
+    seen = own.ghosts.units
+    assert seen is not None
+    found = {DEFINED: seen.told.eq(seen.wander + _uncharged(seen, check.apart))}
+    for unit, ghosts in ((check.odometer, seen.odometer), (check.unit, seen.check)):
+        found[f"{unit.step.value.name} is gated as the world would"] = unit.gap.eq(ghosts.silent) & unit.last.eq(
+            ghosts.heard
+        )
+    return found
+
+
+def _uncharged(seen: CheckGhosts, apart: Num) -> Num:
+    return ite(seen.lawful.eq(ODOMETER_LAWFUL), as_num(0, NM), apart)

@@ -1,0 +1,62 @@
+"""What helps to prove of the odometry machine. Lemmas read the machine and the world; they are proved themselves."""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Lit, Num, as_num, between, exact_to, ite
+from safeloc.language.units import NM
+from safeloc.models.odometry.distance_device import Device, Unit
+from safeloc.models.odometry.hidden_faults import hidden_with_age
+from safeloc.models.odometry.variables import Parts
+from safeloc.models.odometry.world import lawful
+
+
+def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
+    """Every living unit holds the truth; the mode names a living device with the smaller margin."""
+    found: dict[str, Bool] = {}
+    lost, candidate, *located = mode
+    for index, unit in enumerate(own.units):
+        device, _ = own.partner(unit)
+        sound = _holds(own, unit) & _set_no_earlier(own, index, device)
+        found[f"{unit.name} is gated as the world would"] = _gated_alike(own, index)
+        stray = current.eq(candidate) & (own.ghosts.since_stray <= device.age)
+        found[f"{unit.name} holds the truth"] = unit.alive.implies(sound | stray)
+        found[f"{unit.name} is dead while delocalized"] = current.eq(lost).implies(~unit.alive)
+    for device, target in zip(own.devices, located, strict=True):
+        found[f"{device.name} device is alive when it leads"] = current.eq(target).implies(device.values.alive)
+    if len(own.devices) == 2:
+        front, rear = (device.values for device in own.devices)
+        found["front device leads with the smaller margin"] = current.eq(located[0]).implies(~rear.better_than(front))
+        found["rear device leads with the smaller margin"] = current.eq(located[1]).implies(~front.better_than(rear))
+    for device, unseen in zip(own.devices, own.ghosts.unseen, strict=False):
+        found[f"{device.name} hides no more than its age allows"] = hidden_with_age(device, unseen)
+    return found
+
+
+def _gated_alike(own: Parts, index: int) -> Bool:
+    """What the machine remembers of a unit's distances is what the world knows of them."""
+    unit, seen = own.units[index], own.ghosts.units[index]
+    return unit.gap.eq(seen.silent) & unit.last.eq(seen.heard)
+
+
+def _set_no_earlier(own: Parts, index: int, device: Device) -> Bool:
+    """A unit that drifts was really set no earlier than the device reckons."""
+    unset = own.ghosts.units[index].unset
+    return as_num(0, NM).eq(0) if unset is None else unset <= device.age
+
+
+def _holds(own: Parts, unit: Unit) -> Bool:
+    """The interval holds the truth: by the own wander, or, of a faulty unit, by that of the unit that checks it."""
+    itself = _inside(own, unit, unit, as_num(0, NM))
+    if own.ghosts.faulty is None:
+        return itself
+    device, checker = own.partner(unit)
+    unseen = own.ghosts.unseen[own.devices.index(device)] if own.ghosts.unseen else as_num(0, NM)
+    by_other, sound = _inside(own, unit, checker, unseen), lawful(own, unit)
+    return ite(sound, itself, by_other)
+
+
+def _inside(own: Parts, unit: Unit, checker: Unit, more: Num) -> Bool:
+    wander = own.ghosts.units[own.units.index(checker)].wander
+    half = checker.law.wander_nm
+    off = own.ghosts.truth - exact_to(unit.position, NM) - wander
+    return between(half - unit.below - more, off, unit.above - half + more)

@@ -1,0 +1,272 @@
+"""The world of the reflector machine: where end A and the origin of each echo are, and what ties sensors and map to that.
+
+    the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    a balise      lies where the reading says; or the reading is a stray one, of a balise that lies far away
+    a reflector   sends an echo whose range is right within the echo's error, and which shows its model
+    other things  send echoes as they like, but none with a reflector's signature at the minimum intensity
+    the map       has each reflector where it stands, and says how far the next one of its model is away
+
+The map tells of one reflector in a cycle, and the machine goes on to look for one that it was told of before. The world
+remembers what the map told: of the last one told, and of the one that the machine still names as its target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    Expr,
+    Num,
+    NumVar,
+    Var,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.reflector.echo import Slot
+from safeloc.models.reflector.variables import Entry, Parts, ReflectorConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+
+ODOMETER = "the odometer keeps its law"
+"""The clause that an earlier machine can be made to keep, if it judges the distance."""
+MS_PER_S, WHOLE_PPM = 1_000, 1_000_000
+FAR_STEPS = 16
+"""More steps at the highest speed than all that a cycle is charged, on either side."""
+
+
+def world(own: Parts, lost: Bool) -> World:
+    """The true position, the odometer's wander, the echoes' origins, and what the map told. `lost`: no position is known."""
+    seen = own.ghosts
+    return World(
+        ghosts={seen.truth: ANY, seen.wander: ANY, **_none(seen.told), **_none(seen.sought)},
+        choices=[seen.true_step, seen.next_wander, *seen.reflector, *seen.origin],
+        moves={
+            seen.truth: _after(own),
+            seen.wander: _wander_after(own),
+            **_taken(own.ahead.position.present, seen.told, _next_told(own)),
+            **_taken(named(own, seen.told), seen.sought, seen.told),
+        },
+        clauses=_laws(own, lost),
+        reads_machine="which reflector the machine names as its target, and that it is lost: both are reported",
+    )
+
+
+def named(own: Parts, entry: Entry) -> Bool:
+    """The machine names this entry of the map as its target."""
+    target = own.target
+    return target.position.eq(entry.position) & target.model.eq(entry.model) & target.clear.eq(entry.clear)
+
+
+def _none(entry: Entry) -> dict[Var, Initial]:
+    first: tuple[Initial, ...] = (0, NO_MODEL, 0)
+    return {var: value for var, value in zip(entry.figures, first, strict=True) if isinstance(var, NumVar)}
+
+
+def _next_told(own: Parts) -> Entry:
+    """What the map tells in this cycle; only while it tells something."""
+    return Entry(own.ahead.position.value, own.ahead.model, own.ahead.clear)
+
+
+def _taken(condition: Bool, entry: Entry, other: Entry) -> dict[Var, Expr]:
+    pairs = zip(entry.figures, other.figures, strict=True)
+    return {kept: ite(condition, new, kept) for kept, new in pairs if isinstance(kept, NumVar)}
+
+
+def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
+    on_line = between(own.ghosts.truth.low, _after(own), own.ghosts.truth.high)
+    return {
+        ODOMETER: _odometer_law(own),
+        "the vehicle stays on the line": Law(
+            on_line, "The coordinates of the map do not end before the vehicle does.", ("position_limit_mm",), "[D]",
+            "infrastructure", "when the map is made",
+        ),
+        "a balise reading is true, or that of a balise far away": _balise_law(own, lost),
+        "an echo of a reflector has its range": _range_law(own),
+        "the map tells models apart by distance": _map_law(own),
+        "other things show no reflector's signature": _clutter_law(own),
+    }  # fmt: skip
+
+
+def _after(own: Parts) -> Num:
+    """Where end A is at the end of the cycle, nm."""
+    return own.ghosts.truth + own.ghosts.true_step
+
+
+# ------------------------------------------------------------------ odometer
+
+
+def farthest_mm(config: ReflectorConfig) -> int:
+    """The farthest that is measured in a cycle at the highest speed, in whole mm."""
+    return -(-config.max_speed_mm_s * config.period_ms // MS_PER_S) + config.measuring_step_mm
+
+
+def can_be_run(own: Parts) -> Bool:
+    """A distance was delivered, and a vehicle can have run it."""
+    most = farthest_mm(own.config)
+    return own.odometer.step.present & between(-most, own.odometer.step.value, most)
+
+
+def _wander_after(own: Parts) -> Num:
+    """Of a distance that comes judged it may move in every cycle: whatever it does is told."""
+    counts = TRUE if own.config.told_distance else can_be_run(own)
+    return ite(counts, own.ghosts.next_wander, own.ghosts.wander)
+
+
+def _told_more(own: Parts) -> Num:
+    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
+
+
+def _run_blind_nm(config: ReflectorConfig) -> int:
+    """The farthest the vehicle gets in a cycle."""
+    return config.max_speed_mm_s * config.period_ms * (NM_PER_MM // MS_PER_S)
+
+
+def _odometer_law(own: Parts) -> Law:
+    seen, config = own.ghosts, own.config
+    counted = ite(can_be_run(own), exact_to(own.odometer.step.value, NM), as_num(0, NM))
+    error = seen.true_step - (_wander_after(own) - seen.wander) - counted
+    lawful = _allowed(config.odometer, own.odometer.step.value, config.period_ms)
+    most = _told_more(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
+    return Law(
+        (error <= most) & (-error <= most),
+        "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, by the change of a "
+        "one-off part within half its constant, and by what a checking unit tells beyond that; or it is a distance that "
+        "no vehicle can have run.",
+        ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s"),
+        "[S] SUBSET-041: 5 m + 5 % of every measured distance",
+        "supplier",
+        "type test; in operation the run between two balises against the map",
+    )
+
+
+def _allowed(law: ErrorLaw, step: Num, period_ms: int) -> Num:
+    """Rate and floor of a cycle, nm: the rate counts what lies above the knee. mm x ppm = nm."""
+    knee = law.knee_mm_s * period_ms // MS_PER_S
+    above = maximum(maximum(step - knee, -step - knee), 0)
+    return with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period_ms * (NM_PER_MM // MS_PER_S)
+
+
+def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
+    """The most that the vehicle ran (forwards, backwards) in the last so many ms of the cycle, nm."""
+    config, step = own.config, own.odometer.step.value
+    share = -(-latency_ms * WHOLE_PPM // config.period_ms)
+    blind = as_num(-(-_run_blind_nm(config) * share // WHOLE_PPM), NM)
+
+    def most(measured: Num) -> Num:
+        ran = with_unit(maximum(measured * share, 0), NM) + _told_more(own)
+        return ite(can_be_run(own), ran, blind)
+
+    return most(step), most(-step)
+
+
+# ------------------------------------------------------------------ balise
+
+
+def _balise_law(own: Parts, lost: Bool) -> Law:
+    balise, config = own.balise, own.config
+    since = ite(~balise.since.present, as_num(0, MM), balise.since.value)
+    off = _after(own) - exact_to(balise.position.value, NM) - exact_to(since, NM)
+    accuracy = exact_to(ite(~balise.accuracy.present, config.balise_accuracy_mm, balise.accuracy.value), NM)
+    allowed = accuracy + with_unit(maximum(since, -since) * config.odometer.rate_ppm, NM)
+    latched, whole = _ran_late(own, config.balise_latency_ms), _ran_late(own, config.period_ms)
+    forward, backward = (ite(balise.since.present, late, all_) for late, all_ in zip(latched, whole, strict=True))
+    true = (off <= allowed + forward) & (-off <= allowed + backward)
+    away = allowed + forward + backward + _far_nm(config)
+    stray = ~lost & ((off > away) | (-off > away))
+    return Law(
+        (balise.identity.present & balise.position.present).implies(true | stray),
+        "End A passed the place that a reading gives within its accuracy, and ran since then what the counters say within "
+        "the odometer's rate, and in the reader's latency no more than the share of the measured distance. Or the reading "
+        "is stray: its balise lies farther away than any position error; but never the first one after a position was lost.",
+        ("balise_accuracy_mm", "balise_latency_ms", "rate_ppm", "tolerance_mm"),
+        "[S] OCORA 7242, SUBSET-026 3.16.2 (linking keeps stray readings out); steady speed in a cycle [D]",
+        "infrastructure",
+        "the balise machine's linking; commissioning of every balise",
+    )
+
+
+def _far_nm(config: ReflectorConfig) -> int:
+    """Farther than any interval that is kept can reach, nm."""
+    law = config.odometer
+    kept = 2 * (config.tolerance_mm + law.constant_mm) + FAR_STEPS * farthest_mm(config)
+    return (kept + 2 * law.floor_mm_s * config.period_ms) * NM_PER_MM
+
+
+# ------------------------------------------------------------------ echoes
+
+
+def _strong(own: Parts, slot: Slot) -> Bool:
+    """There is an echo with the minimum intensity."""
+    return own.frame & slot.range.present & (slot.intensity >= own.config.minimum_intensity_cdb)
+
+
+def _range_law(own: Parts) -> Law:
+    forward, backward = _ran_late(own, own.config.frame_latency_ms)
+
+    def kept(slot: Slot, real: Bool, origin: Num) -> Bool:
+        """The radar stands behind end A by its offset; end A ran on since the frame was taken."""
+        radar = _after(own) - own.config.radar_offset_mm * NM_PER_MM
+        too_near = origin - radar - exact_to(slot.range.value, NM)
+        bound = exact_to(slot.error, NM)
+        return (real & own.frame & slot.range.present).implies(between(-bound - forward, too_near, bound + backward))
+
+    return Law(
+        all_of(kept(*one) for one in _echoes(own)),
+        "The range of a reflector's echo is the distance from radar to reflector within the echo's error bound, when the "
+        "frame was taken; that was no earlier than its latency, and since then the vehicle ran no more than the share of "
+        "the measured distance.",
+        ("radar_offset_mm", "frame_latency_ms"),
+        "[M] FMCW radar, interpolated to centimetres; steady speed in a cycle [D]",
+        "supplier",
+        "self-test at every balise; constant error along a view zone",
+    )
+
+
+def _echoes(own: Parts) -> list[tuple[Slot, Bool, Num]]:
+    """Each slot, whether its echo comes from a reflector, and where its origin stands."""
+    return list(zip(own.slots, own.ghosts.reflector, own.ghosts.origin, strict=True))
+
+
+def _map_law(own: Parts) -> Law:
+    seen = own.ghosts
+    entries = ((TRUE, seen.told), (TRUE, seen.sought), (own.ahead.position.present, _next_told(own)))
+    return Law(
+        all_of(told.implies(_itself_or_clear(own, entry, *one)) for told, entry in entries for one in _echoes(own)),
+        "With the minimum intensity a reflector shows its own model; the reflector of an entry of the map stands there within "
+        "the map's accuracy, and any other one of that model is away at least by the entry's clearance.",
+        ("map_accuracy_mm", "minimum_intensity_cdb"),
+        "[M] surveying; signatures told apart, source l. 161 and 237",
+        "infrastructure",
+        "audit of the line's map; survey; type test of the signatures",
+    )
+
+
+def _itself_or_clear(own: Parts, entry: Entry, slot: Slot, real: Bool, origin: Num) -> Bool:
+    shows = real & _strong(own, slot) & slot.model.eq(entry.model) & entry.model.ne(NO_MODEL)
+    apart, accuracy = origin - exact_to(entry.position, NM), own.config.map_accuracy_mm * NM_PER_MM
+    away = exact_to(entry.clear, NM) - accuracy
+    return shows.implies(between(-accuracy, apart, accuracy) | (apart >= away) | (apart <= -away))
+
+
+def _clutter_law(own: Parts) -> Law:
+    unlike: Iterable[Bool] = (
+        (_strong(own, slot) & ~real).implies(slot.model.eq(NO_MODEL)) for slot, real, _ in _echoes(own)
+    )
+    return Law(
+        all_of(unlike),
+        "A thing beside the track that is no reflector never shows the signature of one with the minimum intensity.",
+        ("minimum_intensity_cdb",),
+        "[M] signatures told apart, source l. 209, 227 and 304",
+        "supplier",
+        "type test; echoes of no reflector of the map are counted in operation",
+    )

@@ -1,0 +1,172 @@
+"""The world of the satellite position machine: how the vehicle moves, and what references, signals and odometry keep.
+
+What a signal is worth is no law: any of them may be false. The solver's law speaks of solutions from signals whose errors
+keep a bound; that usable satellites keep it follows from the criterion of the selection, and is proved.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
+from safeloc.language.machine import ANY
+from safeloc.language.units import COUNT, MS, NM, UM_S
+from safeloc.language.world import Law, World
+from safeloc.models.satellite.variables import Parts
+
+Trusted = Literal["satellites", "odometry"]
+"""satellites: the solver and what it is told can be trusted; odometry: any solution may be false, the run is true."""
+
+REFERENCE = "a reference holds the true place"
+"""The clause that an earlier machine can be made to keep, if the reference is its position."""
+
+SELECTED = "a usable satellite keeps its bound"
+"""The clause that the selection is proved to guarantee in a composition."""
+
+
+def world(own: Parts, trusted: Trusted) -> World:
+    """The vehicle's true place and speed, and for each channel what is true of its signal."""
+    signals = [*own.bounded, *own.compared] if trusted == "satellites" else []
+    return World(
+        ghosts={own.truth: ANY, own.true_speed: ANY},
+        choices=[own.next_truth, own.next_speed, *signals],
+        moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
+        clauses={**_movement(own), **_references(own), **(_signals(own) if trusted == "satellites" else _run(own))},
+    )
+
+
+# ------------------------------------------------------------------ the vehicle
+
+
+def can_stop(own: Parts, place: Num, speed: Num) -> Bool:
+    """The vehicle can come to a stop before the coordinates end; without it the movement would have to end with them."""
+    at_rest = place + exact_to(speed * Lit(own.config.stopping_ms, MS), NM)
+    return between(own.truth.low, at_rest, own.truth.high)
+
+
+def _movement(own: Parts) -> dict[str, Law]:
+    """Speed changes within the greatest acceleration A: in a cycle T by A T, and the way by A T2 / 2."""
+    period, most = own.config.period_ms, own.config.max_acceleration_mm_s2
+    sped, ran = own.next_speed - own.true_speed, own.next_truth - own.truth
+    gained, way = as_num(most * period, UM_S), as_num(most * period**2 // 2, NM)
+    at_speed = exact_to(own.true_speed * Lit(period, MS), NM)
+    told = ("max_acceleration_mm_s2", "period_ms")
+    return {
+        "the way follows from the speed": Law(
+            (ran <= at_speed + way) & (ran >= at_speed - way),
+            "In a cycle the vehicle runs its speed times the cycle, more or less by what the greatest acceleration adds.",
+            told,
+            "[D] kinematics",
+            "operator",
+            "braking and traction of the vehicle's type are below the greatest acceleration",
+        ),
+        "speed changes within the greatest acceleration": Law(
+            (sped <= gained) & (sped >= -gained),
+            "In a cycle the vehicle's speed changes by no more than the greatest acceleration makes of it.",
+            told,
+            "[D] 1.5 m/s2, passenger; emergency brakes of other vehicles may exceed it",
+            "operator",
+            "braking and traction of the vehicle's type are below the greatest acceleration",
+        ),
+        "the vehicle can stop before the coordinates end": Law(
+            can_stop(own, own.next_truth, own.next_speed),
+            "The vehicle is on the line, and stays there.",
+            ("position_limit_mm", "max_speed_mm_s"),
+            "[D] the line is shorter than the coordinates",
+            "infrastructure",
+            "audit of the map",
+        ),
+    }
+
+
+# ------------------------------------------------------------------ what is told
+
+
+def _references(own: Parts) -> dict[str, Law]:
+    beside, accuracy = own.next_truth - exact_to(own.reference.value, NM), exact_to(own.accuracy, NM)
+    faster = own.next_speed - own.reference_speed.value
+    return {
+        REFERENCE: Law(
+            own.reference.present.implies(between(-accuracy, beside, accuracy)),
+            "A reference tells where the vehicle is at the time of the cycle, within the accuracy that it tells.",
+            ("tolerance_mm",),
+            "[D] balise, or the position of another machine",
+            "infrastructure",
+            "places of balises are surveyed; in a composition the earlier machine is proved to keep it",
+        ),
+        "a reference's speed holds the true one": Law(
+            own.reference_speed.present.implies(between(-own.speed_accuracy, faster, own.speed_accuracy)),
+            "Where a reference tells a speed, the vehicle has it within the accuracy that it tells.",
+            ("max_speed_mm_s",),
+            "[D]",
+            "supplier",
+            "type test of the odometer that tells it",
+        ),
+    }
+
+
+def _signals(own: Parts) -> dict[str, Law]:
+    told = tuple(f"selection.{kind}_{what}" for kind in ("range", "speed") for what in FIGURES[kind])
+    return {
+        "a solution is within its protection level": Law(
+            _solution_holds(own),
+            "A solution from at least as many satellites as it has unknowns is within the protection level told with it, if "
+            "the error of each of them keeps the bound: threshold, prediction and clock together.",
+            told,
+            "[D] linear in the errors: the sum of |weight| x bound",
+            "supplier",
+            "type test against a simulator of the constellation; the bound that the solver is given is not below the sum",
+        ),
+        SELECTED: Law(
+            all_of(
+                (usable & good).implies(bounded)
+                for usable, good, bounded in zip(own.usable, own.compared, own.bounded, strict=True)
+            ),
+            "The error of a usable satellite, compared with a prediction and a clock as good as configured, is no more than "
+            "threshold, prediction and clock together.",
+            told,
+            "[D] the criterion of the selection",
+            "supplier",
+            "in a composition the selection is proved to guarantee it",
+        ),
+        "signals are compared with a prediction and a clock as good as configured": Law(
+            all_of(good | ~used for used, good in zip(own.used, own.compared, strict=True)),
+            "What the errors of prediction and clock make of a used satellite's difference is within both figures together.",
+            told,
+            "[D] A T2, the state's own error, and that of a median of the clock",
+            "supplier",
+            "the state's margin is told, and can be held against the figure in every cycle",
+        ),
+    }
+
+
+FIGURES = {
+    "range": ("threshold_mm", "prediction_mm", "clock_mm"),
+    "speed": ("threshold_mm_s", "prediction_mm_s", "clock_mm_s"),
+}
+
+
+def _solution_holds(own: Parts) -> Bool:
+    """Place and speed hold the true ones within the protection levels, for a solution that can be solved at all."""
+    satellites, solvable = as_num(0, COUNT), own.unknowns
+    for used in own.used:
+        satellites = satellites + ite(~used, as_num(0, COUNT), 1)
+    good = all_of(bounded | ~used for used, bounded in zip(own.used, own.bounded, strict=True))
+    off, off_speed = own.next_truth - exact_to(own.fix.value, NM), own.next_speed - own.fix_speed
+    level, speed_level = exact_to(own.protection, NM), own.speed_protection
+    holds = (off <= level) & (off >= -level) & (off_speed <= speed_level) & (off_speed >= -speed_level)
+    return (own.fix.present & good & (satellites >= solvable)).implies(holds)
+
+
+def _run(own: Parts) -> dict[str, Law]:
+    off, error = own.next_truth - own.truth - exact_to(own.odometry.value, NM), exact_to(own.odometry_error, NM)
+    return {
+        "what is believed of odometry is true": Law(
+            own.odometry.present.implies(between(-error, off, error)),
+            "The vehicle ran in the cycle what odometry tells, within the error that it tells.",
+            ("max_speed_mm_s", "period_ms"),
+            "[D] the odometer's own error law",
+            "supplier",
+            "the odometry machine is proved to keep it",
+        )
+    }

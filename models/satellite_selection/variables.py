@@ -1,0 +1,162 @@
+"""Configuration and variables of satellite selection, with the ghosts of its world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from safeloc.config import Config, quantity
+from safeloc.language.expr import (
+    BoolVar,
+    NumVar,
+    Optional,
+    Var,
+    boolean,
+    choice,
+    enumeration,
+    members,
+    number,
+    optional,
+)
+from safeloc.language.units import COUNT, MM, MM_S, Unit
+
+STANDING = members("standing", "ABSENT", "EXPIRED", "SILENT", "WARMING", "EXCLUDED", "USABLE")
+ABSENT, EXPIRED, SILENT, WARMING, EXCLUDED, USABLE = STANDING
+Compared = Literal["doppler", "pseudorange", "both"]
+Removal = Literal["either", "both"]
+SQUARE_MM, SQUARE_MM_S = MM.times(MM), MM_S.times(MM_S)
+
+
+class SelectionConfig(Config):
+    """The criterion, with its thresholds.
+
+    compared  which quantities are compared; a satellite that violates one of them is removed ([0068])
+    removal   either: unless difference AND covariance are below their thresholds, strictly ([0066], [0067]; default)
+              both: only where difference AND covariance are above them ([0049], [0050])
+    """
+
+    channels: int = quantity(8, "count", 1, 32, "[D] satellites in view at a time, several constellations up to 32")
+    compared: Compared = Field(default="both", description="Doppler, pseudorange, or both")
+    removal: Removal = Field(default="either", description="what removes a satellite")
+    range_threshold_mm: int = quantity(15_000, "mm", 1, 10_000_000, "[D] above prediction error and noise")
+    speed_threshold_mm_s: int = quantity(1_500, "mm/s", 1, 1_000_000, "[D] above prediction error and noise")
+    range_covariance_mm2: int = quantity(25_000_000, "mm2", 1, 10**14, "[D] (5 m)2; line of sight p50 2.56 m")
+    speed_covariance_mm2_s2: int = quantity(250_000, "mm2/s2", 1, 10**12, "[D] (0.5 m/s)2; line of sight 0.19 m/s")
+    range_noise_mm: int = quantity(8_000, "mm", 0, 10_000_000, "[D] 3 x 2.56 m: pseudorange error of a healthy signal")
+    speed_noise_mm_s: int = quantity(
+        600, "mm/s", 0, 1_000_000, "[D] 3 x 0.19 m/s: range rate error of a healthy signal"
+    )
+    range_prediction_mm: int = quantity(4_000, "mm", 0, 10_000_000, "[D] A T^2 at 0.2 s, and the state's own error")
+    speed_prediction_mm_s: int = quantity(700, "mm/s", 0, 1_000_000, "[D] 2 A T at 0.2 s, and the state's own error")
+    range_clock_mm: int = quantity(2_500, "mm", 0, 10_000_000, "[D] 3 x 1.25 x 2.56 m / sqrt(16): a median's error")
+    speed_clock_mm_s: int = quantity(150, "mm/s", 0, 1_000_000, "[D] 3 x 1.25 x 0.19 m/s / sqrt(25): a median's error")
+    warm_up_cycles: int = quantity(2, "cycles", 1, 1_000, "[S] [0071]: variability needs two samples at least")
+    last_identity: int = quantity(1_000, "count", 1, 1_000_000, "[D] satellites of all constellations")
+
+    @model_validator(mode="after")
+    def _keeps_healthy_ones(self) -> SelectionConfig:
+        """The threshold rule: above noise, prediction and clock error, or healthy satellites go when the train brakes."""
+        rows = (
+            ("range_threshold_mm", self.range_threshold_mm, self.range_off_at_most_mm),
+            ("speed_threshold_mm_s", self.speed_threshold_mm_s, self.speed_off_at_most_mm_s),
+        )
+        for name, value, least in rows:
+            if value <= least:
+                raise ValueError(
+                    f"{name} {value} is not above noise, prediction and clock error together, {least}: healthy satellites "
+                    "would be excluded while the train brakes; raise it."
+                )
+        return self
+
+    @property
+    def range_off_at_most_mm(self) -> int:
+        """The greatest difference of a healthy pseudorange."""
+        return self.range_noise_mm + self.range_prediction_mm + self.range_clock_mm
+
+    @property
+    def speed_off_at_most_mm_s(self) -> int:
+        """The greatest difference of a healthy range rate."""
+        return self.speed_noise_mm_s + self.speed_prediction_mm_s + self.speed_clock_mm_s
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One receiver channel. Differences are measured less predicted, mm and mm/s; covariances over the window.
+
+    error, speed_error            ghosts: the signal's own error
+    offset, speed_offset          ghosts: what the prediction's error makes of it along the line of sight
+    """
+
+    number: int
+    identity: Optional
+    ephemeris: BoolVar
+    off: Optional
+    speed_off: Optional
+    covariance: Optional
+    speed_covariance: Optional
+    standing: NumVar
+    held: NumVar
+    warm: NumVar
+    error: NumVar
+    speed_error: NumVar
+    offset: NumVar
+    speed_offset: NumVar
+
+    @property
+    def inputs(self) -> list[Var | Optional]:
+        """What is heard on it in a cycle."""
+        return [self.identity, self.ephemeris, self.off, self.speed_off, self.covariance, self.speed_covariance]
+
+    @property
+    def ghosts(self) -> list[Var]:
+        """The choices of the world."""
+        return [self.error, self.speed_error, self.offset, self.speed_offset]
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The variables of the machine. clock, speed_clock: ghosts, what the receiver's clock was estimated wrong by."""
+
+    config: SelectionConfig
+    channels: tuple[Channel, ...]
+    usable: NumVar
+    clock: NumVar
+    speed_clock: NumVar
+
+
+def parts(config: SelectionConfig) -> Parts:
+    """Fresh variables for one machine."""
+    channels = tuple(_channel(n, config) for n in range(1, config.channels + 1))
+    return Parts(
+        config,
+        channels,
+        number("usable_satellites", COUNT, 0, config.channels),
+        number("clock_mm", MM, -(10**9), 10**9),
+        number("clock_mm_s", MM_S, -(10**8), 10**8),
+    )
+
+
+def _channel(number_: int, config: SelectionConfig) -> Channel:
+    name, far, fast = f"channel_{number_}", 10**9, 10**8
+
+    def covariance(kind: str, unit: Unit) -> Optional:
+        return optional(f"{name}_{kind}", unit, 0, 10**15)
+
+    return Channel(
+        number_,
+        optional(f"{name}_satellite", COUNT, 1, config.last_identity),
+        boolean(f"{name}_ephemeris_valid"),
+        optional(f"{name}_range_off_mm", MM, -far, far),
+        optional(f"{name}_speed_off_mm_s", MM_S, -fast, fast),
+        covariance("range_covariance_mm2", SQUARE_MM),
+        covariance("speed_covariance_mm2_s2", SQUARE_MM_S),
+        choice(f"{name}_standing", enumeration(STANDING)),
+        number(f"{name}_held", COUNT, 0, config.last_identity),
+        number(f"{name}_warm_cycles", COUNT, 0, config.warm_up_cycles),
+        number(f"{name}_error_mm", MM, -3 * far, 3 * far),
+        number(f"{name}_speed_error_mm_s", MM_S, -3 * fast, 3 * fast),
+        number(f"{name}_prediction_mm", MM, -2 * far, 2 * far),
+        number(f"{name}_prediction_mm_s", MM_S, -2 * fast, 2 * fast),
+    )

@@ -1,0 +1,83 @@
+"""What is physically so around the stop-point machine: where the front end is, how fast it runs, how far it runs on.
+
+The position comes from another device of the vehicle, the reflector machine. That its interval holds the truth is that
+device's word; here it is a law about an input.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Lit, between, exact_to, product, with_unit
+from safeloc.language.machine import ANY
+from safeloc.language.units import NM
+from safeloc.language.world import Law, World
+from safeloc.models.stop_point.variables import Parts
+
+NM_PER_UM, UM_PER_MM = 1_000, 1_000
+
+
+def world(own: Parts) -> World:
+    """The front end, its speed, and its run-out once the brakes are ordered."""
+    return World(
+        ghosts={own.truth: ANY, own.true_speed: ANY, own.run_out: ANY},
+        choices=[own.next_truth, own.next_true_speed, own.next_run_out],
+        moves={own.truth: own.next_truth, own.true_speed: own.next_true_speed, own.run_out: own.next_run_out},
+        clauses={
+            "a valid interval holds the truth": _reported(own),
+            "speed is measured within its error": _measured(own),
+            "the brakes keep their distance": _braked(own),
+            "a higher speed has a greater square": _squared(own),
+        },
+    )
+
+
+def _reported(own: Parts) -> Law:
+    ahead = exact_to(own.above, NM) + exact_to(own.position, NM)
+    behind = exact_to(own.position, NM) - exact_to(own.below, NM)
+    return Law(
+        own.valid.implies(between(behind, own.next_truth, ahead)),
+        "While the position is reported valid, the front end stands within the reported interval.",
+        source="[D] containment of the reflector machine",
+        owner="supplier",
+        check="the reflector machine's self-test at every balise",
+    )
+
+
+def _measured(own: Parts) -> Law:
+    error = own.config.speed_error_mm_s
+    return Law(
+        between(-error, own.next_true_speed - own.speed, error),
+        "The measured speed is off the true speed by no more than its error.",
+        figures=("speed_error_mm_s",),
+        source="[M] 0.36 km/h at platform speeds",
+        owner="supplier",
+        check="comparison of the speeds of two axles",
+    )
+
+
+def _braked(own: Parts) -> Law:
+    """Twice the braking x what is run after the reaction is at most the square of the speed; in nm, ms and mm/s."""
+    config = own.config
+    speed, runs = own.next_true_speed, own.next_run_out
+    reaction = with_unit(speed * (config.reaction_ms * NM_PER_UM), NM)
+    squared = with_unit(product(speed, speed) * (NM_PER_UM * UM_PER_MM), NM)
+    braking: Bool = (runs - reaction) * (2 * config.brake_mm_s2) <= squared
+    return Law(
+        (speed > 0).implies(braking) & (speed <= 0).implies(runs.eq(Lit(0, NM))),
+        "After an order to brake the vehicle runs on for the reaction time at its speed, and then brakes at least at "
+        "the guaranteed rate; one that stands or runs back does not run on.",
+        figures=("reaction_ms", "brake_mm_s2"),
+        source="[S] service brake 0.8 to 1.0 m/s2; reaction [M]",
+        owner="operator",
+        check="brake test before the run, and the stopping distance of every stop",
+    )
+
+
+def _squared(own: Parts) -> Law:
+    """Arithmetic that solvers find slowly by themselves: it excludes nothing."""
+    speed, fastest = own.next_true_speed, own.speed + own.config.speed_error_mm_s
+    rising = (speed >= 0) & (speed <= fastest)
+    return Law(
+        rising.implies(product(speed, speed) <= product(fastest, fastest)),
+        "Of two speeds that are not negative, the higher one has the greater square.",
+        source="[D] true of all whole numbers; no assumption",
+    )

@@ -1,0 +1,63 @@
+"""The world of the direction machine: which way the vehicle runs, and which reflectors truly stand around a balise.
+
+Along the line the vehicle passes the reflector before a balise, then the balise, and then the one after it comes into view;
+against it, the other way round.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Num, ite
+from safeloc.language.machine import ANY
+from safeloc.language.world import Law, World
+from safeloc.models.travel_direction.variables import Parts
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+
+
+def world(own: Parts) -> World:
+    """The direction, what was read of the reflector passed last, and what truly comes next after a balise."""
+    return World(
+        ghosts={own.runs_along: ANY, own.last_read: NO_MODEL, own.due: NO_MODEL, own.first_right: False},
+        choices=[own.next_runs_along],
+        moves={
+            own.runs_along: ite(own.backwards, own.next_runs_along, own.runs_along),
+            own.last_read: ite(own.backwards, NO_MODEL, _read(own)),
+            own.due: _due(own),
+            own.first_right: ite(_between_models(own), _read(own).eq(_behind(own)), own.first_right & ~own.balise),
+        },
+        clauses={"one of two models is recognised rightly": _recognised(own)},
+    )
+
+
+def _read(own: Parts) -> Num:
+    """The model read of the reflector passed last, this cycle included."""
+    return ite(own.passed.ne(NO_MODEL), own.passed, own.last_read)
+
+
+def _behind(own: Parts) -> Num:
+    """The model of the reflector that the vehicle truly passed last before the balise."""
+    return ite(own.runs_along, own.before, own.after)
+
+
+def _between_models(own: Parts) -> Bool:
+    """A balise is passed between two reflectors of different models."""
+    different = own.after.ne(own.before)
+    return different & own.after.ne(NO_MODEL) & own.before.ne(NO_MODEL) & own.balise
+
+
+def _due(own: Parts) -> Num:
+    """From a balise on that was met after a reflector, until the vehicle turns, meets another one, or sees one ahead."""
+    next_one = ite(_read(own).eq(NO_MODEL), NO_MODEL, ite(own.runs_along, own.after, own.before))
+    over = own.backwards | own.balise | own.ahead.ne(NO_MODEL)
+    return ite(_between_models(own) & ~own.backwards, next_one, ite(over, NO_MODEL, own.due))
+
+
+def _recognised(own: Parts) -> Law:
+    first_seen = own.due.ne(NO_MODEL) & ~own.balise & ~own.backwards & own.ahead.ne(NO_MODEL)
+    return Law(
+        first_seen.implies(own.first_right | own.ahead.eq(own.due)),
+        "Of the models of the two reflectors around a balise, the one passed last before it and the first one seen after it, "
+        "at least one is read as the map has it; and the direction changes only where the vehicle says that it turned.",
+        source="[M] signatures told apart; source l. 161 and 290",
+        owner="supplier",
+        check="models read against the map, in operation",
+    )

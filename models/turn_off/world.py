@@ -1,0 +1,120 @@
+"""The world of the turn-off machine: the switch whose reflector is measured, the course that is taken, and what the image does.
+
+The map tells a switch while it surely lies ahead. From then on, until it tells another one, what is measured is the
+reflector behind that switch.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Num, between, ite
+from safeloc.language.machine import ANY
+from safeloc.language.world import Law, World
+from safeloc.models.turn_off.variables import LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts
+
+
+def world(own: Parts) -> World:
+    """Switch, course and lateral place; the course may change while the vehicle is before the switch."""
+    chosen = _another(own) | (own.measured & (own.high < own.true_switch))
+    return World(
+        ghosts={own.true_switch: ANY, own.true: ANY, own.place: ANY},
+        choices=[own.next_true, own.next_place, own.shift],
+        moves={
+            own.true_switch: _switch(own),
+            own.true: _course(own, chosen),
+            own.place: _place(own),
+        },
+        clauses={
+            "a switch is told while it lies ahead": _told_ahead(own),
+            "a vehicle takes one course": _one_course(own),
+            "images are measured within their error": _measured(own),
+            "the image rests before the switch": _rests(own),
+            "running straight it only sways": _sways(own, chosen),
+            "turning left it moves left": _turns(own, chosen, left=True),
+            "turning right it moves right": _turns(own, chosen, left=False),
+        },
+    )
+
+
+def _another(own: Parts) -> Bool:
+    """The map tells another switch, and its reflector is measured."""
+    return own.switch.present & own.measured & own.switch.value.ne(own.true_switch)
+
+
+def _switch(own: Parts) -> Num:
+    return ite(_another(own), own.switch.value, own.true_switch)
+
+
+def _place(own: Parts) -> Num:
+    return ite(_another(own), own.next_place, own.place)
+
+
+def _told_ahead(own: Parts) -> Law:
+    return Law(
+        own.switch.present.implies(own.switch.value > own.high),
+        "The map is looked up beyond the reported interval, and tells a switch together with the reflector behind it.",
+        source="[D] the interface of the map on board",
+        owner="supplier",
+        check="the look-up is tested with the map",
+    )
+
+
+def _one_course(own: Parts) -> Law:
+    return Law(
+        own.next_true.ne(UNDECIDED),
+        "At a switch a vehicle runs straight on, to the left or to the right.",
+        source="[D]",
+    )
+
+
+def _measured(own: Parts) -> Law:
+    error = own.config.lateral_error_mm
+    return Law(
+        own.measured.implies(between(-error, own.lateral - own.shift - _place(own), error)),
+        "The lateral place of a reflector is measured within its error: where it lies before the switch, and what it moved.",
+        ("lateral_error_mm",),
+        "[D] 3 mrad at 100 m, and 0.1 m of sway and survey",
+        "supplier",
+        "lateral places along straight track against the map",
+    )
+
+
+def _rests(own: Parts) -> Law:
+    return Law(
+        (own.high < _switch(own)).implies(own.shift.eq(0)),
+        "Until the vehicle is on the switch, the image keeps its place; the reported interval holds the vehicle.",
+        source="[D] geometry of straight track; containment of the reflector machine",
+        owner="infrastructure",
+        check="a reflector is placed so that it is seen along straight track before the switch",
+    )
+
+
+def _sways(own: Parts, chosen: Bool) -> Law:
+    sway = own.config.sway_mm
+    return Law(
+        _course(own, chosen).eq(STRAIGHT).implies(between(-sway, own.shift, sway)),
+        "Running straight on, the image moves by no more than the vehicle sways.",
+        ("sway_mm",),
+        "[M]",
+        "operator",
+        "maintenance of the running gear",
+    )
+
+
+def _turns(own: Parts, chosen: Bool, *, left: bool) -> Law:
+    config, moved = own.config, -own.shift if left else own.shift
+    beyond = own.low - _switch(own) >= config.decide_mm
+    course = _course(own, chosen).eq(LEFT if left else RIGHT)
+    side = "left" if left else "right"
+    return Law(
+        course.implies((moved >= -config.sway_mm) & (beyond.implies(moved >= config.least_shift_mm))),
+        f"Turning {side}, the image moves to the {side} by this sign, against it no farther than the sway, and beyond the "
+        "turnout by at least the least shift.",
+        ("least_shift_mm", "decide_mm", "sway_mm"),
+        "[D] turnout 1:9: 6.3 degrees, 2.5 m at 23 m of range; source l. 294",
+        "infrastructure",
+        "survey of reflector and switch; commissioning runs over both courses",
+    )
+
+
+def _course(own: Parts, chosen: Bool) -> Num:
+    return ite(chosen, own.next_true, own.true)

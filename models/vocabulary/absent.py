@@ -1,0 +1,31 @@
+"""What a machine shows of an interval while it reports none: numbers that cannot be taken for a place or for a margin."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from safeloc.language.absence import NO_BOUND, NO_PLACE, heard, shown_if
+from safeloc.language.expr import Bool, Num
+from safeloc.language.machine import Machine
+
+NO_POSITION_MM: Final = NO_PLACE
+"""Shown as a position while there is none: two million kilometres off, no place of any line."""
+NO_MARGIN_MM: Final = NO_BOUND
+"""Shown as a margin while there is no position: beyond every tolerable error."""
+
+
+def position_if(valid: Bool, position_mm: Num) -> Num:
+    """Return the output of a position, or of an end of an interval, that is absent unless `valid`."""
+    return shown_if(valid, position_mm, NO_POSITION_MM)
+
+
+def margin_if(valid: Bool, margin_mm: Num) -> Num:
+    """Return the output of a margin that is absent unless `valid`."""
+    return shown_if(valid, margin_mm, NO_MARGIN_MM)
+
+
+def heard_interval(machine: Machine) -> tuple[Num, Num, Num]:
+    """Return position, margin below and margin above of a machine for a wire: 0 while they are absent."""
+    names = ("position_mm", "margin_below_mm", "margin_above_mm")
+    position, below, above = (heard(machine.output(name)) for name in names)
+    return position, below, above

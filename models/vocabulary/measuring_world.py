@@ -1,0 +1,100 @@
+"""A unit that measures distance, as the world has it: which distances a vehicle can have run, and what a law allows them.
+
+For worlds alone: no machine imports this. A machine charges with figures and terms of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    abs_,
+    as_num,
+    ite,
+    maximum,
+    minimum,
+    with_unit,
+)
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.vocabulary.error_law import ErrorLaw
+
+THOUSAND = 1_000
+
+
+@dataclass(frozen=True)
+class Physics:
+    """What a vehicle can run, and how finely it is measured; cycles are counted no farther than `longest_cycles`."""
+
+    period_ms: int
+    max_speed_mm_s: int
+    max_acceleration_mm_s2: int
+    measuring_step_mm: int
+    gap_limit_cycles: int
+    longest_cycles: int
+
+    @property
+    def farthest_mm(self) -> int:
+        """The farthest that a unit measures in a cycle at the highest speed, in whole mm."""
+        return -(-self.max_speed_mm_s * self.period_ms // THOUSAND) + self.measuring_step_mm
+
+    @property
+    def change_mm(self) -> int:
+        """The most by which two distances of successive cycles differ, in whole mm."""
+        return -(-self.max_acceleration_mm_s2 * self.period_ms**2 // THOUSAND**2) + 2 * self.measuring_step_mm
+
+    @property
+    def farthest_nm(self) -> int:
+        """What the vehicle really runs in a cycle at its highest speed, nm."""
+        return self.max_speed_mm_s * self.period_ms * THOUSAND
+
+
+@dataclass(frozen=True, eq=False)
+class Measuring:
+    """A unit: what it delivers, and the last distance it delivered that can have been run, with the cycles since then."""
+
+    law: ErrorLaw
+    step: Optional
+    heard: NumVar
+    silent: NumVar
+    physics: Physics
+
+    @property
+    def can_be_run(self) -> Bool:
+        """A distance was delivered, and a vehicle can have run it: by its speed, and since the last such distance."""
+        step, change = self.step.value, with_unit((self.silent + 1) * self.physics.change_mm, MM)
+        too_far = abs_(step) > self.physics.farthest_mm
+        changed_too_fast = (self.silent <= self.physics.gap_limit_cycles) & (abs_(step - self.heard) > change)
+        return self.step.present & ~too_far & ~changed_too_fast
+
+    def first(self) -> dict[Var, Initial]:
+        """Ghosts with initial values: nothing was delivered yet."""
+        return {self.heard: 0, self.silent: self.physics.gap_limit_cycles + 1}
+
+    def moves(self) -> dict[Var, Expr]:
+        """How its ghosts move."""
+        counts, longest = self.can_be_run, self.physics.longest_cycles
+        return {
+            self.heard: ite(counts, self.step.value, self.heard),
+            self.silent: ite(counts, as_num(0, COUNT), minimum(self.silent + 1, longest)),
+        }
+
+    def allows(self, error: Num, drift_age: Num | None = None) -> Bool:
+        """Whether the law allows this error of the cycle's distance, nm; `drift_age`: ms since it was set, if it drifts.
+
+        In thousandths of a nm: the rate counts what lies above the knee.
+        """
+        law, period = self.law, self.physics.period_ms
+        thousandths, knee = self.step.value * THOUSAND, Lit(law.knee_mm_s * period, MM)
+        above = maximum(thousandths - knee, maximum(-thousandths - knee, 0))
+        most = with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period * THOUSAND**2
+        if drift_age is not None:
+            most = most + with_unit(drift_age * (law.drift_mm_s2 * period * THOUSAND), NM)
+        return (error * THOUSAND <= most) & (-error * THOUSAND <= most)

@@ -1,0 +1,31 @@
+"""What must hold of the place from localization sections (FWG-1 to FWG-15)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.spec import Property, reachable
+from safeloc.models.fibre import CHECKED, COUNTS, SEEN, Fibre
+from safeloc.models.fibre import variables as v
+from safeloc.properties.fibre import code, counting, error, place
+
+
+def properties(model: Fibre) -> list[Property]:
+    """Containment, counting, the code, and the error signal."""
+    return [
+        *place.properties(model),
+        *counting.properties(model),
+        *code.properties(model),
+        *error.properties(model),
+        *_reached(model),
+    ]
+
+
+def _reached(model: Fibre) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
+    yield reachable("located", valid & own.counted, statement="a train can be located by counting", requirements=COUNTS)
+    yield reachable("error", machine.flag("error"), statement="F can come", requirements=CHECKED)
+    yield reachable(
+        "section passed", own.signal.eq(v.PASSED) & valid, statement="a section can be passed", requirements=SEEN
+    )

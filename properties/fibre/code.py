@@ -1,0 +1,102 @@
+"""The position code: what is read, and what it tells (FWG-10, FWG-15)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Num, abs_, any_of, before, ite, minimum, was
+from safeloc.language.spec import Property, always
+from safeloc.models.fibre import CODE, COUNTS, Fibre
+from safeloc.models.fibre import variables as v
+from safeloc.properties.fibre.place import LAW
+from safeloc.properties.fibre.seen import Seen
+
+SYMBOLS = 4
+
+
+def properties(model: Fibre) -> Iterator[Property]:
+    """Words and counts."""
+    yield from _against_the_truth(model)
+    yield from _words(model)
+
+
+def _against_the_truth(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    located = machine.modes[2]
+    mode, was_located = machine.mode, before(machine.mode).eq(located)
+    off = before(own.true_count) - before(own.count)
+    near = was(own.real) & (abs_(off) <= own.config.reach)
+    passed = was_located & mode.eq(located) & own.signal.eq(v.PASSED) & ~own.reference
+    yield always(
+        "count agrees with the truth",
+        (passed & near).implies(off.eq(0)),
+        statement="when a real section was passed and no error is out, the count is the true one, although up to `reach` "
+        "sections were missed or false before",
+        requirements=(*CODE, *COUNTS),
+        assumption=LAW,
+    )
+    read = seen.returns & (seen.long | seen.short)
+    yield always(
+        "disagreement raises F",
+        (was_located & near & read & off.ne(0)).implies(mode.ne(located) | own.reference),
+        statement="a real section that is passed while the count is wrong ends the location in that cycle",
+        requirements=(*CODE, *COUNTS),
+        assumption=LAW,
+    )
+
+
+def _words(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    _, counting, located, _ = machine.modes
+    mode, was_counting = machine.mode, before(machine.mode).eq(counting)
+    window = own.config.window
+    taken = own.base.eq(own.answer_place) & own.count.eq(own.answer_count)
+    yield always(
+        "a word is whole",
+        (was_counting & mode.eq(located) & ~own.reference).implies(own.answer & before(own.read).eq(window) & taken),
+        statement="the code tells the place only when as many symbols were read as make a window of the line unique, and it "
+        "is the place that the map answers",
+        requirements=CODE,
+        unconditional=True,
+    )
+    counts = was_counting & mode.eq(counting)
+    read = counts & seen.returns & (seen.long | seen.short)
+    longer = own.read.eq(minimum(before(own.read) + 1, window))
+    yield always(
+        "the word is what was read",
+        read.implies(_joined(model, _symbol(model)) & longer),
+        statement="the kind and the length of the section passed join the word; the oldest symbol leaves a whole one",
+        requirements=CODE,
+        unconditional=True,
+    )
+    unread = counts & seen.returns & ~(seen.long | seen.short)
+    turned = counts & seen.changes & was(own.counted) & seen.forwards.iff(~was(own.upwards))
+    yield always(
+        "what is not read breaks the word",
+        (unread | turned).implies(own.word.eq(0) & own.read.eq(0)),
+        statement="a section whose length cannot be read, or that was left again, and a change of direction begin a new word",
+        requirements=CODE,
+        unconditional=True,
+    )
+    kept = counts & ~seen.returns & ~turned
+    yield always(
+        "nothing else is read",
+        kept.implies(own.word.eq(before(own.word)) & own.read.eq(before(own.read))),
+        statement="the word changes only where a section is left, or the direction changes",
+        requirements=CODE,
+        unconditional=True,
+    )
+
+
+def _symbol(model: Fibre) -> Num:
+    """0 to 3: lowered or raised, short or long."""
+    own, seen = model.own, Seen(model.own)
+    raised: Num = ite(before(own.band).eq(v.RAISED), own.word * 0 + 2, 0)
+    return raised + ite(seen.long, own.word * 0 + 1, 0)
+
+
+def _joined(model: Fibre, symbol: Num) -> Bool:
+    """Four times the word and the symbol, less the oldest symbol of a whole word."""
+    own = model.own
+    joined, whole = before(own.word) * SYMBOLS + symbol, SYMBOLS**own.config.window
+    return any_of(own.word.eq(joined - whole * oldest) for oldest in range(SYMBOLS))

@@ -1,0 +1,134 @@
+"""Which changes of the amplitude are position signals, and how signals count (FWG-1 to FWG-3, FWG-8, FWG-9)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import all_of, as_num, before, ite, minimum, was
+from safeloc.language.spec import Property, always
+from safeloc.language.units import COUNT
+from safeloc.models.fibre import COUNTS, SEEN, Fibre
+from safeloc.models.fibre import variables as v
+from safeloc.properties.fibre.seen import Seen
+
+
+def properties(model: Fibre) -> Iterator[Property]:
+    """Signals, and how they count."""
+    yield from _amplitude(model)
+    yield from _signals(model)
+    yield from _numbers(model)
+
+
+def _signals(model: Fibre) -> Iterator[Property]:
+    own = model.own
+    yield always(
+        "a signal is a rise or a fall",
+        own.signal.eq(v.POSITION_SIGNAL).implies(before(own.band).eq(v.NORMAL) & own.band.ne(v.NORMAL)),
+        statement="a position signal arises only where the amplitude leaves normal, upwards or downwards",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    yield always(
+        "normal again is no section",
+        (before(own.band).ne(v.NORMAL) & own.band.eq(v.NORMAL)).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        statement="the return to normal is not taken for a second section",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    yield always(
+        "one section at a time",
+        before(own.band).ne(v.NORMAL).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        statement="between two signals the amplitude is normal",
+        requirements=SEEN,
+        unconditional=True,
+    )
+
+
+def _numbers(model: Fibre) -> Iterator[Property]:
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    waiting, counting, located, _ = machine.modes
+    mode = machine.mode
+    counts = mode.one_of(counting, located) & before(mode).one_of(located, counting) & ~own.reference
+    change = own.count - before(own.count)
+    back = own.run.present & (own.run.value < 0)
+    yield always(
+        "count begins with the first signal",
+        (machine.flag("count_known") & ~was(own.counted)).implies(own.signal.eq(v.POSITION_SIGNAL)),
+        statement="before the first signal the count is undefined, not zero",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+    yield always(
+        "waiting has no count",
+        mode.eq(waiting).implies(~machine.flag("count_known") & ~machine.flag("valid")),
+        statement="without a signal there is neither count nor place",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+    yield always(
+        "every signal counts by direction",
+        (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),
+        statement="each signal counts one up where the train runs forwards, and one down where it runs back",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+    yield always(
+        "running back decreases",
+        (counts & back & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(-1)),
+        statement="a section entered while running back decreases the count",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+    yield always(
+        "a section left again is uncounted",
+        (counts & own.signal.eq(v.TURNED_BACK)).implies(
+            change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))
+        ),
+        statement="a section that is left on the side it was entered no longer counts",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+    found = before(mode).eq(counting) & mode.eq(located)
+    quiet = own.signal.one_of(v.NO_SIGNAL, v.PASSED) & ~found
+    yield always(
+        "nothing else counts",
+        (counts & quiet).implies(change.eq(0)),
+        statement="the count changes only with a signal, or with a section that is left again",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+
+
+def _amplitude(model: Fibre) -> Iterator[Property]:
+    """The amplitude's band from the amplitude itself: a rise is a rise, and a fall is a fall."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    waiting, counting, located, _ = machine.modes
+    kept, after = before(own.band), own.band
+    raised = seen.rises | (kept.eq(v.RAISED) & ~seen.returns)
+    lowered = seen.falls | (kept.eq(v.LOWERED) & ~seen.returns)
+    step = machine.stayed() | ~machine.stayed()
+    yield always(
+        "the band follows the amplitude",
+        step.implies(after.eq(v.RAISED).iff(raised) & after.eq(v.LOWERED).iff(lowered)),
+        statement="the band is raised from a rise, and lowered from a fall, until the amplitude is normal again",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    follows = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
+    hears = before(machine.mode).eq(waiting) | (before(machine.mode).one_of(counting, located) & follows)
+    yield always(
+        "a rise or a fall is a signal",
+        (hears & seen.changes & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
+        statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    silent = minimum(before(own.gap) + 1, own.gap.high)
+    ran = [own.forwards.iff(seen.forwards), own.gap.eq(ite(own.run.present, as_num(0, COUNT), silent))]
+    yield always(
+        "direction and silence are followed",
+        step.implies(all_of(ran)),
+        statement="the direction is that of the last run that was told and was not zero; silent cycles are counted",
+        requirements=(*SEEN, *COUNTS),
+        unconditional=True,
+    )

@@ -1,0 +1,155 @@
+"""The interval of an end of the train: true, charged for every run, tied to the map at every edge (FWG-1, FWG-8)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, abs_, all_of, before, between, exact_to, ite, was, with_unit
+from safeloc.language.spec import Property, always
+from safeloc.language.units import NM
+from safeloc.models.fibre import CODE, COUNTS, SEEN, Fibre
+from safeloc.models.fibre import variables as v
+from safeloc.properties.fibre.seen import MM_IN_NM, Seen
+
+LAW = "the detector's bounds, true references, and a code in which near sections differ"
+
+
+def properties(model: Fibre) -> Iterator[Property]:
+    """What is reported, and what it is made of."""
+    yield from _interval(model)
+    yield from _charged(model)
+    yield from _tied(model)
+    yield from _kept(model)
+
+
+def _interval(model: Fibre) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    valid, position, above = machine.flag("valid"), machine.output("position_mm"), machine.output("margin_above_mm")
+    off = own.truth - exact_to(position, NM)
+    yield always(
+        "containment",
+        valid.implies(between(-exact_to(above, NM), off, exact_to(above, NM))),
+        statement="a reported interval holds the end of the train",
+        requirements=("FWG-1", "FWG-11"),
+        assumption=LAW,
+    )
+    yield always(
+        "tolerance",
+        valid.implies(above <= own.config.tolerance_mm + own.config.max_step_mm * 4),
+        statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
+        requirements=("FWG-1", "FWG-11"),
+        unconditional=True,
+    )
+    no_event = own.signal.one_of(v.NO_SIGNAL) & was(model.own.counted)
+    stays = before(machine.mode).eq(machine.modes[2]) & valid & no_event & ~own.reference
+    yield always(
+        "only edges narrow",
+        stays.implies(own.drift >= before(own.drift)),
+        statement="without an edge of a section, or a reference, the interval never becomes narrower",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    yield always(
+        "no resurrection",
+        (valid & before(machine.mode).ne(machine.modes[2])).implies(_told(model)),
+        statement="a place is known again only from an accepted reference, or from a whole word of the code",
+        requirements=CODE,
+        unconditional=True,
+    )
+
+
+def _told(model: Fibre) -> Bool:
+    """An accepted reference, or the map's answer to a whole word."""
+    own, seen, counting = model.own, Seen(model.own), model.machine.modes[1]
+    word = own.answer & before(own.read).eq(own.config.window) & before(own.band).eq(v.NORMAL)
+    return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
+
+
+def _follows(model: Fibre) -> Bool:
+    """The end was followed, and is."""
+    mode, (_, counting, located, _) = model.machine.mode, model.machine.modes
+    return mode.one_of(counting, located) & before(mode).one_of(located, counting) & ~model.own.reference
+
+
+def _charged(model: Fibre) -> Iterator[Property]:
+    """What a run may be wrong by."""
+    own, seen = model.own, Seen(model.own)
+    none = own.signal.eq(v.NO_SIGNAL)
+    yield always(
+        "every run is charged",
+        (_follows(model) & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
+        statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
+        "none came",
+        requirements=("FWG-1", "FWG-11"),
+        unconditional=True,
+    )
+    run = with_unit(ite(own.run.present, abs_(own.run.value), 0) * MM_IN_NM, NM)
+    edge = _follows(model) & ~none
+    yield always(
+        "an edge is charged the run of its cycle",
+        edge.implies((own.drift - run).eq(seen.charge_nm) & own.since.eq(0)),
+        statement="an edge may have been passed anywhere within its cycle: the run of the whole cycle is charged",
+        requirements=("FWG-1", "FWG-11"),
+        unconditional=True,
+    )
+
+
+def _tied(model: Fibre) -> Iterator[Property]:
+    """To which place of the map the interval is tied."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    located = machine.modes[2]
+    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
+    edges = {v.POSITION_SIGNAL: seen.near, v.PASSED: before(own.far)}
+    at = [own.signal.eq(event).implies(own.base.eq(edge)) for event, edge in edges.items()]
+    others = own.signal.one_of(v.NO_SIGNAL, v.TURNED_BACK).implies(own.base.eq(before(own.base)))
+    yield always(
+        "an edge is the map's",
+        stays.implies(all_of(at) & others),
+        statement="with a section the place is its near edge by the map, with its end the far edge; nothing else moves it",
+        requirements=(*SEEN, *COUNTS),
+        unconditional=True,
+    )
+    far, long = ite(seen.forwards, own.ahead.far, own.behind.far), ite(seen.forwards, own.ahead.long, own.behind.long)
+    entered = own.far.eq(far) & own.long.iff(long) & own.upwards.iff(seen.forwards)
+    yield always(
+        "the section entered is the map's",
+        (stays & own.signal.eq(v.POSITION_SIGNAL)).implies(entered),
+        statement="far edge, length and direction of entry of the section are kept until it is left",
+        requirements=(*SEEN, *CODE),
+        unconditional=True,
+    )
+    at_place = own.base.eq(own.reference_place) & own.since.eq(0) & own.drift.eq(0) & own.count.eq(own.reference_count)
+    yield always(
+        "a reference is taken",
+        (own.reference & seen.normal).implies(machine.flag("valid") & at_place),
+        statement="an accepted reference, with the amplitude normal, locates at its place and with its count",
+        requirements=COUNTS,
+        unconditional=True,
+    )
+
+
+def _kept(model: Fibre) -> Iterator[Property]:
+    """When there is a place, and when there is none."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    waiting, counting, located, _ = machine.modes
+    mode, referred = machine.mode, own.reference & seen.normal
+    yield always(
+        "a pattern that is lost has no place",
+        (before(mode).one_of(counting, located) & ~referred & seen.lost).implies(mode.eq(waiting)),
+        statement="after too long a silence, or with an interval wider than tolerable, there is neither place nor count",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    calm = ~any_flaw(seen) & ~seen.lost
+    yield always(
+        "a place is kept",
+        (before(mode).eq(located) & calm).implies(mode.eq(located)),
+        statement="where nothing disagrees and the pattern is followed, the end stays located",
+        requirements=SEEN,
+        unconditional=True,
+    )
+
+
+def any_flaw(seen: Seen) -> Bool:
+    """Something disagrees."""
+    return ~all_of(~flaw for flaw in seen.flaws.values())

@@ -1,0 +1,187 @@
+"""What the fibre's machine is told in a cycle, in figures of their own: edges, runs, and what the map has (FWG-1 to FWG-15).
+
+All terms are over the inputs of the cycle and what was stored before it. A run may be wrong by whole millimetres, rounded up:
+"within a figure and that error" is written as a comparison in nm with one millimetre more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, before, ite, was, with_unit
+from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.fibre import variables as v
+from safeloc.models.fibre.variables import Parts
+
+MM_IN_NM = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """One cycle as an observer sees it who knows the source and the configuration."""
+
+    own: Parts
+
+    # -------------------------------------------------------------- amplitude
+
+    @cached_property
+    def rises(self) -> Bool:
+        """The amplitude leaves normal upwards: a coupled or more sensitive section."""
+        told = self.own.amplitude
+        return before(self.own.band).eq(v.NORMAL) & told.present & (told.value >= self.own.config.change_cdb)
+
+    @cached_property
+    def falls(self) -> Bool:
+        """The amplitude leaves normal downwards: a damped or less sensitive section."""
+        told = self.own.amplitude
+        return before(self.own.band).eq(v.NORMAL) & told.present & (told.value + self.own.config.change_cdb <= 0)
+
+    @cached_property
+    def changes(self) -> Bool:
+        """The amplitude leaves normal."""
+        return self.rises | self.falls
+
+    @cached_property
+    def returns(self) -> Bool:
+        """The amplitude is normal again."""
+        told, least = self.own.amplitude, self.own.config.return_cdb
+        from_above = before(self.own.band).eq(v.RAISED) & (told.value <= least)
+        from_below = before(self.own.band).eq(v.LOWERED) & (told.value + least >= 0)
+        return told.present & (from_above | from_below)
+
+    @cached_property
+    def normal(self) -> Bool:
+        """The amplitude is normal after the cycle."""
+        return self.returns | (before(self.own.band).eq(v.NORMAL) & ~self.changes)
+
+    # -------------------------------------------------------------- run
+
+    @cached_property
+    def forwards(self) -> Bool:
+        """The way it runs; where it stands or nothing is told, the way it ran."""
+        run = self.own.run
+        return (run.present & (run.value > 0)) | (was(self.own.forwards) & ~(run.present & (run.value < 0)))
+
+    @cached_property
+    def charge_nm(self) -> Num:
+        """What the run may be wrong by: rate and floor of a run that is told, the farthest run of one that is not."""
+        own, config = self.own, self.own.config
+        part = with_unit(abs_(own.run.value) * config.rate_ppm, NM) + config.floor_mm * MM_IN_NM
+        stands = own.run.present & own.run.value.eq(0)
+        farthest = -(-config.max_speed_mm_s * config.period_ms // 1_000) * MM_IN_NM
+        return ite(stands, Lit(0, NM), ite(own.run.present, part, Lit(farthest, NM)))
+
+    @cached_property
+    def wrong_nm(self) -> Num:
+        """What the run since the last edge may be wrong by."""
+        return before(self.own.drift) + self.charge_nm
+
+    @cached_property
+    def run(self) -> Num:
+        """Run since the last edge."""
+        return before(self.own.since) + ite(self.own.run.present, self.own.run.value, 0)
+
+    @cached_property
+    def place(self) -> Num:
+        """Where the end is by the last edge and the run."""
+        return before(self.own.base) + self.run
+
+    @cached_property
+    def lost(self) -> Bool:
+        """The pattern was not heard for too long, or the place is no longer known to the tolerance."""
+        own, config = self.own, self.own.config
+        silent = ~own.run.present & (before(own.gap) >= config.gap_limit_cycles)
+        room = (config.tolerance_mm - config.edge_tolerance_mm) * MM_IN_NM
+        return any_of([silent, self.wrong_nm > room, abs_(self.run) > config.position_limit_mm])
+
+    def _within(self, off: Num, figure_mm: int) -> Bool:
+        """No farther off than the figure and what the run may be wrong by."""
+        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.wrong_nm
+
+    # -------------------------------------------------------------- the section that is passed
+
+    @cached_property
+    def _inside(self) -> Num:
+        return ite(was(self.own.upwards), self.run, -self.run)
+
+    def _like(self, length_mm: int) -> Bool:
+        return self._within(self._inside - length_mm, 2 * self.own.config.edge_tolerance_mm)
+
+    @cached_property
+    def turned_back(self) -> Bool:
+        """It was left where it was entered: no run, and no section so short."""
+        return self._like(0) & ~self._like(self.own.config.short_mm)
+
+    @cached_property
+    def long(self) -> Bool:
+        """Only a long section has this run."""
+        return self._like(self.own.config.long_mm) & ~self._like(self.own.config.short_mm)
+
+    @cached_property
+    def short(self) -> Bool:
+        """Only a short section has this run."""
+        config = self.own.config
+        return self._like(config.short_mm) & ~self._like(config.long_mm) & ~self._like(0)
+
+    # -------------------------------------------------------------- the map's section that is met
+
+    @cached_property
+    def near(self) -> Num:
+        """The edge that is met first, of the section ahead or behind."""
+        return ite(self.forwards, self.own.ahead.near, self.own.behind.near)
+
+    @cached_property
+    def expected(self) -> Bool:
+        """The map has a section of this kind where the end may be, and a number for it."""
+        own, config = self.own, self.own.config
+        window = 2 * config.edge_tolerance_mm - (-config.max_speed_mm_s * config.period_ms // 1_000)
+        known = ite(self.forwards, own.ahead.known, own.behind.known)
+        raised = ite(self.forwards, own.ahead.rises, own.behind.rises)
+        kind = (raised & self.rises) | (~raised & self.falls)
+        return known & kind & self._within(self.place - self.near, window) & ~self.full
+
+    @cached_property
+    def one(self) -> Num:
+        """Up or down."""
+        return ite(self.forwards, Lit(1, COUNT), Lit(-1, COUNT))
+
+    @cached_property
+    def full(self) -> Bool:
+        """There are no more numbers."""
+        limit = self.own.config.section_limit
+        count = before(self.own.count)
+        return (self.forwards & (count >= limit)) | (~self.forwards & (count <= -limit))
+
+    # -------------------------------------------------------------- what does not agree
+
+    @cached_property
+    def flaws(self) -> dict[Lit, Bool]:
+        """Each disagreement by its reason."""
+        own, config = self.own, self.own.config
+        among = before(own.band).ne(v.NORMAL)
+        fits = (self.long & was(own.long)) | (self.short & ~was(own.long))
+        longest = config.long_mm + 2 * config.edge_tolerance_mm
+        return {
+            v.FALSE_SECTION: self.changes & ~self.expected,
+            v.MISSED_SECTION: before(own.band).eq(v.NORMAL) & ~self.changes & self._missed,
+            v.WRONG_LENGTH: self.returns & ~self.turned_back & ~fits,
+            v.NO_END_OF_SECTION: among & ~self._within(self.run, longest),
+            v.FLIGHT_DIFFERS: own.flight.present & self._off(own.flight.value, config.flight_threshold_mm),
+            v.REFLECTION_DIFFERS: own.reflection.present
+            & self._off(own.reflection.value, config.reflection_threshold_mm),
+        }
+
+    @cached_property
+    def _missed(self) -> Bool:
+        """With all that it may be wrong by, the place is beyond an edge of the map: of the section ahead, or behind."""
+        own, figure = self.own, 2 * self.own.config.edge_tolerance_mm
+        above, below = self.place - own.ahead.near, own.behind.near - self.place
+        far_above = (above > 0) & ~self._within(above, figure)
+        far_below = (below > 0) & ~self._within(below, figure)
+        return (own.ahead.known & far_above) | (own.behind.known & far_below)
+
+    def _off(self, told: Num, threshold_mm: int) -> Bool:
+        """Another place than the section's that is entered; or than the end's, with what that may be wrong by."""
+        entered = abs_(told - self.near) > Lit(threshold_mm, MM)
+        return (self.changes & entered) | (~self.changes & ~self._within(told - self.place, threshold_mm))

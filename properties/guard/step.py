@@ -1,0 +1,254 @@
+"""One step of the guard as properties see it: told from the state before it and its inputs.
+
+Written apart from the terms that the machine itself is made of, so that a wrong one does not confirm itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import (
+    Bool,
+    Lit,
+    Num,
+    all_of,
+    any_of,
+    as_num,
+    before,
+    ceil_div,
+    exact_to,
+    floor_div,
+    ite,
+    maximum,
+    minimum,
+    with_unit,
+)
+from safeloc.language.units import MS, NM, UM, UM_S
+from safeloc.models.guard import Guard
+from safeloc.models.guard.variables import (
+    AMBIGUOUS,
+    DOUBTFUL,
+    FAULT,
+    JUDGED,
+    JUMP,
+    NO_FAULT,
+    NOTHING,
+    OFF_TRACK,
+    PASSED,
+    SPEED_DISAGREES,
+    TOO_COARSE,
+)
+
+NM_PER_MM = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One step of a guard."""
+
+    model: Guard
+
+    # ------------------------------------------------------------------ figures
+
+    @property
+    def _top(self) -> int:
+        """Top speed, um/s."""
+        return self.model.own.config.max_speed_mm_s * 1_000
+
+    @property
+    def _change(self) -> int:
+        """The greatest change of speed in a period, um/s: the stronger of traction and brake."""
+        config = self.model.own.config
+        return config.period_ms * max(config.brake_mm_s2, config.acceleration_mm_s2)
+
+    @property
+    def _way(self) -> int:
+        """What that adds to the way of a period, nm."""
+        return self._change * self.model.own.config.period_ms // 2
+
+    @property
+    def _steps(self) -> int:
+        """Periods over which speed is told from distance."""
+        config = self.model.own.config
+        return config.speed_window_ms // config.period_ms
+
+    def lag_nm(self, steps: int) -> int:
+        """By how much a way of so many periods may differ from the speed at its end times its duration.
+
+        In the period that ends i periods before the end the speed may have been i changes off at its end, and the way of
+        a period is off its beginning's speed by half a change.
+        """
+        return sum(self._way + self._change * self.model.own.config.period_ms * (n + 1) for n in range(steps))
+
+    # ------------------------------------------------------------------ what is held, without a fix
+
+    @cached_property
+    def low(self) -> Num:
+        """The least place that the vehicle can be at, nm."""
+        own = self.model.own
+        back = exact_to(before(own.slow) * Lit(own.config.period_ms, MS), NM) - self._way
+        return ite(~own.advance, before(own.low), back + before(own.low))
+
+    @cached_property
+    def high(self) -> Num:
+        """The greatest one."""
+        own = self.model.own
+        forth = exact_to(before(own.fast) * Lit(own.config.period_ms, MS), NM) + self._way
+        return ite(~own.advance, before(own.high), forth + before(own.high))
+
+    @cached_property
+    def slowest(self) -> Num:
+        """The least speed it can have by what it can do, um/s: traction alone speeds it up, the brake alone slows it down."""
+        own = self.model.own
+        rise = own.config.acceleration_mm_s2 * own.config.period_ms
+        least = before(own.slow) - ite(before(own.fast) > 0, as_num(self._change, UM_S), rise)
+        return ite(~own.advance, before(own.slow), maximum(as_num(-self._top, UM_S), least))
+
+    @cached_property
+    def fastest(self) -> Num:
+        """The greatest one."""
+        own = self.model.own
+        rise = own.config.acceleration_mm_s2 * own.config.period_ms
+        most = before(own.fast) + ite(before(own.slow) < 0, as_num(self._change, UM_S), rise)
+        return ite(~own.advance, before(own.fast), minimum(as_num(self._top, UM_S), most))
+
+    @cached_property
+    def due(self) -> Bool:
+        """The window of speed is complete with this step."""
+        return self.model.own.advance & (before(self.model.own.anchor_steps) + 1).eq(self._steps)
+
+    def told_slowest(self, low: Num) -> Num:
+        """The least speed by the distance since the anchor, rounded up."""
+        short = with_unit(low - self.lag_nm(self._steps) - before(self.model.own.anchor_high), UM_S)
+        return ceil_div(short, self._steps * self.model.own.config.period_ms)
+
+    def told_fastest(self, high: Num) -> Num:
+        """The greatest speed by the distance since the anchor, rounded down."""
+        far = with_unit(high + self.lag_nm(self._steps) - before(self.model.own.anchor_low), UM_S)
+        return floor_div(far, self._steps * self.model.own.config.period_ms)
+
+    @cached_property
+    def speeds(self) -> tuple[Num, Num]:
+        """Least and greatest speed without a fix."""
+        slow, fast = self.told_slowest(self.low), self.told_fastest(self.high)
+        return (
+            ite(self.due & (slow > self.slowest), slow, self.slowest),
+            ite(self.due & (fast < self.fastest), fast, self.fastest),
+        )
+
+    @cached_property
+    def can_be_held(self) -> Bool:
+        """Without a fix: not wider than the window's limit, on the line, and some speed is left."""
+        config, (slow, fast) = self.model.own.config, self.speeds
+        reach = (2 * config.window_limit_mm + config.position_limit_mm) * NM_PER_MM
+        wide = self.high - self.low > 2 * NM_PER_MM * config.window_limit_mm
+        return ~any_of([wide, self.low > self.high, self.high > reach, self.low < -reach, slow > fast])
+
+    # ------------------------------------------------------------------ the fix
+
+    @cached_property
+    def place(self) -> Num:
+        """Where the fix is, nm."""
+        return exact_to(self.model.own.fix.value, NM)
+
+    @cached_property
+    def charge(self) -> Num:
+        """What it may be off: its own error, more the farther off the track, and its age at full speed; nm."""
+        own, config = self.model.own, self.model.own.config
+        off = exact_to(with_unit(own.offset * config.offset_charge_permille, UM), NM)
+        aged = exact_to(with_unit(own.age * config.max_speed_mm_s, UM), NM)
+        return off + config.fix_error_mm * NM_PER_MM + aged
+
+    @cached_property
+    def _least_told(self) -> Num:
+        """The receiver's speed at the least, without direction."""
+        return exact_to(self.model.own.speed.value - self.model.own.config.speed_error_mm_s, UM_S)
+
+    @cached_property
+    def alone(self) -> Num:
+        """What map and vehicle alone say of the delivery."""
+        own, config, told = self.model.own, self.model.own.config, self._named_fault
+        reach = (2 * config.window_limit_mm + config.position_limit_mm) * NM_PER_MM
+        beside = (self.place + self.charge > reach) | (self.place - self.charge < -reach)
+        coarse = self.charge >= (config.tolerance_mm - 2) * NM_PER_MM + 1
+        rows = (
+            (own.fault.ne(NO_FAULT), told),
+            (~own.fix.present, NOTHING),
+            (own.offset >= config.offset_limit_mm + 1, OFF_TRACK),
+            (own.ambiguous, AMBIGUOUS),
+            (coarse, TOO_COARSE),
+            (own.speed.present & (self._least_told >= self._top + 1), SPEED_DISAGREES),
+            (beside, TOO_COARSE),
+        )
+        return _first(rows, PASSED)
+
+    @cached_property
+    def _named_fault(self) -> Num:
+        reasons = {reason.label: reason for reason in JUDGED}
+        own = self.model.own
+        return _first([(own.fault.eq(fault), reasons[fault.label]) for fault in FAULT[1:]], NOTHING)
+
+    @cached_property
+    def verdict(self) -> Num:
+        """What speaks against it: a fault, the map, the vehicle's limits, or where it can be and how fast by now."""
+        own = self.model.own
+        apart = (self.place - self.high > self.charge) | (self.low - self.place > self.charge)
+        beside = (self.place > self.high) | (self.place < self.low)
+        rows = (
+            (self.alone.ne(PASSED), self.alone),
+            (own.elsewhere | apart, JUMP),
+            (self._too_fast | self._no_speed_left, SPEED_DISAGREES),
+            (beside, DOUBTFUL),
+        )
+        return _first(rows, PASSED)
+
+    @cached_property
+    def _too_fast(self) -> Bool:
+        """The receiver is faster than the vehicle can be, whichever way it runs."""
+        least = self._least_told
+        return self.model.own.speed.present & ~((least <= self.fastest) | (least <= -self.slowest))
+
+    @cached_property
+    def _no_speed_left(self) -> Bool:
+        """Place and speed of the fix leave the vehicle no speed that it can have."""
+        slow, fast = self._with_fix
+        return any_of(least > most for least in slow for most in fast)
+
+    @cached_property
+    def _with_fix(self) -> tuple[list[Num], list[Num]]:
+        """All that the speed is not below, and all that it is not above."""
+        own, error = self.model.own, self.model.own.config.speed_error_mm_s * 1_000
+        top, told = as_num(self._top, UM_S), self._least_told + error
+        most = ite(~own.speed.present, top, minimum(told + error, top))
+        least = ite(~own.speed.present, as_num(-error, UM_S), self._least_told)
+        low, high = maximum(self.place - self.charge, self.low), minimum(self.place + self.charge, self.high)
+        forth, back = self.slowest >= 0, self.fastest <= 0
+        slow = [self.slowest, -most, ite(~forth, -top, least), ite(~self.due, -top, self.told_slowest(low))]
+        fast = [self.fastest, most, ite(~back, top, -least), ite(~self.due, top, self.told_fastest(high))]
+        return slow, fast
+
+    # ------------------------------------------------------------------ trust
+
+    @cached_property
+    def agrees(self) -> Bool:
+        """Nothing speaks against it."""
+        return self.verdict.eq(PASSED)
+
+    @cached_property
+    def implausible(self) -> Bool:
+        """It contradicts the map, or what a vehicle can do."""
+        return any_of(self.verdict.eq(one) for one in (JUMP, OFF_TRACK, SPEED_DISAGREES))
+
+    @cached_property
+    def fills(self) -> Bool:
+        """It agrees, and with it as many agree in a row as are asked for."""
+        return all_of([self.agrees, before(self.model.own.agreed) > self.model.own.config.confirmations - 2])
+
+
+def _first(rows: Sequence[tuple[Bool, Num]], otherwise: Num) -> Num:
+    result = otherwise
+    for when, value in reversed(rows):
+        result = ite(when, value, result)
+    return result

@@ -1,0 +1,121 @@
+"""In and after the view zone: the error stays constant, and odometry goes on from the last position (RFL-D2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Num, as_num, before, exact_to, ite, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, within
+from safeloc.language.units import MM, NM
+from safeloc.models.reflector import ReflectorMachine
+from safeloc.models.reflector.dead_reckoning import Track
+from safeloc.models.reflector.variables import Parts
+from safeloc.properties.reflector.figures import IN_ZONE, counts, foremost, ran_mm, rearmost, was, without_sign
+
+
+def leaving(model: ReflectorMachine) -> Iterator[Property]:
+    """Constant error, passing, loss, and odometry after it."""
+    for maker in (_constant, _anchored, _goes_on, _unaided, _silent_radar):
+        yield from maker(model)
+
+
+def _constant(model: ReflectorMachine) -> Iterator[Property]:
+    own, anchor = model.own, model.own.anchor
+    tracked = model.machine.flag("precise") & ~own.recognised
+    reaches = exact_to(anchor.position, NM) + anchor.above >= rearmost(own)
+    yield always(
+        "error is constant",
+        tracked.implies(reaches & (foremost(own) >= exact_to(anchor.position, NM) - anchor.below)),
+        statement="in the view zone each measured position agrees with the distance run since the reflector came into view",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )
+
+
+def _anchored(model: ReflectorMachine) -> Iterator[Property]:
+    own, anchor = model.own, model.own.anchor
+    stays = was(model, *IN_ZONE) & model.in_mode(*IN_ZONE) & ~own.recognised
+    constant = exact_to(as_num(own.config.odometer.constant_mm, MM), NM)
+    afresh = _no_wider(anchor, own.track.position, (own.track.above, own.track.below), constant)
+    ran_on = _no_wider(
+        anchor, before(anchor.position) + ran_mm(own), (before(anchor.above), before(anchor.below)), _law_nm(own)
+    )
+    yield always(
+        "the anchor runs on by the odometer alone",
+        stays.implies(ran_on | afresh),
+        statement="what was run since the reflector came into view is the measured distance, and is as uncertain as the "
+        "odometer's law says, no more; once that is of no use it is counted from the last position on",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )
+
+
+def _no_wider(anchor: Track, position: Num, sides: tuple[Num, Num], by: Num) -> Bool:
+    """The anchor stands there, and exceeds these margins by no more than so much."""
+    above, below = sides
+    return anchor.position.eq(position) & (anchor.above - above <= by) & (anchor.below - below <= by)
+
+
+def _law_nm(own: Parts) -> Num:
+    """What the odometer's law allows in this cycle, and what is told beyond it; mm x ppm = nm."""
+    law, config = own.config.odometer, own.config
+    measured = (
+        with_unit(without_sign(own.odometer.step.value) * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
+    )
+    blind = as_num(config.max_speed_mm_s * config.period_ms * 1_000, NM)
+    more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
+    return ite(counts(own), measured, blind) + more
+
+
+def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
+    own = model.own
+    ran_on = own.track.position.eq(ran_mm(own) + before(own.track.position))
+    grew = (own.track.above > before(own.track.above)) & (own.track.below > before(own.track.below))
+    left = was(model, "VIEW") & model.in_mode("COAST", "PASSING", "ODOMETRY") & ~own.balise.position.present
+    yield always(
+        "goes on from the last position",
+        left.implies(ran_on & grew) if own.config.odometer.constant_mm else left.implies(ran_on),
+        statement="after the view zone the position is the last measured one plus the distance run, and both margins grow",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )
+
+
+def _unaided(model: ReflectorMachine) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
+    unaided = valid & earlier_bool(valid) & ~machine.flag("precise") & ~own.balise.position.present
+    ran_on = own.track.position.eq(ran_mm(own) + before(own.track.position))
+    kept = (own.track.above >= before(own.track.above)) & (own.track.below >= before(own.track.below))
+    yield always(
+        "margins never shrink unaided",
+        unaided.implies(ran_on & kept),
+        statement="without a balise and without a measured reflector the position moves by the measured distance alone, and "
+        "no margin shrinks",
+        requirements=("RFL-1", "RFL-D2", "RFL-D3"),
+        unconditional=True,
+    )
+
+
+def _silent_radar(model: ReflectorMachine) -> Iterator[Property]:
+    own = model.own
+    yield within(
+        "a silent radar is noticed",
+        own.config.pause_limit_cycles + 1,
+        ~own.frame & model.in_mode("COAST", "VIEW"),
+        own.frame | ~model.in_mode("COAST", "VIEW"),
+        statement="missing frames are no lost reflector until the permitted pause is over; then odometry goes on",
+        requirements=("RFL-D2",),
+        unconditional=True,
+        helper=lambda waited: (waited > 0).implies(model.in_mode("COAST") & (waited <= own.pauses + 1)),
+    )
+    yield always(
+        "pauses and misses are counted",
+        (was(model, "COAST") & model.in_mode("COAST")).implies(
+            own.pauses.eq(ite(own.frame, before(own.pauses), before(own.pauses) + 1))
+            & own.misses.eq(ite(own.frame, before(own.misses) + 1, before(own.misses)))
+        ),
+        statement="while a reflector is not measured, cycles without a frame and frames without its echo are counted apart",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )

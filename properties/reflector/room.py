@@ -1,0 +1,77 @@
+"""The layout leaves room for measurements, and no reflector of the map is skipped (RFL-8, RFL-10, RFL-D3)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, all_of, before, exact_to, ite
+from safeloc.language.spec import Property, always, reachable
+from safeloc.language.units import NM
+from safeloc.models.layout_rules import LayoutConfig, separable_by_distance
+from safeloc.models.reflector import ReflectorMachine
+from safeloc.models.reflector.echo import AMBIGUOUS
+from safeloc.models.reflector.variables import Parts, ReflectorConfig
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.properties.reflector.figures import begun, foremost, found_by, rearmost, seen_from, was, width
+
+
+def room(model: ReflectorMachine) -> Iterator[Property]:
+    """What a good layout allows."""
+    yield from _room(model)
+    yield from _skipped(model)
+    for label, text in (("VIEW", "a reflector can be measured"), ("PASSING", "a reflector can be passed")):
+        yield reachable(
+            f"{label.lower()} happens", model.in_mode(label), statement=text, requirements=("RFL-1", "RFL-3")
+        )
+
+
+def _room(model: ReflectorMachine) -> Iterator[Property]:
+    own, layout = model.own, layout_of(model.own.config)
+    clear = ite(begun(own), own.ahead.clear, before(own.target.clear))
+    kept = model.machine.flag("valid") & ~model.machine.flag("precise")
+    fine = LayoutConfig().radar_error_mm
+    yield always(
+        "the layout leaves room",
+        (kept & separable_by_distance(clear, layout)).implies(
+            all_of((slot.error <= fine).implies(slot.judged.ne(AMBIGUOUS)) for slot in own.slots)
+        ),
+        statement="where the spacing of equal models keeps the layout rule, no measurement within the radar's error is "
+        "refused as ambiguous",
+        requirements=("RFL-8", "RFL-10"),
+        unconditional=own.odometer.more is None,
+    )
+
+
+def _skipped(model: ReflectorMachine) -> Iterator[Property]:
+    own = model.own
+    known = own.ahead.model.ne(NO_MODEL) & own.ahead.position.present
+    yield always(
+        "nothing is skipped",
+        (was(model, "ODOMETRY") & model.in_mode("ODOMETRY") & known).implies(_ahead_or_found(own)),
+        statement="in the odometry zone a reflector of the map is either ahead, or was found before; none is passed in silence",
+        requirements=("RFL-D3",),
+        unconditional=True,
+    )
+
+
+def _ahead_or_found(own: Parts) -> Bool:
+    """The next reflector is not yet in view, or crowded by another one, or its search is over and it was found before."""
+    ahead = own.ahead
+    by = found_by(own, ahead.position.value, ahead.view_from)
+    ahead_of_view = foremost(own) < seen_from(own, ahead.position.value, ahead.view_from)
+    crowded = exact_to(ahead.clear, NM) <= width(own)
+    behind = rearmost(own) > by
+    return (ahead_of_view | crowded | behind) & (behind.implies(ahead.position.value <= before(own.found)))
+
+
+def layout_of(config: ReflectorConfig) -> LayoutConfig:
+    """The layout that suits the machine: a measured reflector's error holds the frame's latency at top speed."""
+    share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
+    lag_mm = -(-config.max_step_mm * share // 1_000_000) + 1
+    return LayoutConfig(
+        tolerance_mm=config.tolerance_mm,
+        odometry_constant_mm=config.odometer.constant_mm,
+        odometry_rate_ppm=config.odometer.rate_ppm,
+        radar_error_mm=LayoutConfig().radar_error_mm + lag_mm,
+        map_accuracy_mm=config.map_accuracy_mm,
+    )

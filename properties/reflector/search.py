@@ -1,0 +1,88 @@
+"""Before the view zone: what is looked for, from where on, and what else is not (RFL-1, RFL-8, figures 001 items 6, 7, 19)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, any_of, before, exact_to
+from safeloc.language.spec import Property, always
+from safeloc.language.units import NM
+from safeloc.models.reflector import ReflectorMachine
+from safeloc.models.reflector.variables import Parts
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.properties.reflector.figures import SIGHTED, balise_read, foremost, seen_from, was, width
+
+
+def search(model: ReflectorMachine) -> Iterator[Property]:
+    """The odometry zone and the search zone."""
+    for maker in (_clutter, _not_too_early, _zone_begins, _as_told):
+        yield from maker(model)
+
+
+def _clutter(model: ReflectorMachine) -> Iterator[Property]:
+    own = model.own
+    yield always(
+        "clutter is no reflector",
+        (was(model, "ODOMETRY", "NOT_READY", "DELOCALIZED") & ~balise_read(own)).implies(
+            ~model.machine.flag("precise") & ~own.recognised
+        ),
+        statement="in the odometry zone no echo, however strong, is taken for a reflector",
+        requirements=("RFL-1", "RFL-10"),
+        unconditional=True,
+    )
+
+
+def _not_too_early(model: ReflectorMachine) -> Iterator[Property]:
+    own, target = model.own, model.own.target
+    begins = seen_from(own, target.position, target.view_from)
+    yield always(
+        "never too early",
+        (model.in_mode("SEARCH") & ~was(model, "SEARCH")).implies(
+            (exact_to(target.clear, NM) > width(own)) & (foremost(own) >= begins)
+        ),
+        statement="the search begins as early as the odometry error asks for, and only if no other reflector of the model "
+        "fits into the interval",
+        requirements=("RFL-1", "RFL-8"),
+        unconditional=True,
+    )
+
+
+def _zone_begins(model: ReflectorMachine) -> Iterator[Property]:
+    yield always(
+        "no unfit neighbour",
+        (model.in_mode("VIEW") & ~was(model, "VIEW")).implies(model.machine.fired(*SIGHTED)),
+        statement="the view zone begins with a measurement of the reflector that was looked for, and with nothing else",
+        requirements=("RFL-1",),
+        unconditional=True,
+    )
+
+
+def _as_told(model: ReflectorMachine) -> Iterator[Property]:
+    own, target = model.own, model.own.target
+    changed = any_of(var.ne(before(var)) for var in (*target.kept, target.model))
+    yield always(
+        "the target is the next reflector of the map",
+        (changed & target.model.ne(NO_MODEL)).implies(_told(own)),
+        statement="a reflector that becomes the target is the one that the map tells next, in all its figures",
+        requirements=("RFL-3", "RFL-8"),
+        unconditional=True,
+    )
+    yield always(
+        "what is looked for is on the map",
+        model.in_mode("SEARCH", "VIEW", "COAST", "PASSING", "REFERENCE").iff(target.model.ne(NO_MODEL)),
+        statement="a reflector is looked for or tracked just while there is a target",
+        requirements=("RFL-3",),
+        unconditional=True,
+    )
+
+
+def _told(own: Parts) -> Bool:
+    target, ahead = own.target, own.ahead
+    return (
+        ahead.position.present
+        & target.position.eq(ahead.position.value)
+        & target.model.eq(ahead.model)
+        & target.view_from.eq(ahead.view_from)
+        & target.view_to.eq(ahead.view_to)
+        & target.clear.eq(ahead.clear)
+    )

@@ -1,0 +1,160 @@
+"""The view zone: what begins it, whose echo it is, and whose margins count in it (RFL-1, -2, -3, -10, -D2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, exact_to, with_unit
+from safeloc.language.spec import Property, always
+from safeloc.language.units import MM, NM
+from safeloc.models.reflector import ReflectorMachine
+from safeloc.models.reflector.echo import FITS, NO_FRAME, NONE, OUT_OF_WINDOW, WEAK, Slot
+from safeloc.models.reflector.variables import BY_REFLECTOR, MISMATCH, NO_SOURCE, Parts
+from safeloc.properties.reflector.figures import LAW, looked_for, stands_at, strong
+
+
+def view(model: ReflectorMachine) -> Iterator[Property]:
+    """What is measured, and what may be made of it."""
+    for maker in (_never_mistaken, _strong_enough, _own_bound, _sent_by_it, _used, _reasons, _source):
+        yield from maker(model)
+
+
+def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
+    """A reflector is never taken for another, nor anything else for a reflector."""
+    own, valid = model.own, model.machine.flag("valid")
+    verdicts = {
+        "target": [_from_there(own, slot, valid & slot.judged.eq(FITS), looked_for(own)) for slot in own.slots],
+        "next reflector": [
+            _from_there(own, slot, slot.judged_next.eq(FITS), own.ahead.position.value) for slot in own.slots
+        ],
+    }
+    for name, right in verdicts.items():
+        yield always(
+            f"the {name} is never mistaken",
+            all_of(right),
+            statement=f"an echo that fits the {name} was reflected by that very reflector, however many others the line "
+            "has",
+            requirements=("RFL-3", "RFL-10"),
+            assumption=LAW,
+        )
+
+
+def _from_there(own: Parts, slot: Slot, fits: Bool, position: Num) -> Bool:
+    return fits.implies(own.ghosts.reflector[slot.number - 1] & stands_at(own, slot, position))
+
+
+def _is_reported(model: ReflectorMachine, slot: Slot) -> Bool:
+    """Range, error and lateral place that are reported are those of this slot."""
+    machine = model.machine
+    return (
+        machine.output("range_mm").eq(slot.range.value)
+        & machine.output("range_error_mm").eq(slot.error)
+        & machine.output("lateral_mm").eq(slot.lateral)
+    )
+
+
+def _strong_enough(model: ReflectorMachine) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    shown = machine.output("reflector_model")
+    yield always(
+        "minimum intensity",
+        (machine.flag("precise") | machine.output("source").eq(BY_REFLECTOR)).implies(
+            any_of(strong(own, slot) & _is_reported(model, slot) & slot.model.eq(shown) for slot in own.slots)
+        ),
+        statement="only an echo with the minimum intensity and the model of the reported reflector makes that reflector the "
+        "source of the position; without one the source is never the reflector",
+        requirements=("RFL-1", "RFL-10"),
+        unconditional=True,
+    )
+
+
+def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
+    machine, own, config = model.machine, model.own, model.own.config
+    least = exact_to(machine.output("range_error_mm") + config.map_accuracy_mm, NM)
+    share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
+    more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
+    most = least + with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
+    place = machine.output("reflector_position_mm") + config.radar_offset_mm
+    yield always(
+        "the radar's own bound",
+        machine.flag("precise").implies(
+            (own.track.position + machine.output("range_mm")).eq(place)
+            & all_of((least <= side) & (side <= most) for side in (own.track.above, own.track.below))
+        ),
+        statement="in the view zone the interval is that of the echo: its range from the reflector's place, its error bound, "
+        "the survey's and what was run since the frame; never narrower because of what was known before",
+        requirements=("RFL-2", "RFL-3", "RFL-D2"),
+        unconditional=True,
+    )
+
+
+def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    place = machine.output("reflector_position_mm")
+    yield always(
+        "the reported reflector sent the echo",
+        machine.flag("precise").implies(
+            any_of(
+                own.ghosts.reflector[slot.number - 1] & _is_reported(model, slot) & stands_at(own, slot, place)
+                for slot in own.slots
+            )
+        ),
+        statement="the echo whose range is reported was truly sent by the reflector that is reported",
+        requirements=("RFL-2", "RFL-3", "RFL-10"),
+        assumption=LAW,
+    )
+
+
+def _used(model: ReflectorMachine) -> Iterator[Property]:
+    machine, own = model.machine, model.own
+    fits = any_of(slot.judged.eq(FITS) | slot.judged_next.eq(FITS) for slot in own.slots)
+    yield always(
+        "what fits is used",
+        (machine.flag("valid") & fits).implies(machine.flag("precise") | own.error.eq(MISMATCH)),
+        statement="an echo that fits gives the position, or fails the self-test",
+        requirements=("RFL-1", "RFL-3"),
+        assumption=LAW,
+    )
+    yield always(
+        "the target's own echo is in the window",
+        all_of(
+            (machine.flag("valid") & _from_target(own, slot)).implies(slot.judged.ne(OUT_OF_WINDOW))
+            for slot in own.slots
+        ),
+        statement="what the reflector that is looked for truly reflects is never refused as out of the window",
+        requirements=("RFL-1", "RFL-3"),
+        assumption=LAW,
+    )
+
+
+def _from_target(own: Parts, slot: Slot) -> Bool:
+    return own.ghosts.reflector[slot.number - 1] & stands_at(own, slot, looked_for(own))
+
+
+def _reasons(model: ReflectorMachine) -> Iterator[Property]:
+    own, floor = model.own, model.own.config.minimum_intensity_cdb
+
+    def right(slot: Slot, verdict: Num) -> Bool:
+        there, frame = slot.range.present, model.own.frame
+        empty, paused = verdict.eq(NONE).iff(~there), verdict.eq(NO_FRAME).iff(there & ~frame)
+        return empty & paused & verdict.eq(WEAK).iff((slot.intensity <= floor - 1) & frame & there)
+
+    yield always(
+        "an echo that is not judged has its reason",
+        all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.judged, slot.judged_next)),
+        statement="an empty slot, a pause of the radar and an echo below the minimum intensity are stated just where there is one",
+        requirements=("RFL-1", "RFL-10"),
+        unconditional=True,
+    )
+
+
+def _source(model: ReflectorMachine) -> Iterator[Property]:
+    machine = model.machine
+    source = machine.output("source")
+    yield always(
+        "the source is stated",
+        source.eq(BY_REFLECTOR).iff(machine.flag("precise")) & source.eq(NO_SOURCE).iff(~machine.flag("valid")),
+        statement="the source is the reflector just while the position is precise, and none just while there is none",
+        requirements=("RFL-1",),
+        unconditional=True,
+    )

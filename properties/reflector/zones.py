@@ -1,0 +1,108 @@
+"""Where zones end without a measurement: too close, gone by, backed out of the search; and echoes that exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to
+from safeloc.language.spec import Property, always
+from safeloc.language.units import NM
+from safeloc.models.reflector import ReflectorMachine
+from safeloc.models.reflector.echo import FITS, Slot
+from safeloc.models.reflector.variables import Parts
+from safeloc.properties.reflector.figures import begun, foremost, looked_for, rearmost, seen_from, was
+
+
+def zones(model: ReflectorMachine) -> Iterator[Property]:
+    """Ends of zones, both ways."""
+    for maker in (_too_close, _gone_by, _search_left, _one_story):
+        yield from maker(model)
+
+
+def _too_close(model: ReflectorMachine) -> Iterator[Property]:
+    own, target = model.own, model.own.target
+    close = seen_from(own, target.position, target.view_to)
+    yield always(
+        "no echo is waited for when too close",
+        model.in_mode("COAST").implies(foremost(own) < close),
+        statement="a reflector that is not measured is waited for only while the vehicle surely is before the end of its view "
+        "zone",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )
+    yield always(
+        "too close only when it may be",
+        (model.in_mode("PASSING") & was(model, "COAST", "VIEW")).implies(foremost(own) >= close),
+        statement="passing begins only where the vehicle may be beyond the end of the view zone",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )
+
+
+def _gone_by(model: ReflectorMachine) -> Iterator[Property]:
+    own, target = model.own, model.own.target
+    offset = own.config.radar_offset_mm
+    place, passed = exact_to(target.position + offset, NM), before(target.position)
+    yield always(
+        "passing goes on until it lies behind",
+        (was(model, "PASSING") & model.in_mode("PASSING")).implies(rearmost(own) < place),
+        statement="a reflector is passed until the whole interval lies beyond it",
+        requirements=("RFL-D2",),
+        unconditional=True,
+    )
+    yield always(
+        "what was passed lies behind",
+        (was(model, "PASSING") & model.in_mode("ODOMETRY")).implies(own.ghosts.truth >= exact_to(passed + offset, NM)),
+        statement="when a reflector was passed, the radar truly is beyond its place on the map",
+        requirements=("RFL-D2",),
+        assumption="odometer, balise, radar and map keep their laws",
+    )
+
+
+def _search_left(model: ReflectorMachine) -> Iterator[Property]:
+    own, target = model.own, model.own.target
+    begins = seen_from(own, target.position, target.view_from)
+    yield always(
+        "it is looked for where it may be in view",
+        model.in_mode("SEARCH").implies(foremost(own) >= begins),
+        statement="the search lasts only while the vehicle may be in the view zone",
+        requirements=("RFL-8",),
+        unconditional=True,
+    )
+    was_begun = seen_from(own, before(target.position), before(target.view_from))
+    yield always(
+        "the search is left only before the view zone",
+        (was(model, "SEARCH") & model.in_mode("ODOMETRY")).implies(own.ghosts.truth < was_begun),
+        statement="the search is given up without an error only where the vehicle truly is before the view zone",
+        requirements=("RFL-8", "RFL-D3"),
+        assumption="odometer, balise, radar and map keep their laws",
+    )
+
+
+def _one_story(model: ReflectorMachine) -> Iterator[Property]:
+    own, machine = model.own, model.machine
+    of_target = machine.output("reflector_position_mm").eq(looked_for(own))
+    alone = begun(own) | before(own.target.position).ne(own.ahead.position.value)
+    by_target = machine.flag("precise") & of_target & alone
+    first, *others = own.slots
+    yield always(
+        "echoes that exclude each other give no position",
+        all_of(
+            (by_target & first.judged.eq(FITS) & other.judged.eq(FITS)).implies(_agree(own, first, other))
+            for other in others
+        ),
+        statement="a reflector is measured only where every echo that fits it agrees with the one that is reported",
+        requirements=("RFL-D3", "RFL-10"),
+        unconditional=True,
+    )
+
+
+def _agree(own: Parts, one: Slot, other: Slot) -> Bool:
+    """Both ranges are alike within their errors, the survey's, and what may have been run since the frame."""
+    config = own.config
+    share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
+    run_mm = -(-config.max_step_mm * share // 1_000_000)
+    more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
+    most = exact_to(one.error + other.error + 2 * (config.map_accuracy_mm + run_mm), NM) + more * 2
+    apart = exact_to(one.range.value, NM) - exact_to(other.range.value, NM)
+    return between(-most, apart, most)

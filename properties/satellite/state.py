@@ -1,0 +1,79 @@
+"""What the satellites' position was and is, in the words of the requirements, and how a vehicle moves between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from safeloc.language.expr import Bool, Lit, Num, all_of, exact_to
+from safeloc.language.spec import earlier_num
+from safeloc.language.units import MS, NM
+from safeloc.models.satellite import Satellite
+from safeloc.models.satellite_selection.variables import Channel
+
+LAW = (
+    "greatest acceleration; a solution of satellites that keep their bounds is within its protection level, compared with a "
+    "prediction and a clock as good as configured; a reference within its accuracy"
+)
+MOVES = "greatest acceleration"
+FALSE_SIGNALS = (
+    "greatest acceleration and speed; a reference within its accuracy; odometry within its error; nothing of signals"
+)
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The machine's declared state at one time, in nm and um/s."""
+
+    position: Num
+    low: Num
+    high: Num
+    speed: Num
+    slowest: Num
+    fastest: Num
+    change: Num
+
+
+def now_kept(model: Satellite) -> Kept:
+    own, of = model.own, model.composition.of(model.machine)
+    kept = (own.position, own.low, own.high, own.speed, own.slowest, own.fastest, own.change)
+    return Kept(*(of.num(one) for one in kept))
+
+
+def kept_before(model: Satellite) -> Kept:
+    now = now_kept(model)
+    return Kept(*(earlier_num(getattr(now, field.name)) for field in fields(now)))
+
+
+def run_at(model: Satellite, speed: Num) -> Num:
+    """The way of a cycle at a speed."""
+    return exact_to(speed * Lit(model.own.config.period_ms, MS), NM)
+
+
+def most_way(model: Satellite) -> int:
+    """What the greatest acceleration adds to the way of a cycle: A T2 / 2, in nm."""
+    config = model.own.config
+    return config.max_acceleration_mm_s2 * config.period_ms**2 // 2
+
+
+def most_change(model: Satellite) -> int:
+    """What the greatest acceleration changes of the speed in a cycle: A T, in um/s."""
+    return model.own.config.period_ms * model.own.config.max_acceleration_mm_s2
+
+
+def channels(model: Satellite) -> list[tuple[Channel, Num]]:
+    """The channels with what each is after the step."""
+    of = model.composition.of(model.selection.machine)
+    return [(one, of.num(one.standing)) for one in model.selection.own.channels]
+
+
+def meets(model: Satellite) -> Bool:
+    """The solution and what the vehicle can have come to have a place and a speed in common."""
+    own, of, was = model.own, model.composition.of(model.machine), kept_before(model)
+    place, level = (exact_to(of.num(one), NM) for one in (own.fix.value, own.protection))
+    speed, speed_level = of.num(own.fix_speed), of.num(own.speed_protection)
+    fast, gained, way = own.config.max_speed_mm_s * 1_000, most_change(model), most_way(model)
+    before_it = place - was.high <= level + run_at(model, was.fastest) + way
+    behind_it = was.low - place <= level + way - run_at(model, was.slowest)
+    not_faster = (speed - was.fastest <= speed_level + gained) & (speed - speed_level <= fast)
+    not_slower = (was.slowest - speed <= speed_level + gained) & (speed + speed_level >= -fast)
+    return all_of([before_it, behind_it, not_faster, not_slower])

@@ -1,0 +1,19 @@
+"""What must hold of the precise stop at a platform (RFL-D7).
+
+Everything is said of where the front end truly is, how fast it truly runs, and what was put in; in figures of the
+requirement: the window of the stop that the map gives, the guaranteed braking distance, the reduced speed.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.spec import Property
+from safeloc.models.stop_point import StopPoint
+from safeloc.properties.stop_point.orders import orders
+from safeloc.properties.stop_point.selection import selection
+from safeloc.properties.stop_point.standing import standing
+from safeloc.properties.stop_point.towards import towards
+
+
+def properties(model: StopPoint) -> list[Property]:
+    """Every property of the stop-point machine."""
+    return [prop for maker in (towards, standing, selection, orders) for prop in maker(model)]

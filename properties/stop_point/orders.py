@@ -1,0 +1,123 @@
+"""Orders that follow from what is lost or shown, and what is shown beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import ite
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, never
+from safeloc.models.stop_point import StopPoint
+from safeloc.models.stop_point.variables import (
+    BRAKE,
+    CREEP,
+    HOLD,
+    NO_ORDER,
+    NO_POSITION,
+    NO_REASON,
+    PROCEED,
+    REVERSE,
+    TOO_COARSE,
+    TOO_FAR,
+)
+from safeloc.properties.stop_point.place import TRACE, far_end, foremost, near_end, rearmost
+
+
+def orders(model: StopPoint) -> Iterator[Property]:
+    """Holding, and what the driver is shown."""
+    for maker in (_without_a_position, _held, _after_braking, _limit, _distance, _coarse):
+        yield from maker(model)
+
+
+def _without_a_position(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "without a position nothing moves",
+        (~own.valid).implies(order.one_of(NO_ORDER, HOLD)),
+        statement="in the step in which the position is lost, a pending stop holds the vehicle",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "a lost position does not end a stop",
+        (~own.valid & earlier_num(order).ne(NO_ORDER) & ~own.released).implies(order.eq(HOLD)),
+        statement="a stop that was pending stays pending, and holds the vehicle, when the position is lost",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _held(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "held with a reason",
+        model.in_mode("HELD").implies(own.reason.one_of(NO_POSITION, TOO_FAR) & order.eq(HOLD)),
+        statement="a stop that cannot be made holds the vehicle and says why",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    enters = model.in_mode("HELD") & ~earlier_bool(model.in_mode("HELD"))
+    yield always(
+        "the reason for holding is right",
+        enters.implies(ite(own.valid, own.reason.eq(TOO_FAR), own.reason.eq(NO_POSITION))),
+        statement="the vehicle is held for a lost position just when it is lost, else for being too far beyond the window",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _after_braking(model: StopPoint) -> Iterator[Property]:
+    order = model.machine.output("order")
+    yield never(
+        "no movement out of the brake order",
+        earlier_num(order).eq(BRAKE) & order.one_of(PROCEED, CREEP, REVERSE),
+        statement="after the brake order comes standstill, an overrun or a hold; never at once an order to move",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _limit(model: StopPoint) -> Iterator[Property]:
+    own, machine = model.own, model.machine
+    slow = machine.output("order").one_of(CREEP, REVERSE)
+    yield always(
+        "the reduced speed is shown",
+        machine.output("speed_limit_mm_s").eq(ite(slow, own.config.reduced_speed_mm_s, 0 * own.speed)),
+        statement="with the order to creep or to reverse the reduced speed is shown as the limit, else none",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _distance(model: StopPoint) -> Iterator[Property]:
+    own, machine = model.own, model.machine
+    shown = machine.output("distance_mm")
+    yield always(
+        "the distance to the stop is shown",
+        (~model.in_mode("IDLE", "HELD")).implies((shown + own.position).eq(own.stop)),
+        statement="while a stop is pending, the distance from the reported position to it is shown",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "no distance without a stop that can be made",
+        (model.in_mode("IDLE") | earlier_bool(model.in_mode("HELD")) & model.in_mode("HELD") | ~own.valid).implies(
+            shown.eq(0)
+        ),
+        statement="without a pending stop or a position, and while the vehicle stays held, no distance is shown",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _coarse(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    coarse = (rearmost(own) < near_end(own)) & (foremost(own) > far_end(own))
+    moved = ~earlier_bool(model.in_mode("IDLE")) & ~model.in_mode("IDLE", "HELD")
+    chosen = model.machine.fired("another stop selected")
+    yield always(
+        "too coarse a measurement is told",
+        (moved & ~chosen).implies(own.reason.eq(ite(coarse, TOO_COARSE, NO_REASON))),
+        statement="while a stop is pending, it is told just when the interval reaches beyond both ends of the window",
+        requirements=TRACE,
+        unconditional=True,
+    )

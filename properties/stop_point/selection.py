@@ -1,0 +1,199 @@
+"""Which stop point of the platform is meant, and until when it may change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, all_of, any_of, before, exact_to, ite
+from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.units import NM
+from safeloc.models.stop_point import StopPoint
+from safeloc.models.stop_point.variables import NO_ORDER, NO_REASON, NOT_AHEAD, PROCEED, UNKNOWN_STOP
+from safeloc.properties.stop_point.place import LAW, TRACE, far_end, foremost, ordered_before
+
+
+def selection(model: StopPoint) -> Iterator[Property]:
+    """Selection, refusal, and the end of a pending stop."""
+    for maker in (_as_the_map_has_it, _ahead, _kept, _left, _served, _accepted, _refused):
+        yield from maker(model)
+
+
+def _selects(model: StopPoint) -> Bool:
+    """Another stop is pending than before."""
+    return model.own.pending.ne(before(model.own.pending)) & (model.own.pending > 0)
+
+
+def _mapped(model: StopPoint, number: int) -> Bool:
+    """The pending stop stands where the map has the stop point of that number."""
+    own, stop = model.own, model.own.stops[number - 1]
+    return (
+        stop.position.present
+        & own.stop.eq(stop.position.value)
+        & own.before.eq(stop.before)
+        & own.after.eq(stop.after)
+        & own.selected.present
+        & own.selected.value.eq(number)
+    )
+
+
+def _as_the_map_has_it(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "the pending stop is the selected one of the map",
+        all_of(
+            (_selects(model) & own.pending.eq(number)).implies(_mapped(model, number))
+            for number in range(1, len(own.stops) + 1)
+        ),
+        statement="a stop that becomes pending is the one that the mission names, where the map has it and with its window",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "an order belongs to a stop",
+        ite(own.pending > 0, order.ne(NO_ORDER), order.eq(NO_ORDER)),
+        statement="the vehicle is given an order just while a stop is pending",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _ahead(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    yield always(
+        "only a stop ahead is selected",
+        _selects(model).implies(own.valid & (own.truth <= far_end(own))),
+        statement="a stop becomes pending only on a valid position, and while the vehicle stands or runs before the far end "
+        "of its window",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _kept(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    yield always(
+        "the stop stays after the brake order",
+        (~ordered_before(model).one_of(NO_ORDER, PROCEED) & ~model.in_mode("IDLE")).implies(
+            all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after, own.pending))
+        ),
+        statement="after the brake order another selection no longer moves the stop",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "the stop moves only with another selection",
+        (own.pending.eq(before(own.pending))).implies(
+            all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after))
+        ),
+        statement="while the same stop is pending, its place and window stay as they were read from the map",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _left(model: StopPoint) -> Iterator[Property]:
+    own, idle = model.own, model.in_mode("IDLE")
+    yield always(
+        "a stop is left only when served or released",
+        (earlier_bool(model.in_mode("BRAKING", "STOPPED", "SHORT", "CREEPING", "OVERRUN", "REPOSITIONING", "HELD")) & idle)
+        .implies(
+            (own.departure & own.valid & earlier_bool(model.in_mode("STOPPED")))
+            | (own.released & earlier_bool(model.in_mode("HELD", "SHORT", "OVERRUN")))
+        ),
+        statement="from the brake order on a pending stop ends by departure from its place, or because whoever is in charge "
+        "releases a vehicle that is held elsewhere",
+        requirements=TRACE,
+        unconditional=True,
+    )  # fmt: skip
+    yield always(
+        "served or released, a stop is left",
+        (
+            (own.valid & own.departure & earlier_bool(model.in_mode("STOPPED")))
+            | (own.released & earlier_bool(model.in_mode("HELD", "SHORT", "OVERRUN")))
+        ).implies(idle),
+        statement="the departure order of a stop in place, and the release of a stop that is held elsewhere, end it",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _served(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    yield always(
+        "a served stop is not selected at once again",
+        (_selects(model) & earlier_bool(model.in_mode("IDLE"))).implies(own.pending.ne(before(own.served))),
+        statement="a stop that was just served is selected again only after another selection, or none",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    left = earlier_bool(~model.in_mode("APPROACH", "IDLE")) & model.in_mode("IDLE")
+    yield always(
+        "a stop that was left counts as served",
+        left.implies(own.served.eq(before(own.pending))),
+        statement="a stop that was left by departure or release is remembered",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "served is forgotten with the selection",
+        (model.in_mode("IDLE") & (~own.selected.present)
+         & earlier_bool(model.in_mode("APPROACH", "IDLE"))).implies(own.served.eq(0) | ~own.valid),
+        statement="with no stop selected, the stop that was served before may be selected again",
+        requirements=TRACE,
+        unconditional=True,
+    )  # fmt: skip
+
+
+def _selectable(model: StopPoint, number: int) -> Bool:
+    own, stop = model.own, model.own.stops[number - 1]
+    ends = exact_to(stop.position.value, NM) + exact_to(stop.after, NM)
+    named = own.selected.present & own.selected.value.eq(number) & stop.position.present
+    return named & own.valid & (foremost(own) <= ends) & before(own.served).ne(number)
+
+
+def _accepted(model: StopPoint) -> Iterator[Property]:
+    own, free = model.own, earlier_bool(model.in_mode("IDLE"))
+    yield always(
+        "a stop ahead is selected",
+        all_of(
+            (free & _selectable(model, number)).implies(own.pending.eq(number))
+            for number in range(1, len(own.stops) + 1)
+        ),
+        statement="a stop of the map that the mission names, that surely lies ahead and was not just served, becomes pending",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _refused(model: StopPoint) -> Iterator[Property]:
+    own, waits = model.own, model.in_mode("IDLE") & earlier_bool(model.in_mode("IDLE"))
+    unknown = own.selected.present & ~any_of(
+        stop.position.present & own.selected.value.eq(number) for number, stop in enumerate(own.stops, 1)
+    )
+    yield always(
+        "a stop that is not on the map is refused",
+        (waits & unknown).implies(own.reason.eq(UNKNOWN_STOP)),
+        statement="a stop that the mission names and the map does not have is refused with that reason",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "a stop that is not ahead is refused",
+        all_of(
+            (waits & own.valid & ~unknown & own.selected.value.eq(number) & before(own.served).ne(number)
+             & (foremost(own) > exact_to(stop.position.value, NM) + exact_to(stop.after, NM)))
+            .implies(own.reason.eq(NOT_AHEAD) | ~own.selected.present)
+            for number, stop in enumerate(own.stops, 1)
+        ),
+        statement="a stop that possibly lies behind is refused with that reason",
+        requirements=TRACE,
+        unconditional=True,
+    )  # fmt: skip
+    yield always(
+        "a pending stop is not refused",
+        model.machine.output("order").eq(PROCEED).implies(~own.reason.one_of(UNKNOWN_STOP, NOT_AHEAD))
+        & (~own.selected.present & waits).implies(own.reason.eq(NO_REASON)),
+        statement="no reason for a refusal is shown while a stop is pending, or while none is selected",
+        requirements=TRACE,
+        unconditional=True,
+    )

@@ -1,0 +1,219 @@
+"""Moving: on towards the platform's end, forward into the window, and back into it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, before, exact_to, product, with_unit
+from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.units import NM, UM
+from safeloc.models.stop_point import StopPoint
+from safeloc.models.stop_point.variables import BRAKE, CREEP, PROCEED, REVERSE
+from safeloc.properties.stop_point.place import (
+    LAW,
+    TRACE,
+    far_end,
+    foremost,
+    near_end,
+    ordered_before,
+    rearmost,
+    stands,
+    width,
+)
+
+UM_PER_MM, ROUNDING_MM = 1_000, 1
+
+
+def towards(model: StopPoint) -> Iterator[Property]:
+    """Every order to move."""
+    for maker in (_on, _brakes_for_the_window, _brakes_for_the_stop, _no_early_brake, _creeping, _reversing, _may_move):
+        yield from maker(model)
+    for begins in (_begins_to_reverse, _keeps_reversing, _reverses_when_it_may, _creeps_when_it_may):
+        yield from begins(model)
+
+
+def _on(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "never on beyond the window",
+        order.one_of(PROCEED, CREEP).implies(own.truth <= far_end(own)),
+        statement="while a stop is pending, no order to go on or to start towards the platform's end is given to a vehicle "
+        "that stands or runs beyond the stop window",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _proceeds(model: StopPoint) -> Bool:
+    """The vehicle may proceed to the stop that was pending before; in the cycle of its selection it may be too late."""
+    own = model.own
+    return model.machine.output("order").eq(PROCEED) & own.pending.eq(before(own.pending))
+
+
+def _brakes_for_the_window(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    yield always(
+        "brake order in time",
+        _proceeds(model).implies(own.truth + own.run_out <= far_end(own)),
+        statement="the vehicle may proceed only while the guaranteed brake, ordered in the next cycle, still brings the true "
+        "front end to a stand within the stop window or before it",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _brakes_for_the_stop(model: StopPoint) -> Iterator[Property]:
+    own, stop = model.own, exact_to(model.own.stop, NM)
+    yield always(
+        "brakes to the stop by the measurement",
+        (_proceeds(model) & own.precise).implies(own.run_out <= stop - exact_to(own.position, NM)),
+        statement="with a measured distance the vehicle may proceed only while the guaranteed brake brings it to a stand at "
+        "the stop, counted from the measured position, or before it",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "brakes to the stop by odometry",
+        (_proceeds(model) & ~own.precise).implies(own.run_out <= stop - foremost(own)),
+        statement="without a measured distance the vehicle may proceed only while the guaranteed brake brings it to a stand at "
+        "the stop, counted from the foremost possible place, or before it",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _no_early_brake(model: StopPoint) -> Iterator[Property]:
+    """Twice the braking x the distance left for it, against the square of the highest possible speed."""
+    own, config = model.own, model.own.config
+    fastest = own.speed + config.speed_error_mm_s
+    squared = with_unit(product(fastest, fastest) * UM_PER_MM, UM)
+    left = exact_to(own.stop - own.position, UM) - exact_to(own.above + ROUNDING_MM, UM)
+    braking = left - with_unit(fastest * config.reaction_ms, UM)
+    due = (fastest > 0) & (squared >= braking * (2 * config.brake_mm_s2))
+    yield always(
+        "no brake order before it is due",
+        (ordered_before(model).eq(PROCEED) & model.machine.output("order").eq(BRAKE)).implies(
+            due | (foremost(own) >= exact_to(own.stop, NM)) | (rearmost(own) >= near_end(own))
+        ),
+        statement="the brake order comes from the braking distance of the highest possible speed before the stop on, counted "
+        "from the foremost possible place and a millimetre for rounding, or when the vehicle surely reached the window",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _creeping(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "creeping is slow",
+        order.eq(CREEP).implies(own.true_speed <= own.config.reduced_speed_mm_s),
+        statement="the order to creep into the window is taken back before the vehicle can be faster than the reduced speed",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "creeping begins at standstill",
+        (order.eq(CREEP) & ordered_before(model).ne(CREEP)).implies(stands(own) & (foremost(own) <= far_end(own))),
+        statement="creeping begins only at standstill, and where the vehicle surely stands before the window's far end",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "creeping ends in the window",
+        order.eq(CREEP).implies(own.truth < near_end(own) + width(own)),
+        statement="the order to creep ends when the vehicle is no longer possibly before the window",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _reversing(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "reversing is slow",
+        order.eq(REVERSE).implies(-own.true_speed <= own.config.reduced_speed_mm_s),
+        statement="the order to reverse is never given, and never upheld, to a vehicle that may run backwards faster than the "
+        "reduced speed",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    yield always(
+        "never back before the window",
+        order.eq(REVERSE).implies(own.truth >= near_end(own)),
+        statement="no order to reverse is given, or upheld, to a vehicle that stands or runs before the stop window",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _may_move(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    for name, given in (("reversing", REVERSE), ("creeping", CREEP)):
+        yield always(
+            f"{name} is permitted and measured",
+            order.eq(given).implies(own.permitted & own.precise & own.valid),
+            statement=f"{name} needs, in every cycle, the permission and a measured distance to the reflector",
+            requirements=TRACE,
+            unconditional=True,
+        )
+
+
+def _begins_to_reverse(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    limit = exact_to(own.after + own.stop + own.config.reposition_limit_mm, NM)
+    begins = order.eq(REVERSE) & ordered_before(model).ne(REVERSE)
+    yield always(
+        "reversing begins at standstill",
+        begins.implies(stands(own) & (foremost(own) > far_end(own)) & (foremost(own) <= limit)),
+        statement="reversing begins only at standstill, after an overrun, and no farther beyond the window than allowed",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    slowest = own.config.standstill_mm_s + own.config.speed_error_mm_s
+    yield always(
+        "reversing begins near the window",
+        begins.implies((own.truth <= limit) & (own.true_speed <= slowest) & (own.true_speed >= -slowest)),
+        statement="a vehicle that is told to reverse truly stands, up to the speed error, and is no farther beyond the window "
+        "than allowed",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _keeps_reversing(model: StopPoint) -> Iterator[Property]:
+    own, order = model.own, model.machine.output("order")
+    yield always(
+        "reversing ends in the window",
+        order.eq(REVERSE).implies(own.truth + width(own) > far_end(own)),
+        statement="the order to reverse ends when the vehicle is no longer possibly beyond the window",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _reverses_when_it_may(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    limit = exact_to(own.after + own.stop + own.config.reposition_limit_mm, NM)
+    may = own.valid & own.precise & own.permitted & stands(own) & ~own.released
+    where = (rearmost(own) >= near_end(own)) & (foremost(own) > far_end(own)) & (foremost(own) <= limit)
+    yield always(
+        "repositions when it may",
+        (earlier_bool(model.in_mode("OVERRUN")) & may & where).implies(model.machine.output("order").eq(REVERSE)),
+        statement="after an overrun a standing, measured vehicle that is permitted to reverse, surely not before the window and "
+        "possibly beyond it by no more than allowed, is ordered back",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _creeps_when_it_may(model: StopPoint) -> Iterator[Property]:
+    own = model.own
+    may = own.valid & own.precise & own.permitted & stands(own) & ~own.released
+    where = (rearmost(own) < near_end(own)) & (foremost(own) <= far_end(own))
+    yield always(
+        "creeps when it may",
+        (earlier_bool(model.in_mode("SHORT")) & may & where).implies(model.machine.output("order").eq(CREEP)),
+        statement="stopped short, a standing, measured vehicle that is permitted to move creeps on",
+        requirements=TRACE,
+        unconditional=True,
+    )

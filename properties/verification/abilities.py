@@ -1,0 +1,109 @@
+"""What a train can do between two readings, in figures of their own: its brakes, its traction, its speed (FVA-6, FVA-7)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import Bool, Lit, Num, before, between, exact_to, ite, maximum, minimum, was, with_unit
+from safeloc.language.spec import Property, always
+from safeloc.language.units import MM_S2, NM, UM_S
+from safeloc.models.verification import Verification
+from safeloc.models.verification.variables import Parts
+
+TRACE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16")
+
+
+@dataclass(frozen=True, eq=False)
+class Abilities:
+    """Terms over the inputs of a cycle and what was stored before it, in um/s. A brake of one mm/s2 changes 1 um/s a ms."""
+
+    own: Parts
+
+    @cached_property
+    def _brake(self) -> Num:
+        """The brakes that are reckoned with; train control tells of weaker ones."""
+        told, most = self.own.control_brake, self.own.config.brake_mm_s2
+        weaker = told.present & (told.value < most)
+        return self._in_a_cycle(ite(weaker, told.value, Lit(most, MM_S2)))
+
+    @cached_property
+    def _traction(self) -> Num:
+        return self._in_a_cycle(Lit(self.own.config.traction_mm_s2, MM_S2))
+
+    def _in_a_cycle(self, ability: Num) -> Num:
+        return with_unit(ability * self.own.config.period_ms, UM_S)
+
+    @cached_property
+    def bounds(self) -> tuple[Num, Num]:
+        """Of the speed before the cycle."""
+        last = with_unit(before(self.own.last_speed) * 1_000, UM_S)
+        return last - before(self.own.slower), last + before(self.own.faster)
+
+    @cached_property
+    def changes(self) -> tuple[Num, Num]:
+        """How much less and how much more the speed can be after the cycle; which way it runs may not be sure."""
+        low, high = self.bounds
+        both = maximum(self._traction, self._brake)
+        up, down = low >= both, high <= -both
+        less = ite(up, self._brake, ite(down, self._traction, both))
+        more = ite(up, self._traction, ite(down, self._brake, both))
+        return less, more
+
+    def exceeded_by(self, speed: Num) -> Bool:
+        """A speed that the train cannot have, even where both readings are off by all of their tolerance."""
+        (low, high), (less, more) = self.bounds, self.changes
+        said, slack = with_unit(speed * 1_000, UM_S), 2_000 * self.own.config.speed_tolerance_mm_s
+        return (said + slack < low - less) | (said - slack > high + more)
+
+    @cached_property
+    def run_nm(self) -> Num:
+        """The farthest run of the cycle: um/s in ms are nm."""
+        own, (low, high), (less, more) = self.own, self.bounds, self.changes
+        fastest, slack = own.config.max_speed_mm_s * 1_000, own.config.speed_tolerance_mm_s * 1_000
+        known = minimum(maximum(high + more, less - low) + slack, fastest)
+        speed = ite(was(own.speed_known), known, Lit(fastest, UM_S))
+        return with_unit(speed * own.config.period_ms, NM)
+
+
+def properties(model: Verification) -> Iterator[Property]:
+    """What is stored of the course: it grows by what a train can do, and begins anew with a reading."""
+    machine, own = model.machine, model.own
+    _, withheld, trusted, _ = machine.modes
+    follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
+    less, more = Abilities(own).changes
+    seen, cap = own.associated & own.seen_speed.present, own.slower.high
+    slower, faster = minimum(before(own.slower) + less, cap), minimum(before(own.faster) + more, cap)
+    yield always(
+        "speed is bounded by the train's abilities",
+        follows.implies(own.slower.eq(ite(seen, 0, slower)) & own.faster.eq(ite(seen, 0, faster))),
+        statement="without a speed its bounds grow by brake and traction, by the brakes that train control tells where it does; "
+        "with one they begin anew",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    placed = own.associated & own.located & own.place.present
+    grown = exact_to(own.reach - before(own.reach), NM) - Abilities(own).run_nm
+    charged = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
+    yield always(
+        "reach grows by the fastest run",
+        follows.implies(ite(placed, own.reach.eq(0), charged)),
+        statement="without a place the front may have come farther by the run of the cycle at its greatest speed, rounded up to "
+        "a millimetre",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    last = [
+        (own.associated & own.seen_length.present, own.last_length, own.seen_length, own.length_known),
+        (seen, own.last_speed, own.seen_speed, own.speed_known),
+        (placed, own.last_place, own.place, own.place_known),
+    ]
+    for given, kept, told, known in last:
+        yield always(
+            f"{kept.name} is the last one told",
+            follows.implies(ite(given, kept.eq(told.value) & known, kept.eq(before(kept)) & known.iff(was(known)))),
+            statement="what later readings are compared with is the last reading of the train's own pattern",
+            requirements=TRACE,
+            unconditional=True,
+        )

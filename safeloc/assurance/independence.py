@@ -1,0 +1,106 @@
+"""Independence of claims from the machine: the sub-terms that a claim or a clause shares with the machine's own terms.
+
+A claim that is made of the machine's own terms moves with a wrong edit of them, and so stays proved. Terms are compared by
+structure, not by name: a formula that was written twice counts as shared, since it says nothing that the machine does not
+say. What a machine puts out, and what it declares as state, are no such terms: claims are made of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from safeloc.language.checks.machine import read_of_machine
+from safeloc.language.nodes import Expr, Var
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.terms import Sharing, Substitution, children, in_order, text, variables
+from safeloc.target import Target
+
+LEAST_NODES = 6
+"""Smaller terms, such as a comparison with a figure, say the same in every formula of the same rule."""
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A sub-term that a claim or a clause has in common with what a machine computes.
+
+    of     the claim ("property containment") or the clause ("clause the vehicle stays on the line of odometry")
+    nodes  distinct nodes of the sub-term
+    term   the sub-term, written out
+    used   what the machine computes with it: "next value of x", "output y"
+    src    file and line of the claim or of the machine
+    """
+
+    of: str
+    nodes: int
+    term: str
+    used: tuple[str, ...]
+    src: str
+
+
+def shared_terms(target: Target) -> list[Shared]:
+    """Return every largest sub-term of six nodes or more that a claim or a clause of the target has in common with its
+    machines."""
+    claims = _Comparison(target.system)
+    found = [
+        one for prop in target.properties for one in claims.shared(f"property {prop.name}", _terms(prop), prop.src)
+    ]
+    for machine in target.machines:
+        laws = _Comparison(lower(machine))
+        for name, term in machine.world.terms.items():
+            found += laws.shared(f"clause {name} of {machine.name}", [term], machine.src)
+    return found
+
+
+def follows_machine(target: Target) -> dict[str, tuple[str, ...]]:
+    """Return each clause and ghost's move that reads what its machine computes, with the names of what it reads."""
+    return {
+        f"{what} of {machine.name}": tuple(var.name for var in read)
+        for machine in target.machines
+        for what, read in read_of_machine(machine).items()
+    }
+
+
+def _terms(prop: Property) -> list[Expr]:
+    return [prop.term, prop.response, prop.further_assumption]
+
+
+class _Comparison:
+    """All terms that a system computes, for comparison with a claim."""
+
+    def __init__(self, system: TransitionSystem) -> None:
+        self._share = Sharing()
+        self._outputs = {self._share(term) for term in system.outputs.values()}
+        self._used: dict[Expr, list[str]] = {}
+        for what, term in _computed(system):
+            for node in in_order([self._share(term)]):
+                self._used.setdefault(node, []).append(what)
+
+    def shared(self, of: str, terms: Iterable[Expr], src: str) -> Iterator[Shared]:
+        """The largest shared sub-terms of these terms, each once."""
+        seen: set[Expr] = set()
+        waiting = [self._share(_at_one_time(term)) for term in terms]
+        while waiting:
+            node = waiting.pop()
+            if node in seen or node in self._outputs:
+                continue
+            seen.add(node)
+            nodes = len(in_order([node]))
+            if node in self._used and nodes >= LEAST_NODES:
+                yield Shared(of, nodes, text(node), tuple(dict.fromkeys(self._used[node])), src)
+            else:
+                waiting += children(node)
+
+
+def _computed(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
+    """List the terms that the machines compute, without ghosts."""
+    yield from ((f"next value of {var.name}", term) for var, term in system.next.items() if var not in system.ghosts)
+    yield from ((f"output {name}", term) for name, term in system.outputs.items())
+    yield from (("transition that fires", term) for term in system.fired.values())
+
+
+def _at_one_time(term: Expr) -> Expr:
+    """The term with every value before the step as the variable itself: a formula is the same one a step later."""
+    earlier: dict[Var, Expr] = {var: var.before for var in variables([term]) if var.before is not None}
+    return Substitution(earlier)(term)

@@ -1,0 +1,118 @@
+"""Runs of the machine as it is, along which mutants are run: what ships with it, what shows that its rows fire, and drawn ones."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from safeloc.language.expr import NumVar, Var
+from safeloc.language.interpret import read_inputs
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Proved
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.reachability import reached
+from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.runs.driver import Driver
+from safeloc.proof.runs.lawful import NoFirstStateError
+from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE
+from safeloc.proof.verification.replay import whole_run
+from safeloc.runtime.streams.gzipped import name_of
+from safeloc.runtime.streams.steps import read_steps
+from safeloc.target import Target
+
+LONGEST = 600
+"""Steps of a recording that are run."""
+DRAWN, STRETCHES, STRETCH = 60, 4, 12
+"""Drawn runs, stretches of each, and steps of a stretch at most."""
+Row = tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run: the first state where it is open, and a row of inputs a step.
+
+    recorded  it ships with the machine: what comes out of it is looked at too
+    whole     the world is told with it, so that claims can be judged on it
+    """
+
+    name: str
+    first: Mapping[str, Value]
+    rows: tuple[Row, ...]
+    recorded: bool = False
+    whole: bool = True
+
+
+def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int) -> list[Run]:
+    """All runs, the short ones first: what they find is told by a short run."""
+    properties = [prop for prop in target.properties if prop.kind != "reachable"]
+    recorded = [run for path in target.streams if (run := whole_run(target, path)) is not None]
+    witnesses = _witnesses(target, system, limits)
+    known = [*witnesses, *recorded]
+    runs = [_run(system, f"witness {number}", trace) for number, trace in enumerate(witnesses, 1)]
+    with suppress(NoFirstStateError):
+        runs += _drawn(system, properties, known, seed)
+    return [*sorted(runs, key=lambda run: len(run.rows)), *_recorded(target, system)]
+
+
+def _run(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
+    rows = tuple(tuple(step.inputs[var.name] for var in system.inputs) for step in trace.steps[:LONGEST])
+    return Run(name, trace.initial, rows, recorded)
+
+
+def _recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
+    for path in target.streams:
+        whole = whole_run(target, path)
+        if whole is not None:
+            yield _run(system, name_of(path), whole, recorded=True)
+        else:
+            yield _on_board(system, path)
+
+
+def _on_board(system: TransitionSystem, path: Path) -> Run:
+    """A recording without the world: what the world was stays open."""
+    stream, names = read_steps(path), {var.name for var in system.inputs}
+    ghosts = {var.name: _rest(var) for var in system.inputs if var in system.ghosts}
+    steps = [{**ghosts, **{name: value for name, value in step.items() if name in names}} for step in stream.steps]
+    rows = tuple(tuple(read_inputs(system, step)[var] for var in system.inputs) for step in steps[:LONGEST])
+    first = {var.name: _rest(var) for var in system.state if var in system.ghosts}
+    known = {var.name for var in system.state}
+    first |= {name: value for name, value in stream.first.items() if name in known}
+    return Run(name_of(path), first, rows, recorded=True, whole=False)
+
+
+def _rest(var: Var) -> Value:
+    if not isinstance(var, NumVar):
+        return False
+    return var.low if isinstance(var.unit, Enumeration) else canonical(var)
+
+
+def _witnesses(target: Target, system: TransitionSystem, limits: Limits) -> list[Trace]:
+    """Runs that show that modes are come to and that rows fire, each once."""
+    recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
+    shown = [one.verdict.witness for one in reached(system, limits, recordings) if isinstance(one.verdict, Proved)]
+    kept = {str([step.inputs for step in trace.steps]): trace for trace in shown if trace is not None}
+    return list(kept.values())
+
+
+def _drawn(system: TransitionSystem, properties: Sequence[Property], known: Sequence[Trace], seed: int) -> list[Run]:
+    """Runs from the beginning, or from somewhere along a known one; some have a faulty stretch."""
+    driver, draw, runs = Driver(system, properties, known), random.Random(seed), list[Run]()
+    for number in range(DRAWN):
+        if known and number % 3:
+            driver.follow(draw.randrange(len(known)), draw.random())
+        else:
+            driver.reset()
+        for stretch in range(STRETCHES):
+            faulty = number % 5 == 4 and stretch == STRETCHES - 1
+            kind = draw.choice(FAULTY if faulty else PLAUSIBLE)
+            driver.drive(kind, draw.randint(1, STRETCH), draw.randrange(2**16), faulty=faulty)
+        rows = tuple(tuple(step[var.name] for var in system.inputs) for step in driver.stream[:LONGEST])
+        runs.append(Run(f"drawn {number}", dict(driver.first), rows))
+    return runs

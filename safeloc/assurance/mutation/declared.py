@@ -1,0 +1,153 @@
+"""A declaration as mutation sees it: its terms by where they stand, and the same declaration with terms exchanged.
+
+A `Root` is a whole term of the declaration: the guard of a row, an update, an output, a clause of the world, a claim. Rows,
+updates and outputs are the machine; the rest is what the machine is held against.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
+
+from safeloc.assurance.mutation import world
+from safeloc.catalogue import load_target
+from safeloc.errors import InputError
+from safeloc.language.expr import Lit, Num, ite
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.nodes import Bool, Expr, Value
+from safeloc.language.spec import Property
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.language.terms import Substitution
+from safeloc.language.units import Enumeration
+from safeloc.target import Target
+
+
+class Part(Enum):
+    """What of a declaration a term belongs to."""
+
+    GUARD = "guard"
+    UPDATE = "update"
+    OUTPUT = "output"
+    CLAUSE = "clause"
+    MOVE = "move"
+    INITIALLY = "initially"
+    LEMMA = "lemma"
+    CLAIM = "claim"
+
+
+ON_BOARD = frozenset({Part.GUARD, Part.UPDATE, Part.OUTPUT})
+"""The parts that are the machine itself."""
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """A whole term: of which part it is, and its name there (of a row, an output, a clause, a claim)."""
+
+    part: Part
+    name: str
+    term: Expr
+    row: Transition | None = None
+
+    def __str__(self) -> str:
+        return f"{self.part.value} {self.name}"
+
+
+@dataclass(frozen=True, eq=False)
+class Declared:
+    """A machine and what is claimed of it."""
+
+    machine: Machine
+    properties: tuple[Property, ...]
+
+    @property
+    def roots(self) -> Iterator[Root]:
+        """All whole terms, the machine's own first."""
+        machine = self.machine
+        for row in machine.transitions:
+            yield Root(Part.GUARD, f"of {row.name!r}", row.when, row)
+            for var, value in row.set.items():
+                if isinstance(value, Expr):
+                    yield Root(Part.UPDATE, f"of {var.name} in {row.name!r}", value, row)
+        yield from (Root(Part.OUTPUT, name, term) for name, term in machine.outputs.items())
+        yield from (Root(Part.CLAUSE, name, term) for name, term in world.clauses(machine))
+        yield from (Root(Part.MOVE, name, term) for name, term in world.moves(machine))
+        yield Root(Part.INITIALLY, "the first state", machine.initially)
+        yield from (Root(Part.LEMMA, name, term) for name, term in machine.lemmas.items())
+        for prop in self.properties:
+            for term in (prop.term, prop.response, prop.further_assumption):
+                yield Root(Part.CLAIM, prop.name, term)
+
+    def lowered(self) -> TransitionSystem:
+        """The machine as one map from state to state; which row fired is told as claims know it, whatever the order now."""
+        system = lower(self.machine)
+        [(fired, term)] = system.fired.items()
+        table = fired.unit
+        names = [row.name for row in self.machine.transitions]
+        if not isinstance(table, Enumeration) or list(table.members[1:]) == names:
+            return system
+        told: Num = Lit(0, table)
+        for number, name in enumerate(names, 1):
+            told = ite(term.eq(Lit(number, table)), Lit(table.index(name), table), told)
+        return replace(system, fired={fired: told})
+
+
+def declared(spec: str, config: Any = None) -> tuple[Target, Declared]:
+    """A target and its declaration; InputError for a composition."""
+    target = load_target(spec, config)
+    if len(target.machines) != 1:
+        raise InputError(
+            f"{target.name} is a composition of {', '.join(one.name for one in target.machines)}; give one of them."
+        )
+    return target, Declared(target.machines[0], target.properties)
+
+
+def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | None) -> Declared:
+    """The declaration with the machine's terms rewritten and, if so asked, world, lemmas and claims as well.
+
+    ModelError or PropertyError where that is no declaration.
+    """
+    rows = [_row(row, on_board) for row in whole.machine.transitions]
+    outputs = {name: on_board(term) for name, term in whole.machine.outputs.items()}
+    if beyond is None:
+        return replace(whole, machine=remade(whole.machine, transitions=rows, outputs=outputs))
+    changed = remade(
+        whole.machine,
+        transitions=rows,
+        outputs=outputs,
+        initially=beyond.bool(whole.machine.initially),
+        lemmas={name: beyond.bool(term) for name, term in whole.machine.lemmas.items()},
+        **world.rewritten(whole.machine, beyond),
+    )
+    return Declared(changed, tuple(claimed(prop, beyond) for prop in whole.properties))
+
+
+def remade(machine: Machine, **fields: Any) -> Machine:
+    """The machine with other fields, and the very variables of mode and row, of which claims speak."""
+    made = replace(machine, mode_variable=machine.mode, **fields)
+    object.__setattr__(made, "fired_name", machine.fired_name)
+    return made
+
+
+def claimed(prop: Property, change: Substitution) -> Property:
+    """The claim with its terms rewritten."""
+    helper = prop.helper
+    return replace(
+        prop,
+        term=change.bool(prop.term),
+        response=change.bool(prop.response),
+        further_assumption=change.bool(prop.further_assumption),
+        helper=None if helper is None else lambda waiting: _helped(change, helper(waiting)),
+    )
+
+
+def _helped(change: Substitution, term: Bool) -> Bool:
+    return change.bool(term)
+
+
+def _row(row: Transition, change: Substitution) -> Transition:
+    updates: Mapping[Any, Expr | Value] = {
+        var: change(value) if isinstance(value, Expr) else value for var, value in row.set.items()
+    }
+    return replace(row, when=change.bool(row.when), set=updates)

@@ -1,0 +1,114 @@
+"""Whether a mutant does the same as the machine: the same outputs on every run that the world allows.
+
+First the two are the same function on every state that the machine can be in, as far as is proved of it. Where they are not, two
+copies run side by side: what is equal between them, and in which modes, is the greatest part of a list that lasts from
+step to step, and the outputs have to follow from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from safeloc.assurance.mutation.claims import Canon, Held
+from safeloc.language.expr import Bool, Expr, Lit, Var
+from safeloc.language.nodes import Num
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.proof.provers.limits import Limits
+
+
+def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> str:
+    """Why the mutant does the same, in words; "" where that is not shown.
+
+    known         the machine as it is
+    still_proved  all claims are proved of the mutant too, and may be used
+    """
+    for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")):
+        if _same_step(known, mutant, canon, limits, layers=layers):
+            return f"the same step and outputs in every reachable state, {words}"
+    if _Side(known, mutant, canon, limits, still_proved=still_proved).tells_the_same():
+        return "the same outputs on every run under the assumption, by two copies side by side"
+    return ""
+
+
+def _facts(whole: Held, layers: int) -> list[Bool]:
+    """What is known of every state: claims of states, of the first layers."""
+    claims = [claim for layer in whole.layers[:layers] for claim in layer.claims if claim.kind != "helper"]
+    return [one.good for one in claims if one.goal is None or not one.goal.observers]
+
+
+def _on_board(system: TransitionSystem) -> list[Var]:
+    return [var for var in system.state if var not in system.ghosts]
+
+
+def _same_step(known: Held, mutant: Held, canon: Canon, limits: Limits, *, layers: int) -> bool:
+    one, other = known.system, mutant.system
+    facts = _facts(known, layers)
+    given = [environment(one, assume=layers > 1), *facts]
+    moved = {var.name: (one.next[var], other.next[var]) for var in _on_board(one)}
+    told = {name: (term, other.outputs[name]) for name, term in one.outputs.items()}
+    questions = ((given, _changed(moved)), ([in_range(one.state), *facts], _changed(told)))
+    return not any(canon.asked.failures(*question, limits.seconds) for question in questions)
+
+
+def _changed(pairs: Mapping[str, tuple[Expr, Expr]]) -> dict[str, Bool]:
+    return {name: _equal(new, old) for name, (old, new) in pairs.items() if new is not old}
+
+
+def _equal(one: Expr, other: Expr) -> Bool:
+    if isinstance(one, Num):
+        assert isinstance(other, Num)
+        return one.eq(other)
+    assert isinstance(one, Bool)
+    assert isinstance(other, Bool)
+    return one.iff(other)
+
+
+class _Side:
+    """Two copies side by side, which hear the same; the mutant's variables have names of their own."""
+
+    def __init__(self, known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> None:
+        self._one, self._canon, self._limits = known.system, canon, limits
+        self._twins: dict[Var, Var] = {var: canon.twin(var) for var in _on_board(self._one)}
+        self._second = Substitution(dict(self._twins))
+        other = mutant.system
+        self._outputs = {name: (term, self._second(other.outputs[name])) for name, term in self._one.outputs.items()}
+        moves = {twin: canon.share(self._second(other.next[var])) for var, twin in self._twins.items()}
+        self._after = Substitution({**self._one.next, **moves})
+        self._facts = [*_facts(known, 2), in_range(self._one.state)]
+        if still_proved:
+            self._facts += [self._second.bool(term) for term in (*_facts(mutant, 2), in_range(_on_board(other)))]
+
+    def tells_the_same(self) -> bool:
+        """Whether the outputs are equal on every run."""
+        plain = {var.name: _equal(var, twin) for var, twin in self._twins.items()}
+        if self._told(self._lasting(plain)):
+            return True
+        finer = {name: term for var in self._twins for name, term in self._by_mode(var)}
+        return self._told(self._lasting({**plain, **finer}))
+
+    def _by_mode(self, var: Var) -> Iterator[tuple[str, Bool]]:
+        """That a variable is equal in a mode, for each of the modes."""
+        for machine in self._one.machines:
+            mode = machine.mode
+            for value in range(mode.low, mode.high + 1) if mode in self._twins and mode is not var else ():
+                yield f"{var.name} in {value}", mode.eq(Lit(value, mode.unit)).implies(_equal(var, self._twins[var]))
+
+    def _lasting(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
+        """The greatest part of the relations that lasts from step to step; at first the copies are equal."""
+        kept = dict(relations)
+        while kept:
+            goals = {key: self._after.bool(term) for key, term in kept.items()}
+            failed = self._fails([environment(self._one), *kept.values()], goals)
+            if not failed:
+                break
+            kept = {key: term for key, term in kept.items() if key not in failed}
+        return kept
+
+    def _told(self, kept: Mapping[str, Bool]) -> bool:
+        """Whether equal outputs follow."""
+        goals = {name: _equal(one, other) for name, (one, other) in self._outputs.items()}
+        return not self._fails(list(kept.values()), goals)
+
+    def _fails(self, given: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:
+        return self._canon.asked.failures([*self._facts, *given], goals, self._limits.seconds)

@@ -1,0 +1,213 @@
+"""Whether all claims of a mutant are still proved, in one step of induction; and which of them are not.
+
+Claims that were proved in one step are asked together: whatever state obeys them all, does the step after it? Where every
+answer is yes, all are proved of the mutant too. Claims for which nothing changed are not asked again. What was not proved
+in one step of the machine as it is, is asked by k-induction, one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from safeloc.assurance.mutation.claims import Canon, Claim, Held, Layer, held
+from safeloc.assurance.mutation.declared import Declared
+from safeloc.language.expr import Bool, Lit, Num
+from safeloc.language.spec import observe
+from safeloc.language.system import environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.language.units import Enumeration
+from safeloc.proof.provers.facts import Fact
+from safeloc.proof.provers.kinduction import queries
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.proved_base import Base
+
+Asked = tuple[int, str]
+"""A layer's number, and a claim as text."""
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of a layer: whether the goals follow from the hypotheses."""
+
+    hypotheses: tuple[Bool, ...]
+    goals: dict[str, Bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Proofs:
+    """How the claims of a machine as it is are proved.
+
+    steps   by layer, the question of the step, as it is asked of the machine
+    starts  by layer, that of the first state
+    hard    claims that one step does not prove
+    open    properties among them that several steps do not prove either, within the limits
+    under_assumption  lemmas that speak of no ghost, and hold under the assumption only
+    """
+
+    steps: tuple[Question, ...]
+    starts: tuple[Question, ...]
+    hard: frozenset[Asked]
+    open: frozenset[Asked]
+    under_assumption: frozenset[str] = frozenset()
+
+
+def as_it_is(declared: Declared, canon: Canon, limits: Limits) -> tuple[Held, Proofs]:
+    """The claims of the machine as it is, and how they are proved. A lemma that needs the assumption is put under it."""
+    bound = frozenset[str]()
+    while True:
+        whole = held(declared, canon, bound)
+        known = proofs(whole, canon, limits)
+        wrong = {
+            name.removeprefix("lemma ") for number, name in known.hard if number == 0 and name.startswith("lemma ")
+        }
+        if wrong <= bound:
+            return whole, replace(known, under_assumption=bound)
+        bound |= wrong
+
+
+def proofs(whole: Held, canon: Canon, limits: Limits) -> Proofs:
+    """Prove the machine as it is."""
+    hard = frozenset[Asked]()
+    while True:
+        steps = tuple(_step(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
+        starts = tuple(_start(layer, number, canon, hard) for number, layer in enumerate(whole.layers))
+        failed = {
+            (number, key)
+            for questions in (steps, starts)
+            for number, one in enumerate(questions)
+            for key in canon.asked.failures(one.hypotheses, one.goals, limits.seconds)
+        }
+        if not failed:
+            break
+        hard |= failed
+    left = [(one, claim) for one, claim in _hard_claims(whole, hard) if not _by_steps(whole, claim, canon, limits)]
+    return Proofs(steps, starts, hard, frozenset(one for one, _ in left))
+
+
+@dataclass(frozen=True, eq=False)
+class Failed:
+    """Claims of a mutant that are not proved any more.
+
+    undecided  whether a solver gave up on one of them: then it was not refuted even in one step
+    """
+
+    claims: tuple[Claim, ...]
+    undecided: bool
+
+
+def no_longer(mutant: Held, known: Proofs, canon: Canon, limits: Limits) -> Failed:
+    """The claims that are not proved of the mutant any more. Those that were open before are not asked."""
+    failed, undecided = dict[Claim, None](), False
+    for number, layer in enumerate(mutant.layers):
+        by_name = {str(claim): claim for claim in layer.claims}
+        for made, was in ((_step, known.steps[number]), (_start, known.starts[number])):
+            changed = _changed(made(layer, number, canon, known.hard), was)
+            for key, refuted in canon.asked.failures(changed.hypotheses, changed.goals, limits.seconds).items():
+                failed[by_name[key]] = None
+                undecided |= not refuted
+    if not failed:
+        for _, claim in _hard_claims(mutant, known.hard - known.open):
+            if not _by_steps(mutant, claim, canon, limits):
+                failed[claim], undecided = None, True
+    return Failed(tuple(failed), undecided)
+
+
+def excluded(mutant: Held, known: Held, canon: Canon, limits: Limits) -> list[str]:
+    """Pairs of rows that may be enabled together now, for all inputs in range; those that did not change are not asked."""
+    changed = {name: term for name, term in mutant.exclusions.items() if term is not known.exclusions.get(name)}
+    board = mutant.layers[0]
+    given = [environment(board.system, assume=False), *(claim.good for claim in board.claims if claim.goal is None)]
+    return list(canon.asked.failures(given, changed, limits.seconds)) if changed else []
+
+
+def impossible(mutant: Held, seen: Collection[tuple[str, int]], canon: Canon, limits: Limits) -> list[str]:
+    """Rows that never fire any more, modes that are never come to, and what a property says can happen and cannot.
+
+    seen  rows and modes that are known to be come to, by number
+    """
+    board, system = mutant.layers[0], mutant.system
+    after = Substitution(dict(system.next))
+    [(_, fired)] = system.fired.items()
+    mode = mutant.declared.machine.mode
+    goals = {
+        f"row {name!r} fires": ~fired.eq(Lit(number, fired.unit))
+        for number, name in _rows(fired)
+        if ("row", number) not in seen
+    }
+    for label in mutant.declared.machine.modes[1:]:
+        if ("mode", label.value) in seen:
+            continue
+        goals[f"mode {label.label} is come to"] = mode.ne(label).implies(after.bool(mode.ne(label)))
+    given = [environment(system, assume=False), *(claim.good for claim in board.claims if claim.goal is None)]
+    possible = canon.asked.failures(given, goals, limits.seconds)
+    never = set(goals) - set(possible)
+    return [*sorted(never), *_unreachable(mutant, canon, limits)]
+
+
+def _rows(fired: Num) -> list[tuple[int, str]]:
+    assert isinstance(fired.unit, Enumeration)
+    return list(enumerate(fired.unit.members))[1:]
+
+
+def _unreachable(mutant: Held, canon: Canon, limits: Limits) -> Iterator[str]:
+    """Properties of kind `reachable` that are excluded in one step."""
+    for prop in mutant.declared.properties:
+        if prop.kind == "reachable":
+            goal = observe(mutant.system, prop)
+            both = queries(goal, _base(mutant, limits), 1)
+            if not any(canon.asked.failures(asked.hypotheses, asked.goals, limits.seconds) for asked in both):
+                yield f"property {prop.name}"
+
+
+def _hard_claims(whole: Held, hard: frozenset[Asked]) -> Iterator[tuple[Asked, Claim]]:
+    for number, layer in enumerate(whole.layers):
+        for claim in layer.claims:
+            if (number, str(claim)) in hard and claim.kind == "property":
+                yield (number, str(claim)), claim
+
+
+def _by_steps(whole: Held, claim: Claim, canon: Canon, limits: Limits) -> bool:
+    """Whether a property is proved by several steps, with ranges and lemmas, which are proved."""
+    assert claim.goal is not None
+    known = _base(whole, limits)
+    for k in range(1, limits.induction + 1):
+        start, step = queries(claim.goal, known, k)
+        if canon.asked.failures(start.hypotheses, start.goals, limits.seconds):
+            return False
+        if not canon.asked.failures(step.hypotheses, step.goals, limits.seconds):
+            return True
+    return False
+
+
+def _base(whole: Held, limits: Limits) -> Base:
+    """Ranges and lemmas, as k-induction takes them."""
+    board, world, *_ = (
+        {Fact("lemma", str(one)): one.good for one in layer.claims if one.goal is None} for layer in whole.layers
+    )
+    return Base(board, world, {}, {}, limits.seconds)
+
+
+def _changed(now: Question, was: Question) -> Question:
+    """What has to be asked: the goals that changed, or all where a hypothesis did."""
+    if [*map(id, now.hypotheses)] != [*map(id, was.hypotheses)]:
+        return now
+    return Question(now.hypotheses, {key: goal for key, goal in now.goals.items() if was.goals.get(key) is not goal})
+
+
+def _usable(layer: Layer, number: int, hard: frozenset[Asked]) -> Sequence[Claim]:
+    return [claim for claim in layer.claims if (number, str(claim)) not in hard]
+
+
+def _step(layer: Layer, number: int, canon: Canon, hard: frozenset[Asked]) -> Question:
+    claims, after = _usable(layer, number, hard), Substitution(dict(layer.system.next))
+    given = [claim.good for claim in (*layer.given, *claims)]
+    allowed = canon.share.bool(environment(layer.system))
+    goals = {str(claim): canon.share.bool(after.bool(claim.good)) for claim in claims}
+    return Question((allowed, *given), goals)
+
+
+def _start(layer: Layer, number: int, canon: Canon, hard: frozenset[Asked]) -> Question:
+    claims = _usable(layer, number, hard)
+    first = canon.share.bool(layer.system.init & in_range(layer.system.state))
+    return Question((first,), {str(claim): claim.good for claim in claims})

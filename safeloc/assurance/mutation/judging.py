@@ -1,0 +1,119 @@
+"""What becomes of one mutant, the cheap questions first.
+
+It may be refused at birth; break a claim on a known run; leave claims that are not proved any more, which a bounded search
+may refute; do the same as the machine; let a recording come out otherwise. What is left survives.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from safeloc.assurance.mutation import results
+from safeloc.assurance.mutation.claims import Canon, Claim, Held, held
+from safeloc.assurance.mutation.corpus import corpus
+from safeloc.assurance.mutation.declared import Declared
+from safeloc.assurance.mutation.equivalence import equivalent
+from safeloc.assurance.mutation.induction import Failed, Proofs, as_it_is, excluded, impossible, no_longer
+from safeloc.assurance.mutation.mutants import Mutant
+from safeloc.assurance.mutation.playing import Played, Trodden, played, trodden
+from safeloc.assurance.mutation.results import Judged, Outcome
+from safeloc.errors import SafelocError
+from safeloc.language.spec import Goal, always, observe
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.reachability import first_runs
+from safeloc.target import Target
+
+SEARCH_DEPTH = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """All that is known of a target before a mutant is judged."""
+
+    whole: Held
+    proofs: Proofs
+    canon: Canon
+    known: Trodden
+    limits: Limits
+
+
+def bench(target: Target, declared: Declared, limits: Limits, seed: int) -> Bench:
+    """Prove the machine as it is, and make the runs."""
+    canon = Canon()
+    whole, known = as_it_is(declared, canon, limits)
+    runs = corpus(target, whole.system, limits, seed)
+    return Bench(whole, known, canon, trodden(whole, runs), limits)
+
+
+def judged(on: Bench, mutant: Mutant) -> Judged:
+    """Judge a mutant in both ways."""
+    started = time.monotonic()
+    alone = _outcome(on, mutant.alone)
+    everywhere = alone if mutant.everywhere is None else _outcome(on, mutant.everywhere)
+    return Judged(
+        id=mutant.id,
+        machine=mutant.machine,
+        kind=mutant.kind,
+        words=mutant.words,
+        place=mutant.place,
+        source=mutant.source,
+        term=mutant.term,
+        becomes=mutant.becomes,
+        where=mutant.where,
+        shared_with=mutant.shared_with,
+        requirements=mutant.requirements,
+        everywhere=everywhere,
+        alone=alone,
+        seconds=max(0.001, round(time.monotonic() - started, 3)),
+    )
+
+
+def _outcome(on: Bench, make: Callable[[], Declared]) -> Outcome:
+    try:
+        mutant = held(make(), on.canon, on.proofs.under_assumption)
+    except SafelocError as error:
+        return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
+    seen = played(mutant, on.known)
+    if seen.broken:
+        return _by_a_run(seen)
+    overlapping = excluded(mutant, on.whole, on.canon, on.limits)
+    if overlapping:
+        return Outcome(results.OVERLAP, tuple(f"rows {pair} exclude each other" for pair in overlapping), "one query")
+    failed = no_longer(mutant, on.proofs, on.canon, on.limits)
+    if not seen.other and not failed.undecided:
+        same = equivalent(on.whole, mutant, on.canon, on.limits, still_proved=not failed.claims)
+        if same:
+            return Outcome(results.EQUIVALENT, (), same)
+    if failed.claims:
+        return _unproved(mutant, failed, on.limits)
+    never = impossible(mutant, seen.seen, on.canon, on.limits)
+    if never:
+        return Outcome(results.NEVER, tuple(never), "excluded in one step, for all inputs in range")
+    return Outcome(results.RECORDED, (), seen.differs) if seen.differs else Outcome(results.SURVIVED, (), seen.other)
+
+
+def _by_a_run(seen: Played) -> Outcome:
+    first = min(seen.broken, key=lambda one: one.steps)
+    return Outcome(
+        results.REFUTED, tuple(one.claim for one in seen.broken), f"{first.run}, {first.steps} steps: {first.claim}"
+    )
+
+
+def _unproved(mutant: Held, failed: Failed, limits: Limits) -> Outcome:
+    """A run is searched that breaks one of the claims; where none is found they are no longer proved."""
+    claims = failed.claims
+    for layer in mutant.layers:
+        goals = {_goal(mutant, claim): claim for claim in claims if any(claim is own for own in layer.claims)}
+        found = first_runs(list(goals), Limits(depth=SEARCH_DEPTH, seconds=limits.seconds)).found
+        if found:
+            shortest = min(found, key=lambda goal: len(found[goal].steps))
+            names = tuple(str(goals[goal]) for goal in found)
+            return Outcome(results.SEARCHED, names, f"{len(found[shortest].steps)} steps: {goals[shortest]}")
+    how = "not all decided within the limits" if failed.undecided else "refuted in one step of induction"
+    return Outcome(results.UNPROVED, tuple(map(str, claims)), f"{how}; no run of {SEARCH_DEPTH} steps was found")
+
+
+def _goal(mutant: Held, claim: Claim) -> Goal:
+    return claim.goal if claim.goal is not None else observe(mutant.system, always(claim.name, claim.good))

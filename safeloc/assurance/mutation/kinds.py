@@ -1,0 +1,235 @@
+"""The kinds of wrong terms: what may be written instead of a term, given the terms that it is made of.
+
+A change speaks of the parts of a term, not of the term: it is made in each place where the term stands, also where its
+variables are those of the step before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+from safeloc.language.expr import before, was
+from safeloc.language.nodes import (
+    FALSE,
+    TRUE,
+    Add,
+    And,
+    Bool,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Not,
+    Num,
+    NumVar,
+    Or,
+    Sub,
+    Var,
+    all_of,
+    any_of,
+)
+from safeloc.language.terms import children, rebuilt
+from safeloc.language.units import Enumeration
+
+BOUND = "bound off by one unit"
+TURNED = "comparison turned"
+DROPPED = "term of a sum dropped"
+EXTREME = "min for max"
+ROUNDING = "rounding turned"
+CONDITION = "condition dropped"
+AND_OR = "and for or"
+NEIGHBOUR = "figure replaced by its neighbour"
+ZERO = "figure replaced by zero"
+SIGN = "sign turned"
+VARIABLE = "another variable of the same unit"
+ABSENCE = "absence ignored"
+NEGATED = "condition turned"
+
+Parts = tuple[Expr, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """One way in which a term may be wrong: its kind, in words, and what is written instead of a term of these parts."""
+
+    kind: str
+    words: str
+    make: Callable[[Parts], Expr]
+
+
+Others = Callable[[Var], Var | None]
+"""Another variable that could have been meant; None where there is none."""
+
+
+def changes(node: Expr, others: Others) -> Iterator[Change]:
+    """All changes of one term; none of what it is made of."""
+    match node:
+        case Compare():
+            yield from _of_comparison(node)
+        case Add() | Sub():
+            yield from _of_sum(node)
+        case Min() | Max():
+            yield from _of_extreme(node)
+        case FloorDiv():
+            yield from _of_division(node)
+        case And() | Or():
+            yield from _of_junction(node)
+        case Choose() | ChooseBool():
+            yield from _of_choice(node)
+        case Not(inner) if not isinstance(inner, Compare):
+            yield Change(NEGATED, "not left out", lambda parts: parts[0])
+        case _:
+            pass
+    for number, part in enumerate(children(node)):
+        if not _is_spelling(node, part):
+            for change in of_operand(part, others):
+                yield replace(change, make=partial(_with_part, node, number, change.make))
+
+
+def _is_spelling(node: Expr, part: Expr) -> bool:
+    """A nought that nobody wrote: minus a term is nought less the term, and another unit is a sum with nought."""
+    return isinstance(node, (Add, Sub)) and isinstance(part, Lit) and part.value == 0
+
+
+def of_operand(part: Expr, others: Others) -> Iterator[Change]:
+    """All changes of a variable or a constant, which is no term of others; made of itself."""
+    match part:
+        case Lit():
+            yield from _of_figure(part)
+        case NumVar() | BoolVar():
+            if isinstance(part, BoolVar) and part.name.endswith(".present"):
+                yield Change(ABSENCE, f"{part.name} taken as true", lambda _: TRUE)
+            other = others(part if part.before is None else part.before)
+            if other is not None:
+                yield Change(VARIABLE, f"{part.name} becomes {other.name}", lambda parts: _meant(parts[0], other))
+        case _:
+            pass
+
+
+def _with_part(node: Expr, number: int, make: Callable[[Parts], Expr], parts: Parts) -> Expr:
+    changed = (*parts[:number], make((parts[number],)), *parts[number + 1 :])
+    return rebuilt(node, changed)  # type: ignore[arg-type] # every node is a Num or a Bool
+
+
+def _meant(part: Expr, other: Var) -> Var:
+    """The other variable, at the time at which the part was read."""
+    if not isinstance(part, (NumVar, BoolVar)) or part.before is None:
+        return other
+    return before(other) if isinstance(other, NumVar) else was(other)
+
+
+def _of_comparison(node: Compare) -> Iterator[Change]:
+    unit = node.left.unit
+    if isinstance(unit, Enumeration):
+        yield Change(TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
+        return
+    one = Lit(1, unit)
+    if node.op == "==":
+        yield Change(TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
+        yield Change(BOUND, "one more", lambda parts: Compare("==", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+    elif node.op == "<":
+        yield Change(BOUND, "< becomes <=", lambda parts: Compare("<=", _n(parts[0]), _n(parts[1])))
+        yield Change(BOUND, "one unit less", lambda parts: Compare("<", Add(_n(parts[0]), one, unit), _n(parts[1])))
+        yield Change(TURNED, "< becomes >", lambda parts: Compare("<", _n(parts[1]), _n(parts[0])))
+    else:
+        yield Change(BOUND, "<= becomes <", lambda parts: Compare("<", _n(parts[0]), _n(parts[1])))
+        yield Change(BOUND, "one unit more", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+        yield Change(TURNED, "<= becomes >=", lambda parts: Compare("<=", _n(parts[1]), _n(parts[0])))
+
+
+def _of_sum(node: Add | Sub) -> Iterator[Change]:
+    zero, unit = Lit(0, node.unit), node.unit
+    if not node.left.unit.same(unit):  # a change of unit is written as a sum with nothing
+        return
+    if isinstance(node, Add):
+        yield Change(DROPPED, "the second is left out", lambda parts: parts[0])
+        yield Change(DROPPED, "the first is left out", lambda parts: parts[1])
+        yield Change(SIGN, "+ becomes -", lambda parts: Sub(_n(parts[0]), _n(parts[1]), unit))
+    elif isinstance(node.left, Lit) and node.left.value == 0:
+        yield Change(SIGN, "minus left out", lambda parts: parts[1])
+    else:
+        yield Change(DROPPED, "the second is left out", lambda parts: parts[0])
+        yield Change(DROPPED, "the first is left out", lambda parts: Sub(zero, _n(parts[1]), unit))
+        yield Change(SIGN, "- becomes +", lambda parts: Add(_n(parts[0]), _n(parts[1]), unit))
+
+
+def _of_extreme(node: Min | Max) -> Iterator[Change]:
+    unit = node.unit
+    other: type[Min | Max] = Max if isinstance(node, Min) else Min
+    words = "min becomes max" if isinstance(node, Min) else "max becomes min"
+    yield Change(EXTREME, words, lambda parts: other(_n(parts[0]), _n(parts[1]), unit))
+
+
+def _of_division(node: FloorDiv) -> Iterator[Change]:
+    """A quotient rounded up is minus the quotient of minus the term, so this turns either rounding."""
+    divisor, unit, zero = node.divisor, node.unit, Lit(0, node.unit)
+
+    def up(parts: Parts) -> Expr:
+        inner = _n(parts[0])
+        return Sub(zero, FloorDiv(Sub(Lit(0, inner.unit), inner, inner.unit), divisor, unit), unit)
+
+    yield Change(ROUNDING, "rounded to the other side", up)
+    more = divisor + 1
+    yield Change(NEIGHBOUR, f"divided by {more}", lambda parts: FloorDiv(_n(parts[0]), more, unit))
+
+
+def _of_junction(node: And | Or) -> Iterator[Change]:
+    both = isinstance(node, And)
+    if both:
+        yield Change(AND_OR, "and becomes or", lambda parts: any_of(map(_b, parts)))
+    else:
+        yield Change(AND_OR, "or becomes and", lambda parts: all_of(map(_b, parts)))
+    for number in range(len(node.parts)):
+        yield Change(CONDITION, f"condition {number + 1} is left out", partial(_without, both, number))
+
+
+def _without(both: bool, number: int, parts: Parts) -> Bool:
+    rest = [_b(part) for place, part in enumerate(parts) if place != number]
+    return all_of(rest) if both else any_of(rest)
+
+
+def _of_choice(node: Choose | ChooseBool) -> Iterator[Change]:
+    yield Change(CONDITION, "always the first", lambda parts: parts[1])
+    yield Change(CONDITION, "always the second", lambda parts: parts[2])
+    yield Change(
+        NEGATED, "the two exchanged", lambda parts: rebuilt(node, (parts[0], parts[2], parts[1]))
+    )  # both are of one kind and unit
+
+
+def _of_figure(lit: Lit) -> Iterator[Change]:
+    """Of a member the next one; of a number the next one, and zero."""
+    value, unit = lit.value, lit.unit
+    if isinstance(unit, Enumeration):
+        following = Lit((value + 1) % len(unit.members), unit)
+        if following.value != value:
+            yield Change(NEIGHBOUR, f"{lit.label} becomes {following.label}", lambda _: following)
+        return
+    if value == 0:
+        yield Change(NEIGHBOUR, "0 becomes 1", lambda _: Lit(1, unit))
+        return
+    beside = value + 1 if value > 0 else value - 1
+    yield Change(NEIGHBOUR, f"{value} becomes {beside}", lambda _: Lit(beside, unit))
+    yield Change(ZERO, f"{value} becomes 0", lambda _: Lit(0, unit))
+
+
+def constant(value: bool) -> Change:
+    """A condition that is always, or never, met."""
+    words = "always" if value else "never"
+    return Change(CONDITION, words, lambda _: TRUE if value else FALSE)
+
+
+def _n(term: Expr) -> Num:
+    assert isinstance(term, Num)
+    return term
+
+
+def _b(term: Expr) -> Bool:
+    assert isinstance(term, Bool)
+    return term

@@ -1,0 +1,132 @@
+"""Terms as plain Python: one statement a node, quickly made and quickly run.
+
+A mutant is run for some hundred steps and thrown away, so that making the code counts as much as running it. What this code
+finds counts only after the interpreter has confirmed it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, assert_never
+
+from safeloc.language.nodes import (
+    Add,
+    And,
+    BoolVar,
+    Choose,
+    ChooseBool,
+    Compare,
+    Expr,
+    FloorDiv,
+    Lit,
+    Max,
+    Min,
+    Mul,
+    Node,
+    Not,
+    NumVar,
+    Or,
+    Past,
+    Sub,
+    Truth,
+    Value,
+    Var,
+)
+from safeloc.language.terms import in_order
+
+Row = tuple[Value, ...]
+Rows = tuple[Sequence[Var], Sequence[Var]]
+"""The variables of two rows of values, such as state and inputs."""
+Step = Callable[[Row, Row], Row]
+Look = Callable[[Sequence[Row], Sequence[Row]], int | None]
+
+
+def stepped(rows: Rows, terms: Sequence[Expr]) -> Step:
+    """The terms as a function of two rows of values."""
+    names, lines = _named(rows, terms)
+    told = "".join(f"{names[term]}, " for term in terms)
+    made: Step = _loaded(["def made(first, second):", *lines, f"return ({told})"])
+    return made
+
+
+def differing(rows: Rows, moves: Mapping[int, Expr], goods: Sequence[Expr]) -> Look:
+    """A function of states and of the inputs between them: before which step something is otherwise, None if nothing is.
+
+    moves   place in the state -> term over both rows: otherwise where it does not give what the next state has there
+    goods   terms over the state: otherwise where one does not hold
+    """
+    moved, judged = _moving(rows, moves), stepped((rows[0], ()), goods)
+
+    def look(states: Sequence[Row], inputs: Sequence[Row]) -> int | None:
+        begin = moved(states, inputs) if moves else None
+        for number, state in enumerate(states if goods else ()):
+            if not all(judged(state, ())):
+                return number if begin is None else min(begin, number)
+        return begin
+
+    return look
+
+
+def _moving(rows: Rows, moves: Mapping[int, Expr]) -> Look:
+    names, lines = _named(rows, list(moves.values()))
+    test = " or ".join(f"after[{place}] != {names[term]}" for place, term in moves.items()) or "False"
+    body = ["first, after = states[number], states[number + 1]", *lines, f"if {test}:", " return number"]
+    begin = ["def made(states, rows):", "for number, second in enumerate(rows):"]
+    made: Look = _loaded([*begin, *(f" {line}" for line in body)])
+    return made
+
+
+def _loaded(lines: Sequence[str]) -> Any:
+    """The function `made`: the lines after the first are its body."""
+    space: dict[str, Any] = {}
+    text = "\n".join([lines[0], *(f" {line}" for line in lines[1:])])
+    exec(compile(text, "<safeloc mutant>", "exec"), space)  # our own text, made from checked terms
+    return space["made"]
+
+
+def _named(rows: Rows, terms: Sequence[Expr]) -> tuple[dict[Expr, str], list[str]]:
+    """A name for every node below the terms, and the statements that give it its value."""
+    known = {
+        var: f"{row}[{number}]"
+        for row, own in zip(("first", "second"), rows, strict=True)
+        for number, var in enumerate(own)
+    }
+    names, lines = dict[Expr, str](), list[str]()
+    for number, node in enumerate(in_order(terms)):
+        if isinstance(node, (Lit, Truth)):
+            names[node] = f"({node.value})"
+        else:
+            names[node] = f"n{number}"
+            lines.append(f"n{number} = {known[node] if isinstance(node, Var) else _written(node, names)}")
+    return names, lines
+
+
+def _written(node: Node, of: Mapping[Expr, str]) -> str:
+    """The node by the names of its parts."""
+    match node:
+        case Add(a, b):
+            return f"{of[a]} + {of[b]}"
+        case Sub(a, b):
+            return f"{of[a]} - {of[b]}"
+        case Mul(a, b):
+            return f"{of[a]} * {of[b]}"
+        case FloorDiv(a, divisor, _):
+            return f"{of[a]} // {divisor}"
+        case Min(a, b):
+            return f"{of[a]} if {of[a]} < {of[b]} else {of[b]}"
+        case Max(a, b):
+            return f"{of[a]} if {of[a]} > {of[b]} else {of[b]}"
+        case Choose(c, a, b, _) | ChooseBool(c, a, b):
+            return f"{of[a]} if {of[c]} else {of[b]}"
+        case Not(inner):
+            return f"not {of[inner]}"
+        case And(parts):
+            return " and ".join(of[part] for part in parts)
+        case Or(parts):
+            return " or ".join(of[part] for part in parts)
+        case Compare(op, a, b):
+            return f"{of[a]} {op} {of[b]}"
+        case Lit() | Truth() | NumVar() | BoolVar() | Past():
+            raise KeyError(f"{node!r} has no value here")
+        case _:
+            assert_never(node)

@@ -1,0 +1,69 @@
+"""What became of the mutants, as lines for a person: the score, what each claim notices alone, and the questions that are left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from safeloc.assurance.mutation.results import (
+    RECORDED,
+    SURVIVED,
+    UNPROVED,
+    Judged,
+    Outcome,
+    Score,
+    by_requirement,
+    kills_alone,
+    score,
+)
+
+ASKED = (SURVIVED, RECORDED)
+"""Fates that leave a question: no proof notices the mutant."""
+
+
+def lines(target: str, judged: Sequence[Judged], *, of: int, machine_only: bool) -> Iterator[str]:
+    """All lines of a result."""
+    everywhere = score([one.everywhere for one in judged])
+    alone = score([one.alone for one in judged])
+    yield f"{target}: {len(judged)} of {of} mutants"
+    if not machine_only:
+        yield f"  the term wrong wherever it stands: {_told(everywhere)}"
+    yield f"  the machine alone wrong:           {_told(alone)}"
+    for name, one in by_requirement(judged).items():
+        yield f"  {name}: {_told(one)}"
+    for claim, noticed in kills_alone(judged).items():
+        yield f"  only {claim} notices {len(noticed)}: {' '.join(noticed[:4])}{' ...' if len(noticed) > 4 else ''}"
+    yield from (line for one in judged for line in _questions(one, machine_only=machine_only))
+
+
+def _told(one: Score) -> str:
+    fates = ", ".join(f"{count} {fate}" for fate, count in sorted(one.fates.items(), key=lambda pair: -pair[1]))
+    asked = one.mutants - one.equivalent
+    return f"{one.killed_by_proof} of {asked} not equivalent killed by a proof ({one.share:.0%}); {fates}"
+
+
+def _questions(one: Judged, *, machine_only: bool) -> Iterator[str]:
+    outcome = one.alone if machine_only else one.everywhere
+    if outcome.fate in ASKED or outcome.fate == UNPROVED:
+        yield f"{_question(one, outcome, machine_only=machine_only)}"
+
+
+def _question(one: Judged, outcome: Outcome, *, machine_only: bool) -> str:
+    where = "; ".join(one.where[:2]) + (f" and {len(one.where) - 2} more" if len(one.where) > 2 else "")
+    written = f"\n      written: {one.source}" if one.source else ""
+    told = f" ({outcome.how})" if outcome.how else f" ({', '.join(outcome.by[:2])})" if outcome.by else ""
+    return (
+        f"{outcome.fate}{told}: {one.id}, {one.place}\n"
+        f"    {one.kind}: {one.words} [{where}]{written}\n"
+        f"      {one.term}  ->  {one.becomes}{_besides(one, machine_only=machine_only)}"
+    )
+
+
+def _besides(one: Judged, *, machine_only: bool) -> str:
+    """Whether claims would notice, were they not wrong along with the machine."""
+    if machine_only or not one.proves_itself:
+        return ""
+    shared = ", ".join(one.shared_with[:3])
+    by = ", ".join(one.alone.by[:2])
+    return (
+        f"\n      PROVES ITSELF: with the machine alone wrong {one.alone.fate} ({by}); the same term stands in {shared}"
+    )

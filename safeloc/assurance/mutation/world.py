@@ -1,0 +1,28 @@
+"""The world of a machine, as this room reads and changes it: the only file that knows how a machine declares it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from safeloc.language.machine import Machine
+from safeloc.language.nodes import Bool, Expr
+from safeloc.language.terms import Substitution
+
+
+def clauses(machine: Machine) -> Iterator[tuple[str, Bool]]:
+    """The laws of the world, by name."""
+    yield from machine.world.terms.items()
+
+
+def moves(machine: Machine) -> Iterator[tuple[str, Expr]]:
+    """How ghosts move, by name."""
+    yield from ((var.name, move) for var, move in machine.world.moves.items())
+
+
+def rewritten(machine: Machine, change: Substitution) -> dict[str, Any]:
+    """The field that declares the world, with clauses and moves rewritten."""
+    world = machine.world
+    laws = {name: replace(law, term=change.bool(law.term)) for name, law in world.laws.items()}
+    return {"world": replace(world, clauses=laws, moves={var: change(term) for var, term in world.moves.items()})}

@@ -1,0 +1,22 @@
+"""The checker's answer about a result, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+CONFIRMED, WRONG, OPEN, NO_PROOF = "confirmed", "not confirmed", "cannot be checked", "no proof"
+Row = Mapping[str, Any]
+"""A result as it stands in report.json."""
+Answer = tuple[str, str]
+Check = Callable[[Row], Answer]
+
+
+def proven(shown: bool) -> Answer:
+    """Confirmed, or not by its certificates."""
+    return (CONFIRMED, "") if shown else (WRONG, "its certificates do not prove it")
+
+
+def seen(shown: bool) -> Answer:
+    """Confirmed, or not by its run."""
+    return (CONFIRMED, "") if shown else (WRONG, "its run does not show it")

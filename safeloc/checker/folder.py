@@ -1,0 +1,244 @@
+"""A report folder, checked: every certificate by both solvers, every claim against its declaration."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from safeloc.catalogue import load_target
+from safeloc.checker.answer import NO_PROOF, OPEN, WRONG
+from safeloc.checker.claims import Claims, Goals
+from safeloc.checker.dag import Dag
+from safeloc.checker.rules import Theory
+from safeloc.checker.runs import Occurrences
+from safeloc.checker.solve import NONE, Opinion, Opinions
+from safeloc.checker.text import Certificate, read
+from safeloc.errors import InputError, SafelocError
+from safeloc.language.digest import full_digest
+from safeloc.report import certificates, kept
+from safeloc.runtime.streams.columns import Runs as KeptRuns
+from safeloc.runtime.streams.columns import read_runs
+from safeloc.runtime.streams.steps import StepStream
+from safeloc.target import Target
+
+BATCH = 1_000_000  # letters of certificates that one process reads before it takes others
+Told = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A result of the report, and whether it is confirmed."""
+
+    id: str
+    verdict: str
+    answer: str
+    why: str
+
+
+@dataclass
+class Checking:
+    """The results of checking a folder.
+
+    wrong      invalid certificates with reasons: unreadable, contradicted by a solver, hypotheses not allowed
+    undecided  certificates with goals that a solver did not decide in time
+    opinions   answers of the solvers, by file
+    """
+
+    rows: list[Checked] = field(default_factory=list)
+    judged: set[str] = field(default_factory=set)
+    wrong: dict[str, str] = field(default_factory=dict)
+    undecided: dict[str, str] = field(default_factory=dict)
+    opinions: dict[str, Opinion] = field(default_factory=dict)
+
+    def include(self, other: Checking) -> None:
+        """Add the results of another machine."""
+        self.rows += other.rows
+        self.judged |= other.judged
+        self.wrong |= other.wrong
+        self.undecided |= other.undecided
+
+    @property
+    def exit_code(self) -> int:
+        """0: every proof is confirmed; 1: a certificate or a claim is wrong; 3: something could not be confirmed."""
+        if self.wrong or any(row.answer == WRONG for row in self.rows):
+            return 1
+        return 3 if self.undecided or any(row.answer == OPEN for row in self.rows) else 0
+
+
+def check_folder(folder: Path, *, jobs: int = 2, seconds: float = 60.0, told: Told = lambda _, __: None) -> Checking:
+    """Checks all that a report claims to have proved; each goal may take a solver so many seconds.
+
+    InputError where the folder is no report of this version.
+    """
+    data = kept.read_report(folder)
+    archives = certificates.read_archives(folder / certificates.FOLDER, data["certificates"])
+    texts = archives.texts
+    found = Checking(wrong=dict(archives.damaged))
+    found.wrong |= {name: why for name, text in texts.items() if (why := _misnamed(name, text))}
+    for name, answered in _opinions(texts, jobs, seconds):
+        found.opinions[name] = answered
+        told(len(found.opinions), len(texts))
+    with multiprocessing.get_context("fork").Pool(jobs, _INHERITED.append, [(folder, data, texts, found)]) as pool:
+        for part in pool.map(_check_machine, range(len(data["machines"])), chunksize=1):
+            found.include(part)
+    found.wrong |= dict.fromkeys({*texts} - found.judged - {*found.wrong}, "it belongs to no machine of the report")
+    return found
+
+
+def _misnamed(name: str, text: str) -> str:
+    """A file's name ends in the digest of what is in it."""
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    return "" if name.endswith(f"-{digest}.smt2") else f"its text has digest {digest}: it was changed"
+
+
+def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[tuple[str, Opinion]]:
+    """Of each text what the solvers say of it, in so many processes; what says the same is asked once."""
+    same: dict[str, list[str]] = {}
+    for name, text in texts.items():
+        commands = "\n".join(line for line in text.split("\n") if not line.startswith(";"))
+        same.setdefault(commands, []).append(name)
+    batches = _batches({names[0]: texts[names[0]] for names in same.values()})
+    also = {names[0]: names for names in same.values()}
+    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+        for found in pool.imap_unordered(partial(asked, seconds), batches):
+            yield from ((name, said) for one, said in found for name in also[one])
+
+
+def _batches(texts: Mapping[str, str]) -> list[list[tuple[str, str]]]:
+    """Texts of one machine together, since these share most of their terms; the longest batches first."""
+    found: list[list[tuple[str, str]]] = []
+    filled: dict[str, tuple[list[tuple[str, str]], int]] = {}
+    for name, text in sorted(texts.items()):
+        machine = next((line for line in text.split("\n", 8) if line.startswith("; system: ")), "")
+        batch, letters = filled.get(machine, ([], BATCH))
+        if letters >= BATCH:
+            batch, letters = [], 0
+            found.append(batch)
+        batch.append((name, text))
+        filled[machine] = batch, letters + len(text)
+    return sorted(found, key=lambda batch: -sum(len(text) for _, text in batch))
+
+
+def asked(seconds: float, batch: Sequence[tuple[str, str]]) -> list[tuple[str, Opinion]]:
+    """Ask the solvers about some texts; an unreadable text gets no answers."""
+    dag = Dag()
+    opinions = Opinions(dag, seconds)
+    found = list[tuple[str, Opinion]]()
+    for name, text in batch:
+        try:
+            found.append((name, opinions(read(name, text, dag), text)))
+        except InputError:
+            found.append((name, NONE))
+    return found
+
+
+# ------------------------------------------------------------------ one machine
+
+
+_INHERITED: list[tuple[Path, dict[str, Any], dict[str, str], Checking]] = []
+"""What a forked process has of the one that started it: folder, report, texts, and what was found so far."""
+
+
+def _check_machine(number: int) -> Checking:
+    """Check the results of one machine of the report, after its texts were checked."""
+    folder, data, texts, before = _INHERITED[-1]
+    machine, found = data["machines"][number], Checking(wrong=dict(before.wrong), opinions=before.opinions)
+    rows = [row for row in data["results"] if row["machine"] == machine["name"]]
+    try:
+        file = folder / kept.TRACES / kept.machine_files(data)[machine["name"]]
+        judge(_declared(machine), rows, texts, _Kept(file), found)
+    except SafelocError as error:
+        why = f"its declaration cannot be loaded: {error}"
+        found.judged.update(_of(machine["name"], texts))
+        found.rows += [Checked(row["id"], row["verdict"], OPEN, why) for row in rows]
+    return replace(found, opinions={})
+
+
+class _Kept:
+    """The runs that a report keeps of one machine, by result; its file, if there is one, is read when the first is asked for."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._runs: KeptRuns | None = None
+
+    def __call__(self, result: str) -> StepStream | None:
+        """Return the run's stream; None where no run is kept. StreamError for a file that is damaged."""
+        if self._runs is None and self._path.exists():
+            self._runs = read_runs(self._path)
+        return None if self._runs is None or result not in self._runs else self._runs.stream(result)
+
+
+def _declared(machine: Mapping[str, Any]) -> Target:
+    """The target as the report says that it was asked for; InputError if it is another one now."""
+    configuration = machine.get("configuration")
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place, "configuration.json") if configuration is not None else None
+        if path is not None:
+            path.write_text(json.dumps(configuration), encoding="utf-8")
+        target = load_target(machine["spec"], path)
+    if full_digest(target.system) != machine["declaration"]:
+        raise InputError(f"{machine['spec']}: the declaration is not the one of the report (another digest).")
+    return target
+
+
+def judge(
+    target: Target,
+    rows: Sequence[Mapping[str, Any]],
+    texts: Mapping[str, str],
+    run: Callable[[str], StepStream | None],
+    found: Checking,
+) -> None:
+    """Judges the results of one target from texts on which solvers have given their opinions."""
+    goals = Goals(target)
+    theory = Theory(target.system, goals)
+    own = _of(target.name, texts)
+    taken = [one for name in own if (one := _usable(name, texts, theory, found)) is not None]
+    found.judged.update(own)
+    found.wrong |= theory.take(taken)
+    claimed = frozenset(str(row["id"]) for row in rows)
+    claims = Claims(target, goals, theory, Occurrences(target, theory.write, run, claimed), claimed)
+    found.rows += [_checked(row, claims, texts, found) for row in rows]
+
+
+def _of(system: str, texts: Mapping[str, str]) -> list[str]:
+    """The certificates that say that they are of this system."""
+    return [name for name, text in texts.items() if f"\n; system: {system}\n" in text]
+
+
+def _usable(name: str, texts: Mapping[str, str], theory: Theory, found: Checking) -> Certificate | None:
+    """The certificate with the goals that both solvers confirm; None if it is wrong."""
+    if name in found.wrong:
+        return None
+    said = found.opinions[name]
+    try:
+        one = read(name, texts[name], theory.dag)
+        if any(other not in texts for other in one.relies_on):
+            raise InputError("it relies on a certificate that is missing")
+        if said.contradicted() or said.goals != len(one.goals):
+            raise InputError(f"{' and '.join(said.contradicted())} do not confirm it")
+    except InputError as error:
+        found.wrong[name] = str(error)
+        return None
+    sure = tuple(goal for number, goal in enumerate(one.goals) if said.confirmed(number))
+    if len(sure) < len(one.goals):
+        found.undecided[name] = f"{len(one.goals) - len(sure)} of {len(one.goals)} goals undecided"
+    return replace(one, goals=sure)
+
+
+def _checked(row: Mapping[str, Any], claims: Claims, texts: Mapping[str, str], found: Checking) -> Checked:
+    answer, why = claims.answer(row)
+    listed = [] if answer == NO_PROOF else row["certificates"]
+    bad = [name for name in listed if name not in texts or name in found.wrong]
+    late = [name for name in listed if name in found.undecided]
+    if bad:
+        answer, why = WRONG, f"{len(bad)} of its certificates are missing or wrong"
+    elif answer == WRONG and late:
+        answer, why = OPEN, f"a solver did not decide {len(late)} of its certificates in time"
+    return Checked(row["id"], row["verdict"], answer, why)

@@ -1,0 +1,115 @@
+"""Polynomials with exact coefficients: the normal form of terms of arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd, lcm
+
+from safeloc.checker.proofs.terms import Term, exact, make
+
+Monomial = tuple[Term, ...]
+Polynomial = Mapping[Monomial, Fraction]
+Leaf = Callable[[Term], Polynomial]
+
+ZERO: Polynomial = {}
+
+
+def constant(value: Fraction | int) -> Polynomial:
+    """Return the polynomial that is a number."""
+    return {(): Fraction(value)} if value else {}
+
+
+def polynomial(term: Term, leaf: Leaf | None = None, opaque: Collection[Term] = ()) -> Polynomial:
+    """Return the normal form; `leaf` says what a term is that is no sum, product or constant (itself, if not given).
+
+    Opaque terms are not looked into.
+    """
+    if term in opaque:
+        return single(term)
+    match term.op:
+        case "number":
+            return constant(exact(term))
+        case "to_real":
+            return polynomial(term.args[0], leaf, opaque)
+        case "neg":
+            return scaled(polynomial(term.args[0], leaf, opaque), Fraction(-1))
+        case "+" | "-" | "*":
+            return _operation(term.op, [polynomial(arg, leaf, opaque) for arg in term.args])
+        case "/" if (by := as_constant(polynomial(term.args[1], leaf, opaque))) is not None and by:
+            return scaled(polynomial(term.args[0], leaf, opaque), 1 / by)
+        case _:
+            return leaf(term) if leaf else single(term)
+
+
+def single(term: Term) -> Polynomial:
+    """Return the polynomial that is one term; total division by a constant other than 0 is division."""
+    if term.op in ("div_total", "mod_total") and _nonzero(term.args[1]):
+        term = make(term.op.removesuffix("_total"), *term.args)
+    return {(term,): Fraction(1)}
+
+
+def _nonzero(term: Term) -> bool:
+    return term.op == "number" and exact(term) != 0
+
+
+def _operation(op: str, parts: list[Polynomial]) -> Polynomial:
+    result = parts[0]
+    for part in parts[1:]:
+        result = product(result, part) if op == "*" else plus(result, part, Fraction(1 if op == "+" else -1))
+    return scaled(result, Fraction(-1)) if op == "-" and len(parts) == 1 else result
+
+
+def plus(left: Polynomial, right: Polynomial, factor: Fraction) -> Polynomial:
+    """left + factor * right."""
+    total = dict(left)
+    for monomial, coefficient in right.items():
+        total[monomial] = total.get(monomial, Fraction(0)) + factor * coefficient
+    return {monomial: coefficient for monomial, coefficient in total.items() if coefficient}
+
+
+def minus(left: Polynomial, right: Polynomial) -> Polynomial:
+    """left - right."""
+    return plus(left, right, Fraction(-1))
+
+
+def scaled(part: Polynomial, factor: Fraction) -> Polynomial:
+    """factor * part."""
+    return {monomial: factor * coefficient for monomial, coefficient in part.items()} if factor else {}
+
+
+def product(left: Polynomial, right: Polynomial) -> Polynomial:
+    """left * right."""
+    total: dict[Monomial, Fraction] = {}
+    for one, first in left.items():
+        for other, second in right.items():
+            monomial = tuple(sorted((*one, *other), key=id))
+            total[monomial] = total.get(monomial, Fraction(0)) + first * second
+    return {monomial: coefficient for monomial, coefficient in total.items() if coefficient}
+
+
+def as_constant(part: Polynomial) -> Fraction | None:
+    """Its value if it is a number, else None."""
+    return part.get((), Fraction(0)) if not part or part.keys() == {()} else None
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A direction of half-spaces: those of one direction differ in the bound only. `whole`: its values are whole
+    numbers."""
+
+    parts: frozenset[tuple[Monomial, Fraction]]
+    whole: bool
+
+
+def direction(part: Polynomial) -> tuple[Direction, Fraction, Fraction]:
+    """(d, factor, rest) with part = factor * d + rest, the same d for all multiples. The part is no constant."""
+    rest = part.get((), Fraction(0))
+    open_part = {monomial: coefficient for monomial, coefficient in part.items() if monomial}
+    size = Fraction(gcd(*(c.numerator for c in open_part.values())), lcm(*(c.denominator for c in open_part.values())))
+    first = min(open_part, key=lambda monomial: (len(monomial), [id(leaf) for leaf in monomial]))
+    factor = size if open_part[first] > 0 else -size
+    parts = frozenset((monomial, coefficient / factor) for monomial, coefficient in open_part.items())
+    whole = all(leaf.sort == "Int" for monomial in open_part for leaf in monomial)
+    return Direction(parts, whole), factor, rest

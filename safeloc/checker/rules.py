@@ -1,0 +1,345 @@
+"""Rules for certificates: facts are collected one by one, each only from facts established before it.
+
+A certificate establishes the conclusion of its rule, if the rule allows all its hypotheses. So no circular proof is
+possible, whatever certificates declare as their basis. Omitting hypotheses is sound.
+
+    layer, induction, invariant      terms over state that hold at first and after every step: facts, and properties
+    heard, owed, overlap, overflow   terms over a step, from facts about the states before and after it
+    implied, first state             properties that follow from facts; that hold in the first state
+    absence, lasts, overflow of first values    obligations with hypotheses of their own
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+from safeloc.checker.dag import Dag, Rewriting
+from safeloc.checker.terms import Translation
+from safeloc.checker.text import Certificate
+from safeloc.language.nodes import Var
+from safeloc.language.spec import Goal
+from safeloc.language.system import TransitionSystem, environment, in_range
+
+Terms = frozenset[int]
+Files = frozenset[str]
+LAWFUL = ("facts", "owed", "overflow of ghosts")  # layers and rules that rest on the assumption
+STEPS = ("heard", "owed", "overlap", "overflow", "overflow of ghosts")
+ROLES = {"layer": ("start", "step"), "induction": ("start", "step"), "invariant": ("start", "step", "implies")}
+FACTS_FIRST = ("layer", *STEPS)
+
+
+class RefusedError(Exception):
+    """A certificate does not show what its rule asks for; the reason in words."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The allowed hypotheses: on the first state, on every state, and additionally on every step; and the moves of states.
+
+    over  the variables that a conclusion may read: state, since an input differs from step to step
+          (what is shown for all inputs, and passed on: not of the environment either)
+    """
+
+    first: Terms
+    known: Terms
+    step: Terms
+    moves: Mapping[int, int]
+    inputs: Mapping[int, Var]
+    over: Terms
+
+    def inductive(self, write: Translation, starts: Sequence[Certificate], step: Certificate) -> Terms:
+        """Return the terms that hold in the first k states, and in each that comes after k states in which they hold.
+
+        The very term that is a hypothesis, with the values after the steps in the place of variables, is the goal. Of
+        each of the first states by itself, since a run may end there. RefusedError where more is presumed.
+        """
+        k, conjuncts, (states, allowed) = len(starts), write.dag.conjuncts, self.unrolled(write, len(starts))
+        early, late = [conjuncts(start.goals) for start in starts], conjuncts(step.goals)
+        kept = frozenset(
+            one
+            for one in early[0]
+            if write.dag.variables(one) <= self.over
+            and all(state.all([one]) <= shown for state, shown in zip(states, [*early, late], strict=True))
+        )
+        known = [self.known, *(state.all(self.known) for state in states[1:k])]
+        for number, start in enumerate(starts):
+            only(start, self.first.union(*known[: number + 1], *allowed[:number]))
+        only(step, frozenset().union(*known, *allowed, *(state.all(kept) for state in states[:k])))
+        return kept
+
+    def unrolled(self, write: Translation, k: int) -> tuple[list[Rewriting], list[Terms]]:
+        """Return the state 0 as it is and k states after it, and what each step is allowed; inputs of step j are called x@j."""
+        moves, states, allowed = self.moves, [Rewriting(write.dag, {}), Rewriting(write.dag, self.moves)], [self.step]
+        for number in range(1, k):
+            inputs = {node: write.named(var, f"{var.name}@{number}") for node, var in self.inputs.items()}
+            if not {*inputs.values()}.isdisjoint({*self.moves, *self.inputs}):
+                raise RefusedError("a variable has the name of an input of a later step")
+            step = Rewriting(write.dag, {**moves, **inputs})
+            allowed.append(step.all(self.step))
+            moves = {var: step(term) for var, term in self.moves.items()}
+            states.append(Rewriting(write.dag, moves))
+        return states, allowed
+
+
+class Speaker:
+    """A system as nodes, and what is established of it so far.
+
+    always  state terms that hold for all inputs in range; facts: under the assumption, those of `always` included
+    free    terms over a step, for all inputs in range; lawful: under the assumption, those of `free` included
+    """
+
+    def __init__(self, system: TransitionSystem, write: Translation) -> None:
+        self.system, self.write, self.dag = system, write, write.dag
+        self.state, self.ghosts = frozenset(map(write, system.state)), frozenset(map(write, system.ghosts))
+        self.ranges = write.conjuncts([in_range(system.state)])
+        self.inputs = {assume: write.conjuncts([environment(system, assume=assume)]) for assume in (False, True)}
+        self.moves = {write(var): write(term) for var, term in system.next.items()}
+        self.after = Rewriting(self.dag, self.moves)
+        self.always, self.facts, self.free, self.lawful = Terms(), Terms(), Terms(), Terms()
+
+    def first(self, system: TransitionSystem, *, lawful: bool) -> Terms:
+        """Return the facts about the first state; for all inputs, without conditions that tie the machine to ghosts."""
+        begins = self.write.conjuncts([system.init, in_range(system.state)])
+        return begins if lawful else frozenset(one for one in begins if not self._ties(one))
+
+    def _ties(self, term: int) -> bool:
+        read = self.dag.variables(term)
+        return not (read <= self.ghosts or read.isdisjoint(self.ghosts))
+
+    def add(self, terms: Iterable[int], *, lawful: bool) -> None:
+        """Add established state terms."""
+        self.facts |= frozenset(terms)
+        self.always |= frozenset() if lawful else frozenset(terms)
+
+    def add_step(self, terms: Iterable[int], *, lawful: bool) -> None:
+        """Add established terms over a step."""
+        self.lawful |= frozenset(terms)
+        self.free |= frozenset() if lawful else frozenset(terms)
+
+    def known(self, *, lawful: bool) -> Terms:
+        """Return the established state terms."""
+        return self.facts if lawful else self.always
+
+    def step(self, *, lawful: bool) -> Terms:
+        """Return the facts about a step: its inputs, the state before it, and the step itself."""
+        return self.inputs[lawful] | self.known(lawful=lawful) | (self.lawful if lawful else self.free)
+
+    def frame(self, system: TransitionSystem, given: Terms, *, lawful: bool) -> Frame:
+        """For this system, or for the same one with observers; `given` is known of every step besides."""
+        write = self.write
+        return Frame(
+            self.first(system, lawful=lawful),
+            self.known(lawful=lawful),
+            self.step(lawful=lawful) | given,
+            {
+                **self.moves,
+                **{write(var): write(term) for var, term in system.next.items() if write(var) not in self.moves},
+            },
+            {write(var): var for var in system.inputs},
+            frozenset(map(write, system.state)),
+        )
+
+    def facts_frame(self, *, lawful: bool) -> Frame:
+        """For facts of this system itself; what holds for all inputs does not speak of ghosts."""
+        frame = self.frame(self.system, Terms(), lawful=lawful)
+        return frame if lawful else replace(frame, over=frame.over - self.ghosts)
+
+
+def only(certificate: Certificate, allowed: Terms) -> None:
+    """RefusedError where something else is a hypothesis."""
+    strange = certificate.hypotheses - allowed
+    if strange:
+        raise RefusedError(f"{len(strange)} of its hypotheses are not allowed by its rule")
+
+
+class Theory:
+    """Everything that the certificates of one target establish.
+
+    goals   gives those of a machine ("" for the whole) and name
+    proved  goals that hold in every run, with the files that show it; at_first: in the first state
+    further facts that were shown on the way to an obligation; witnesses: terms proposed for inputs, believed nowhere
+    """
+
+    def __init__(self, system: TransitionSystem, goals: Callable[[str, str], Sequence[Goal]]) -> None:
+        self.write = Translation(Dag())
+        self.dag, self.goals = self.write.dag, goals
+        self.whole = Speaker(system, self.write)
+        self.parts = {part.name: (part, Speaker(part.alone, self.write)) for part in system.parts}
+        self._into = {
+            name: Rewriting(self.dag, {self.write(var): self.write(part.into(var)) for var in part.alone.state})
+            for name, (part, _) in self.parts.items()
+        }
+        self.heard: set[str] = set()
+        self.owed: set[str] = set()
+        self.proved: dict[Goal, Files] = {}
+        self.at_first: dict[Goal, Files] = {}
+        self.absent: dict[str, Terms] = {}
+        self.first_values, self.further = Terms(), Terms()
+        self.witnesses: list[Mapping[int, int]] = []
+        self._pass_on()
+
+    def take(self, certificates: Sequence[Certificate]) -> dict[str, str]:
+        """Establishes all that follows; returns the files that were of no use, each with the reason."""
+        useless = {one.file: "no rule of this name, or the other half is missing" for one in certificates}
+        attempts = list(_attempts(certificates))
+        pending = [one for one in attempts if one[0] in FACTS_FIRST]
+        while pending:
+            left = [one for one in pending if not self._applied(*one, useless)]
+            if len(left) == len(pending):
+                break
+            pending = left
+        for attempt in attempts:
+            if attempt[0] not in FACTS_FIRST:
+                self._applied(*attempt, useless)
+        return useless
+
+    def _applied(self, family: str, together: Sequence[Certificate], useless: dict[str, str]) -> bool:
+        header = together[0].header
+        speaker = self.speaker(header.get("part", ""))
+        try:
+            if speaker is None or header.get("system") != self.whole.system.name:
+                raise RefusedError("it is about an unknown system")
+            _RULES[family](self, speaker, *together)
+        except (RefusedError, ValueError) as error:
+            useless.update({one.file: str(error) for one in together if one.file in useless})
+            return False
+        for one in together:
+            useless.pop(one.file, None)
+        self._pass_on()
+        return True
+
+    def speaker(self, part: str) -> Speaker | None:
+        """Return the machine of this name, the whole for "", None for a machine that is not there."""
+        return self.whole if not part else self.parts[part][1] if part in self.parts else None
+
+    def _pass_on(self) -> None:
+        """Give the facts of a machine to the composition, once its wired inputs are in range and its assumption is
+        discharged."""
+        for name, (part, alone) in self.parts.items():
+            if self.write.conjuncts([part.heard]) <= self.whole.free:
+                self.heard.add(name)
+                self.whole.add(self._into[name].all(alone.always), lawful=False)
+                if self.write.conjuncts([part.owed]) <= self.whole.lawful:
+                    self.owed.add(name)
+                    self.whole.add(self._into[name].all(alone.facts), lawful=True)
+
+    # -------------------------------------------------------------- facts
+
+    def _layer(self, speaker: Speaker, start: Certificate, step: Certificate) -> None:
+        lawful = start.header.get("layer") in LAWFUL
+        frame = speaker.facts_frame(lawful=lawful)
+        speaker.add(frame.inductive(self.write, [start], step), lawful=lawful)
+
+    def _step(self, speaker: Speaker, one: Certificate) -> None:
+        lawful = one.header["rule"] in LAWFUL
+        if not one.hypotheses <= speaker.step(lawful=lawful):
+            only(one, speaker.step(lawful=lawful) | speaker.after.all(speaker.known(lawful=lawful)))
+        speaker.add_step(self.dag.conjuncts(one.goals), lawful=lawful)
+
+    # -------------------------------------------------------------- properties
+
+    def _property(self, speaker: Speaker, *together: Certificate) -> None:
+        """Each declared property of this name that follows; where there is none, facts on the way to an obligation."""
+        header, files = together[0].header, frozenset(one.file for one in together)
+        goals = self.goals(header.get("part", ""), header.get("property", ""))
+        errors = list[RefusedError]()
+        for goal in goals:
+            try:
+                lawful = not goal.prop.unconditional
+                frame = speaker.frame(goal.system, self.write.conjuncts([goal.prop.further_assumption]), lawful=lawful)
+                missing = self.write.conjuncts([goal.good]) - self._shown(frame, together)
+                if missing:
+                    raise RefusedError(f"{len(missing)} parts of the property are not shown")
+                (self.at_first if header["rule"] == "first state" else self.proved)[goal] = files
+            except RefusedError as error:
+                errors.append(error)
+        if goals and len(errors) == len(goals):
+            raise errors[0]
+        if not goals:
+            self._on_the_way(speaker, *together)
+
+    def _shown(self, frame: Frame, together: Sequence[Certificate]) -> Terms:
+        """Return the terms that the certificates establish for every state, or for the first one, according to their
+        rule."""
+        rule, last = together[0].header["rule"], together[-1]
+        if rule == "induction start":
+            return frame.inductive(self.write, together[:-1], last)
+        kept = frame.inductive(self.write, together[:1], together[1]) if rule == "invariant start" else Terms()
+        only(last, frame.known | kept | (frame.first if rule == "first state" else Terms()))
+        return kept | self.dag.conjuncts(last.goals) | frozenset(last.goals)
+
+    def _on_the_way(self, speaker: Speaker, *together: Certificate) -> None:
+        """Nobody declared it: what holds in every state all the same, for all inputs or else under the assumption."""
+        if together[0].header["rule"] == "first state":
+            raise RefusedError("there is no property of this name")
+        for lawful in (False, True):
+            frame = speaker.facts_frame(lawful=lawful)
+            try:
+                shown = self._shown(frame, together)
+            except RefusedError:
+                if lawful:
+                    raise
+            else:
+                kept = frozenset(one for one in shown if self.dag.variables(one) <= frame.over)
+                self.further |= kept
+                return speaker.add(kept, lawful=lawful)
+        return None
+
+    # -------------------------------------------------------------- obligations with hypotheses of their own
+
+    def _absence(self, speaker: Speaker, one: Certificate) -> None:
+        """Of two copies of a step that differ in the value of an absent input."""
+        option = next((each for each in speaker.system.optionals if each.value.name == one.header.get("of")), None)
+        if option is None:
+            raise RefusedError("there is no such optional input")
+        other = self.write.named(option.value, f"{option.value.name} (other)")
+        if other in map(self.write, (*speaker.system.state, *speaker.system.inputs)):
+            raise RefusedError("a variable has the name of the second copy")
+        ranges = self.write.conjuncts([in_range(speaker.system.inputs)])
+        ranges |= Rewriting(self.dag, {self.write(option.value): other}).all(ranges)
+        only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
+        key = f"{one.header.get('part', '')}/{option.value.name}"
+        self.absent[key] = self.absent.get(key, Terms()) | frozenset(one.goals) | self.dag.conjuncts(one.goals)
+
+    def _first_values(self, speaker: Speaker, one: Certificate) -> None:
+        only(one, speaker.ranges)
+        self.first_values |= self.dag.conjuncts(one.goals)
+
+
+_RULES: Mapping[str, Callable[..., None]] = {
+    "layer": Theory._layer,
+    **dict.fromkeys(STEPS, Theory._step),
+    **dict.fromkeys(("induction", "implied", "invariant", "first state"), Theory._property),
+    "absence": Theory._absence,
+    "overflow of first values": Theory._first_values,
+    "lasts": Theory._on_the_way,
+    "witnesses": lambda theory, _, one: theory.witnesses.extend(one.witnesses),
+}
+
+
+def _attempts(certificates: Iterable[Certificate]) -> Iterator[tuple[str, tuple[Certificate, ...]]]:
+    """Certificates that may belong together: of one rule, one machine, one property or layer."""
+    groups: dict[tuple[str, ...], dict[str, list[Certificate]]] = {}
+    for one in certificates:
+        family, _, role = one.header.get("rule", "").rpartition(" ")
+        if role not in ROLES.get(family, ()):
+            family, role = one.header.get("rule", ""), ""
+        told = (one.header.get(key, "") for key in ("system", "part", "layer", "property"))
+        k, unique = one.header.get("k", "1"), () if role else (one.file,)
+        groups.setdefault((family, *told, *unique), {}).setdefault(f"{role} {k}" if role else "", []).append(one)
+    for (family, *_), by_role in groups.items():
+        for roles in _needed(family, by_role) if family in _RULES else ():
+            yield from ((family, found) for found in product(*(by_role.get(role, []) for role in roles)))
+
+
+def _needed(family: str, by_role: Mapping[str, object]) -> Iterator[list[str]]:
+    """The roles that go together; of an induction over k steps k starts, of one state more each."""
+    if family != "induction":
+        yield [f"{role} 1" for role in ROLES[family]] if family in ROLES else [""]
+        return
+    for last in (role for role in by_role if role.startswith("step ")):
+        k = last.removeprefix("step ")
+        if k.isdecimal() and 0 < int(k) < len(by_role):
+            yield [*(f"start {number}" for number in range(1, int(k) + 1)), last]

@@ -1,0 +1,269 @@
+"""Answers of solvers about a certificate: for each goal unsat (it follows from the hypotheses), sat or unknown.
+
+z3 and cvc5 are asked for the very nodes that the rest of the checker judges, each through a translation of its own: so no
+text can mean one thing to a solver and another to the rules. What certificates of a machine share is translated once.
+yices, if installed, is asked about the text too; its answer is reported, but not required.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# (names of these packages come out of compiled modules, which pyright cannot read)
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import cvc5
+import z3
+
+from safeloc.checker.dag import INT, Dag
+from safeloc.checker.text import Certificate
+
+SOLVERS = ("z3", "cvc5", "yices")
+NEEDED = SOLVERS[:2]
+GROUP = "\n(push 1)\n"
+FIRST_SECONDS = {"z3": 2.0, "cvc5": 10.0}  # for a goal among the others: what takes longer is often quick alone
+TOGETHER = {"incremental": "true", "ext-rew-prep": "use"}  # measured: three times faster on our terms
+ALONE = {"decision": "justification"}  # for what is left: equalities of two copies take 0.5 s so, over 15 s together
+Answers = list[str]
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """The answers of each solver for each goal; a solver that is not installed has none."""
+
+    answers: dict[str, Answers]
+
+    @property
+    def goals(self) -> int:
+        """The number of goals that the solvers were asked."""
+        return len(self.answers[NEEDED[0]])
+
+    def confirmed(self, goal: int) -> bool:
+        """Return whether both required solvers confirm the goal."""
+        return all(self.answers[name][goal] == "unsat" for name in NEEDED)
+
+    def contradicted(self) -> list[str]:
+        """Return the solvers that say of some goal that it does not follow, or do not take the text."""
+        return [name for name, said in self.answers.items() if any(one not in ("unsat", "unknown") for one in said)]
+
+
+NONE = Opinion({name: [] for name in NEEDED})
+"""Of a text that cannot be read."""
+
+
+class _Solver(Protocol):
+    """Asks for goals, all from the same hypotheses: together, or the one goal alone."""
+
+    def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers: ...
+
+
+class Opinions:
+    """The solvers' opinions on certificates in one Dag."""
+
+    def __init__(self, dag: Dag, seconds: float) -> None:
+        self._seconds = seconds
+        self._solvers: Mapping[str, _Solver] = {"z3": _Z3(dag), "cvc5": _Cvc5(dag)}
+        self._asked: dict[tuple[frozenset[int], tuple[int, ...]], dict[str, Answers]] = {}
+
+    def __call__(self, one: Certificate, text: str) -> Opinion:
+        """All solvers' answers; what says the same is asked once."""
+        key = (one.hypotheses, one.goals)
+        if key not in self._asked:
+            self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
+        more = {} if yices() is None else {"yices": _of_text(text, self._seconds)}
+        return Opinion({**self._asked[key], **more})
+
+    def _answers_or_why(self, name: str, one: Certificate) -> Answers:
+        """The answers; of what a solver does not take, such as a number where a truth value belongs, why."""
+        try:
+            return self._answers(name, one)
+        except (z3.Z3Exception, RuntimeError, TypeError, ValueError, AttributeError) as error:
+            return [f"error: {error}"] * len(one.goals)
+
+    def _answers(self, name: str, one: Certificate) -> Answers:
+        """All goals in one go, each for a short while; then what is left: alone, and alone in the first way."""
+        solver, first = self._solvers[name], min(self._seconds, FIRST_SECONDS[name])
+        answers = solver.ask(one, first, together=True)
+        for together in (False, True):
+            for goal in [number for number, answer in enumerate(answers) if answer == "unknown"]:
+                alone = replace(one, goals=one.goals[goal : goal + 1])
+                [answers[goal]] = solver.ask(alone, self._seconds, together=together)
+        return answers
+
+
+class _Translation:
+    """Nodes as a solver's terms; what was made once is not made again."""
+
+    def __init__(self, dag: Dag) -> None:
+        self.dag = dag
+        self._done: dict[int, Any] = {}
+
+    def __call__(self, term: int) -> Any:
+        for number in self.dag.below(term, self._done):
+            operator, *rest = self.dag.nodes[number]
+            parts = [self._done[part] for part in self.dag.parts(number)]
+            self._done[number] = self.made(str(operator), rest, parts)
+        return self._done[term]
+
+    def all(self, terms: Iterable[int]) -> list[Any]:
+        """The terms, in the order in which they came up."""
+        return [self(term) for term in sorted(terms)]
+
+    def made(self, operator: str, rest: Sequence[str | int], parts: Sequence[Any]) -> Any:
+        raise NotImplementedError
+
+
+class _Z3(_Translation):
+    def __init__(self, dag: Dag) -> None:
+        super().__init__(dag)
+        self._in = z3.Context()
+
+    def made(self, operator: str, rest: Sequence[str | int], parts: Sequence[Any]) -> Any:
+        match operator:
+            case "var":
+                return z3.Int(str(rest[0]), self._in) if rest[1] == INT else z3.Bool(str(rest[0]), self._in)
+            case "lit":
+                return z3.IntVal(rest[0], self._in)
+            case "truth":
+                return z3.BoolVal(bool(rest[0]), self._in)
+            case "and":
+                return z3.And(*parts)
+            case "or":
+                return z3.Or(*parts)
+            case "not":
+                return z3.Not(parts[0])
+            case "ite":
+                return z3.If(*parts)
+            case _:
+                return _Z3_OPERATORS[operator](*parts)
+
+    def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers:
+        """Alone without push: then z3 rewrites the whole first, which takes 0.1 s or far too long."""
+        logic = "QF_LIA" if _linear(self.dag, one) else "QF_NIA"
+        solver = z3.SimpleSolver(self._in) if together else z3.SolverFor(logic, self._in)
+        solver.set("timeout", max(1, int(seconds * 1000)))
+        solver.add(*self.all(one.hypotheses))
+        answers = []
+        for goal in one.goals:
+            if together:
+                solver.push()
+            solver.add(z3.Not(self(goal)))
+            answers.append(str(solver.check()))
+            if together:
+                solver.pop()
+        return answers
+
+
+_Z3_OPERATORS = {
+    "+": lambda one, other: one + other,
+    "-": lambda one, other: one - other,
+    "*": lambda one, other: one * other,
+    "div": lambda one, other: one / other,  # of whole numbers z3 rounds down for a positive divisor, as SMT-LIB says
+    "<": lambda one, other: one < other,
+    "<=": lambda one, other: one <= other,
+    ">=": lambda one, other: one >= other,
+    "=": lambda one, other: one == other,
+}
+
+
+class _Cvc5(_Translation):
+    def __init__(self, dag: Dag) -> None:
+        super().__init__(dag)
+        self._terms = cvc5.TermManager()
+
+    def made(self, operator: str, rest: Sequence[str | int], parts: Sequence[Any]) -> Any:
+        terms = self._terms
+        match operator:
+            case "var":
+                return terms.mkConst(terms.getIntegerSort() if rest[1] == INT else terms.getBooleanSort(), rest[0])
+            case "lit":
+                return terms.mkInteger(str(rest[0]))
+            case "truth":
+                return terms.mkBoolean(bool(rest[0]))
+            case _:
+                return terms.mkTerm(_CVC5_OPERATORS[operator], *parts)
+
+    def ask(self, one: Certificate, seconds: float, *, together: bool) -> Answers:
+        solver = cvc5.Solver(self._terms)
+        solver.setLogic("QF_LIA" if _linear(self.dag, one) else "QF_NIA")
+        for name, value in (TOGETHER if together else ALONE).items():
+            solver.setOption(name, value)
+        solver.setOption("tlimit-per", str(max(1, int(seconds * 1000))))
+        for term in self.all(one.hypotheses):
+            solver.assertFormula(term)
+        answers = []
+        for goal in one.goals:
+            if together:
+                solver.push()
+            solver.assertFormula(self._terms.mkTerm(cvc5.Kind.NOT, self(goal)))
+            said = str(solver.checkSat())
+            answers.append("unknown" if said.startswith("unknown") else said)
+            if together:
+                solver.pop()
+        return answers
+
+
+_CVC5_OPERATORS = {
+    "+": cvc5.Kind.ADD,
+    "-": cvc5.Kind.SUB,
+    "*": cvc5.Kind.MULT,
+    "div": cvc5.Kind.INTS_DIVISION,
+    "<": cvc5.Kind.LT,
+    "<=": cvc5.Kind.LEQ,
+    ">=": cvc5.Kind.GEQ,
+    "=": cvc5.Kind.EQUAL,
+    "and": cvc5.Kind.AND,
+    "or": cvc5.Kind.OR,
+    "not": cvc5.Kind.NOT,
+    "ite": cvc5.Kind.ITE,
+}
+
+
+def _linear(dag: Dag, one: Certificate) -> bool:
+    """Return whether every product has a constant factor; quotients by constants count as linear."""
+    done = dict[int, None]()
+    for term in (*one.hypotheses, *one.goals):
+        for number in dag.below(term, done):
+            done[number] = None
+            node = dag.nodes[number]
+            if node[0] == "*" and all(dag.nodes[part][0] != "lit" for part in dag.parts(number)):
+                return False
+    return True
+
+
+def yices() -> str | None:
+    """Return the path of yices' program for this language, where there is one: beside Python, or on the path."""
+    return shutil.which(
+        "yices-smt2", path=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
+    )
+
+
+def _of_text(text: str, seconds: float) -> Answers:
+    """yices' answers: all goals in one go; then each that is left by itself, from the same text without the other goals."""
+    start, *groups = text.split(GROUP)
+    answers = _fitting(_yices(text, seconds, together=True), len(groups))
+    for goal, answer in enumerate(answers):
+        if answer == "unknown":
+            one = f"{start}{GROUP}{groups[goal]}".replace(GROUP, "\n").replace("\n(pop 1)\n", "\n")
+            [answers[goal]] = _fitting(_yices(one, seconds, together=False), 1)
+    return answers
+
+
+def _fitting(answers: Sequence[str], goals: int) -> Answers:
+    """One answer a goal; a solver that says anything else does not take the text."""
+    return list(answers) if len(answers) == goals else [f"{len(answers)} answers to {goals} goals"] * goals
+
+
+def _yices(text: str, seconds: float, *, together: bool) -> Sequence[str]:
+    program = yices()
+    assert program is not None
+    asked = [program, f"--timeout={max(1, int(seconds))}", *(["--incremental"] if together else [])]
+    done = subprocess.run(asked, input=text, capture_output=True, text=True)
+    return [line for line in re.split(r"\s*\n", done.stdout) if line]

@@ -1,0 +1,71 @@
+"""Unsat without trusting a solver: of every certificate in a folder, what its proofs leave to be trusted."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from safeloc.checker.proofs.goals import check_unsat_proofs
+from safeloc.checker.proofs.steps import Checked
+from safeloc.errors import InputError
+from safeloc.report.certificates import FOLDER, read_archives
+from safeloc.report.kept import read_report
+
+
+@dataclass
+class Survey:
+    """The results of checking the proofs of all certificates.
+
+    sure      certificates whose proofs were checked in every step: no trust in a solver is needed
+    trusted   rules whose steps were not checked, with their number, by certificate
+    unproved  certificates with a goal for which no proof was made in time, or whose proof is wrong, and where
+    """
+
+    sure: list[str] = field(default_factory=list)
+    trusted: dict[str, dict[str, int]] = field(default_factory=dict)
+    unproved: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def rules(self) -> Counter[str]:
+        """Steps that were not checked, by rule."""
+        return sum((Counter(counts) for counts in self.trusted.values()), Counter[str]())
+
+
+def survey(folder: Path, *, jobs: int, seconds: float, told: Callable[[int, int], None]) -> Survey:
+    """Makes and checks a proof of every goal of every certificate; `seconds` for the solver's answer to each goal.
+
+    InputError where the folder holds no certificates.
+    """
+    read = read_archives(folder / FOLDER, read_report(folder)["certificates"])
+    if not read.texts and not read.damaged:
+        raise InputError(f"{folder}: no certificates; write a report with `safeloc verify --out {folder}`.")
+    found = Survey(unproved=dict(read.damaged))
+    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+        looked_at = pool.imap_unordered(partial(_looked_at, seconds), sorted(read.texts.items()))
+        for done, (name, trusted, where) in enumerate(looked_at, 1):
+            if where:
+                found.unproved[name] = where
+            elif trusted:
+                found.trusted[name] = trusted
+            else:
+                found.sure.append(name)
+            told(done, len(read.texts))
+    return found
+
+
+def _looked_at(seconds: float, certificate: tuple[str, str]) -> tuple[str, dict[str, int], str]:
+    """The certificate's name, its steps that were not checked by rule, and what went wrong ("" for nothing)."""
+    name, text = certificate
+    trusted: Counter[str] = Counter()
+    try:
+        for one in check_unsat_proofs(text, seconds=seconds):
+            if not isinstance(one.result, Checked):
+                return name, {}, f"{one.goal}: {one.result.where}"
+            trusted.update(one.result.trusted)
+    except InputError as error:
+        return name, {}, str(error)
+    return name, dict(trusted), ""

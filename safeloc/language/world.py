@@ -1,0 +1,77 @@
+"""The environment of a machine: ghosts such as the true position, and the laws that sensors and neighbours obey.
+
+A world knows the inputs of its machine and the configuration, and nothing that the machine computes. A law that reads the
+machine's state would follow the machine wherever a wrong edit leads it, and prove it right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+from safeloc.language.expr import Bool, Expr, Var, all_of
+
+if TYPE_CHECKING:
+    from safeloc.language.machine import Initial
+
+Owner = Literal["", "supplier", "infrastructure", "operator"]
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A clause with what an assessor asks of it: a safety-related application condition.
+
+    term       the condition in each step
+    statement  the law in one sentence
+    figures    names of the configured figures in it, such as "marker_accuracy_mm": value, unit and source stand there
+    source     the origin of the law: "[S] ..." read, "[D] ..." derived, "[M] ..." from memory
+    owner      the party that ensures it: the supplier of the device, the infrastructure manager, or the operator
+    check      how it can be checked in operation: a monitor, maintenance, a type test
+    """
+
+    term: Bool
+    statement: str = ""
+    figures: tuple[str, ...] = ()
+    source: str = ""
+    owner: Owner = ""
+    check: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """The environment of a machine: ghost variables, their moves, and the laws that sensors and neighbours obey.
+
+    ghosts   ghost variable -> initial value
+    choices  variables that the world chooses freely in each step, within their ranges; only moves and clauses read them
+    moves    ghost variable -> its next value
+    clauses  name -> condition in each step, over inputs, and ghosts and choices before the step. All of them together
+             are the assumption that proofs rest on. A composition can have its earlier machines guarantee one by name
+    reads_machine  why a clause or a move reads what the machine computes; without a reason it is refused
+    """
+
+    ghosts: Mapping[Var, Initial] = field(default_factory=dict)
+    choices: Sequence[Var] = ()
+    moves: Mapping[Var, Expr] = field(default_factory=dict)
+    clauses: Mapping[str, Bool | Law] = field(default_factory=dict)
+    reads_machine: str = ""
+
+    @property
+    def laws(self) -> dict[str, Law]:
+        """Every clause by name, as a Law; one declared as a bare term has no further fields."""
+        return {name: one if isinstance(one, Law) else Law(one) for name, one in self.clauses.items()}
+
+    @property
+    def terms(self) -> dict[str, Bool]:
+        """The term of every clause by name."""
+        return {name: one.term if isinstance(one, Law) else one for name, one in self.clauses.items()}
+
+    @property
+    def assumption(self) -> Bool:
+        """All clauses together."""
+        return all_of(self.terms.values())
+
+    @property
+    def variables(self) -> tuple[Var, ...]:
+        """Ghosts, then choices."""
+        return (*self.ghosts, *self.choices)

@@ -1,0 +1,61 @@
+"""Many questions over terms that mostly stay the same: each term is translated for z3 once, and kept.
+
+For whoever asks the same of a thousand variants of a system. What is learned here is confirmed by nothing else, so no verdict comes of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import TypeVar
+
+import z3
+
+from safeloc.codegen.smt import Terms, constant
+from safeloc.language.expr import Bool, Expr, Var
+from safeloc.language.terms import in_order
+from safeloc.proof.provers.asking import ask, plain_solver
+from safeloc.proof.provers.limits import Deadline, deadline
+
+Key = TypeVar("Key", bound=Hashable)
+
+
+class Standing:
+    """Questions whether goals follow from hypotheses; variables are told apart by name."""
+
+    def __init__(self) -> None:
+        self._met: set[Expr] = set()
+        self._terms = Terms({})
+
+    def failures(self, hypotheses: Sequence[Bool], goals: Mapping[Key, Bool], seconds: float) -> dict[Key, bool]:
+        """The goals that do not follow: True where a counterexample says so, False where that was not decided in time."""
+        left = {key: self._translated(goal) for key, goal in goals.items()}
+        given = [self._translated(term) for term in hypotheses]
+        failed, ends = dict[Key, bool](), deadline(seconds)
+        while left:
+            false = _false(given, left, ends)
+            if false is None:
+                return failed | dict.fromkeys(left, False)
+            if not false:
+                return failed
+            failed |= dict.fromkeys(false, True)
+            left = {key: goal for key, goal in left.items() if key not in failed}
+        return failed
+
+    def _translated(self, term: Bool) -> z3.BoolRef:
+        new = in_order([term], self._met)
+        self._met.update(new)
+        self._terms.add({var: constant(var) for var in new if isinstance(var, Var)})
+        return self._terms.bool(term)
+
+
+def _false(given: Sequence[z3.BoolRef], left: Mapping[Key, z3.BoolRef], ends: Deadline) -> list[Key] | None:
+    """The goals that one example makes false; none where all follow, None where that is not decided."""
+    solver = plain_solver()
+    solver.add(*given, z3.Not(z3.And(*left.values())))
+    answer = ask(solver, ends.left)
+    if answer == z3.unknown:
+        return None
+    if answer == z3.unsat:
+        return []
+    model = solver.model()
+    return [key for key, goal in left.items() if z3.is_false(model.eval(goal, model_completion=True))]

@@ -1,0 +1,73 @@
+"""The outputs that form a machine's reported interval, and the comparison of the interval with the true position.
+
+WRONG    the reported interval does not contain the true position: a safety failure
+INVALID  nothing is reported: availability. The two are never one verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from safeloc.errors import InputError, ModelError
+from safeloc.language.nodes import Value
+from safeloc.language.renamed import refuse_old_keywords, renamed
+
+Standing = Literal["contained", "WRONG", "INVALID"]
+
+
+@refuse_old_keywords(ModelError, {"under": "below", "over": "above"})
+@dataclass(frozen=True)
+class Reported:
+    """Names of outputs: the interval is [position - below, position + above] in mm while `valid` equals `valid_is`.
+
+    below   how far the truth may lie towards smaller coordinates of the line
+    above   how far towards greater ones
+    truth   the ghost in nm that the interval must hold; "" for a machine without one
+
+    For a train whose front runs towards growing coordinates the margin above is ETCS's L_DOUBTUNDER (under-reading amount:
+    the true front may be that far ahead of the estimate), and the margin below is L_DOUBTOVER; when it runs the other
+    way they change places.
+    """
+
+    position: str = "position_mm"
+    below: str = "margin_below_mm"
+    above: str = "margin_above_mm"
+    valid: str = "valid"
+    valid_is: bool = True
+    truth: str = "truth_nm"
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The outputs it reads."""
+        return (self.position, self.below, self.above, self.valid)
+
+    def interval_mm(self, outputs: Mapping[str, Value]) -> tuple[int, int] | None:
+        """Return lower and upper end, None while nothing is reported."""
+        if bool(outputs[self.valid]) is not self.valid_is:
+            return None
+        return outputs[self.position] - outputs[self.below], outputs[self.position] + outputs[self.above]
+
+    def standing(self, outputs: Mapping[str, Value], truth_mm: int) -> Standing:
+        """Compare the report with the true position in whole mm."""
+        interval = self.interval_mm(outputs)
+        if interval is None:
+            return "INVALID"
+        return "contained" if interval[0] <= truth_mm <= interval[1] else "WRONG"
+
+
+def usual_names(where: str, outputs: Collection[str]) -> Reported | None:
+    """Return the interval of a machine that uses the usual names (the defaults of `Reported`); None otherwise.
+
+    InputError for a machine that has them as they were until 0.1.0: it would be without an interval, in silence.
+    """
+    usual = Reported()
+    if set(usual.outputs) <= set(outputs):
+        return usual
+    if {usual.valid, usual.position, "under_mm", "over_mm"} <= set(outputs):
+        raise InputError(
+            f"{where}: of its outputs {renamed(('under_mm', 'over_mm'), usual.outputs).removeprefix('; ')}. Rename them, or declare "
+            "reported = Reported(below='under_mm', above='over_mm')."
+        )
+    return None

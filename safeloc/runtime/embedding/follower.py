@@ -1,0 +1,90 @@
+"""A host's own object as a state machine of the `transitions` package that follows a controller's machine.
+
+States are the mode labels; callbacks such as `on_enter_DELOCALIZED` (or `on_enter_delocalized`) on the host's object are
+called as in any `transitions` machine. There are no `to_X` triggers, and a mode is entered only because the controller's
+machine, whose inputs went through the border, entered it.
+
+A row of the transition table from a mode to itself is an internal step: it changes values, but nothing is left or
+entered, so no callback runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from inspect import iscoroutinefunction
+from typing import Any
+
+from transitions import Machine as Fsm
+from transitions.core import EventData
+
+from safeloc.errors import InputError
+from safeloc.language.machine import Machine
+
+FOLLOW = "follow_machine"
+"""The one trigger that the host's object gets; only its follower has a use for it."""
+
+
+class Follower:
+    """A host's object that follows a machine which runs elsewhere: entering and leaving modes calls its callbacks.
+
+    InputError where the object already has an attribute that a mode or the trigger needs, and for callbacks that would
+    have to be awaited.
+    """
+
+    def __init__(self, machine: Machine, model: object) -> None:
+        self._labels = tuple(mode.label for mode in machine.modes)
+        self._wanted = self._labels[0]
+        _refuse_clash(model, self._labels)
+        self._model = model
+        self._fsm = Fsm(
+            model=model,
+            states=_states(self._labels, model),
+            initial=self._labels[0],
+            auto_transitions=False,
+            ignore_invalid_triggers=False,
+            send_event=True,
+        )
+        for label in self._labels:
+            others: list[Any] = [other for other in self._labels if other != label]
+            self._fsm.add_transition(FOLLOW, others, label, conditions=self._goes_to(label))
+
+    def _goes_to(self, label: str) -> Callable[[EventData], bool]:
+        return lambda _event: self._wanted == label
+
+    def enter(self, label: str, **told: object) -> None:
+        """Go to another mode; callbacks find `told` in their event's kwargs. In the mode already: nothing happens."""
+        self._wanted = label
+        if self._model.state != label:  # type: ignore[attr-defined] # `transitions` gave it the attribute
+            getattr(self._model, FOLLOW)(**told)
+
+    def place(self, label: str) -> None:
+        """Stand in a mode without having entered it: no callback is called."""
+        self._fsm.set_state(label)
+
+
+def _states(labels: tuple[str, ...], model: object) -> list[dict[str, Any]]:
+    """States with the host's callbacks in either spelling. `transitions` by itself finds bound methods only."""
+    states = []
+    for label in labels:
+        state: dict[str, Any] = {"name": label}
+        for moment in ("on_enter", "on_exit"):
+            spellings = dict.fromkeys((f"{moment}_{label.lower()}", f"{moment}_{label}"))
+            state[moment] = [name for name in spellings if _is_callback(model, name)]
+        states.append(state)
+    return states
+
+
+def _is_callback(model: object, name: str) -> bool:
+    callback = getattr(model, name, None)
+    if iscoroutinefunction(callback) or iscoroutinefunction(getattr(callback, "__call__", None)):  # noqa: B004
+        raise InputError(
+            f"{name} of the host object is a coroutine function, and a step awaits nothing. Make it a plain function "
+            "that starts a task, or let a listener put each report into a queue."
+        )
+    return callable(callback)
+
+
+def _refuse_clash(model: object, labels: tuple[str, ...]) -> None:
+    taken = [name for name in (FOLLOW, "state", *(f"is_{label}" for label in labels)) if hasattr(model, name)]
+    if taken:
+        raise InputError(f"the host object already has {taken}; they would be replaced. Give it other names.")

@@ -1,0 +1,93 @@
+"""Lines of step streams and of records with the names of today."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, get_args
+
+from safeloc.errors import StreamError
+from safeloc.language.renamed import name_now
+from safeloc.runtime.migration.changes import Change, summed, with_names
+from safeloc.runtime.outside import quoted
+from safeloc.runtime.streams.files import json_object, lines_of, streaming
+from safeloc.runtime.streams.records import Record
+from safeloc.runtime.streams.steps import SCHEMA
+
+KINDS = frozenset(kind.model_fields["kind"].default for kind in get_args(Record)) | {"cycle"}
+"""Of records, and of the line that ends a cycle."""
+REPORT = ("interval_mm", "event", "outputs")
+"""A line with one of these is what a process told, no input of anything."""
+
+
+def migrated(path: Path, ships: Collection[str]) -> tuple[str, tuple[Change, ...]]:
+    """The text with the names of today. StreamError, with file and line, for what is no stream of steps or records.
+
+    ships   names of machines whose inputs were renamed; those of other machines are their owners'
+    """
+    lines: list[str] = []
+    changes: list[Change] = []
+    with streaming(path):
+        for number, text in lines_of(path):
+            names = _old_names(path, number, json_object(path, number, text), ships)
+            lines.append(_renamed(path, number, text, names) if names else text)
+            changes += (Change(old, new, number) for old, new in names.items())
+    return "".join(f"{line}\n" for line in lines), summed(changes)
+
+
+def _old_names(path: Path, number: int, line: Mapping[str, Any], ships: Collection[str]) -> dict[str, str]:
+    """The names of before that the line says, each with the one of today."""
+    said = list(_names(path, number, line))
+    names = {old: new for old in said if (new := name_now(old)) != old}
+    both = [f"{old!r} and {new!r}" for old, new in names.items() if new in said]
+    if both:
+        raise StreamError(f"{path}:{number}: has both {both[0]}, an old name and the new one; keep one of them.")
+    machine = line.get("machine", "")
+    if names and "schema" in line and machine not in ("", *ships):
+        raise StreamError(
+            f"{path}:{number}: a stream of {quoted(machine)}, which does not ship; what its names are only its owner knows. "
+            f"Take `machine` out where they are those of a machine that ships."
+        )
+    return names
+
+
+def _names(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[str]:
+    """The names of inputs and state variables that a line says, by what it is."""
+    if "schema" in line:
+        yield from _of_a_header(path, number, line)
+    elif "kind" in line:
+        if line["kind"] not in KINDS:
+            raise StreamError(f"{path}:{number}: a line of kind {quoted(line['kind'])}; known are {sorted(KINDS)}.")
+        yield from [line["name"]] if isinstance(line.get("name"), str) else []
+    elif any(name in line for name in REPORT):
+        raise StreamError(f"{path}:{number}: a line that a process told; nothing reads it back, so it stays as it is.")
+    else:
+        yield from line
+
+
+def _of_a_header(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[str]:
+    if line["schema"] != SCHEMA:
+        raise StreamError(f"{path}:{number}: schema is {quoted(line['schema'])}; this version carries {SCHEMA!r} over.")
+    first, kept = line.get("first", {}), line.get("kept", [])
+    if not isinstance(first, dict) or not isinstance(kept, list) or not all(isinstance(name, str) for name in kept):
+        raise StreamError(f"{path}:{number}: `first` must be an object of initial values, and `kept` a list of inputs.")
+    yield from first
+    yield from (name for name in kept if name not in first)
+
+
+def _renamed(path: Path, number: int, text: str, names: dict[str, str]) -> str:
+    """The line as it stands, with other names; StreamError where that would change a value as well."""
+    found = with_names(text, names)
+    if json.loads(found) != _with(json.loads(text), names):
+        raise StreamError(f"{path}:{number}: says {quoted(sorted(names))} as a value as well; rename the line by hand.")
+    return found
+
+
+def _with(line: dict[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    made = {names.get(name, name): value for name, value in line.items()}
+    if "schema" in line:
+        made["first"] = {names.get(name, name): value for name, value in line.get("first", {}).items()}
+        made["kept"] = [names.get(name, name) for name in line.get("kept", [])]
+        return {name: value for name, value in made.items() if name in line}
+    return {**made, "name": names.get(line["name"], line["name"])} if "kind" in line else made

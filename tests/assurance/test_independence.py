@@ -1,0 +1,90 @@
+"""What claims and clauses share with the rows of their machine is found by structure, and nothing else is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from safeloc.assurance.independence import Shared, follows_machine, shared_terms
+from safeloc.errors import ModelError
+from safeloc.language.expr import Bool, before, boolean, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.spec import Property, always
+from safeloc.language.system import lower
+from safeloc.language.units import MM
+from safeloc.language.world import Law, World
+from safeloc.target import Target
+
+ON, OFF = modes("ON", "OFF")
+X, Y, GO = number("x", MM, 0, 100), number("y", MM, 0, 100), boolean("go")
+N, TRUTH, NEXT = number("n", MM, 0, 500), number("truth", MM, 0, 100), number("next", MM, 0, 100)
+
+
+def far() -> Bool:
+    """The machine's guard, eleven nodes, made anew at each call."""
+    return (X + Y * 2 > N) & (Y + 3 > X)
+
+
+def machine(law: Bool | Law = TRUTH < 50, **world: str) -> Machine:
+    """Sets n where the guard holds."""
+    around = World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": law}, **world)
+    row = Transition("far", ON, OFF, far(), {N: X + Y})
+    return Machine("m", (ON, OFF), [X, Y, GO], {N: 0}, {"sum": N * 2 + N * 3 + 7}, [row], world=around)
+
+
+def target(*claims: Property, law: Bool | Law = TRUTH < 50) -> Target:
+    """A target with these claims."""
+    made = machine(law)
+    return Target("m", (made,), lower(made), claims)
+
+
+def found(*claims: Property, law: Bool | Law = TRUTH < 50) -> list[Shared]:
+    """What they share."""
+    return shared_terms(target(*claims, law=law))
+
+
+def test_a_claim_of_the_machine_s_own_guard_is_told_with_its_place() -> None:
+    """Written a second time it is the same formula; where it is used and who says it are told."""
+    (one,) = found(always("own term", far().implies(GO)))
+    assert ("property own term", 11) == (one.of, one.nodes)
+    assert {"next value of mode", "next value of n", "transition that fires"} == set(one.used)
+    assert "test_independence.py:" in one.src
+
+
+def test_a_value_before_the_step_is_the_same_variable() -> None:
+    """A claim speaks of the step that was; the row of the one to come."""
+    ahead = (X + Y * 2 > before(N)) & (Y + 3 > X)
+    assert [11] == [one.nodes for one in found(always("a step later", ahead.implies(GO)))]
+
+
+def test_small_terms_and_outputs_are_not_told() -> None:
+    """A sum of two inputs is no formula, and a claim may speak of what is put out, as a whole."""
+    made = target()
+    small = always("small", (X + Y > 3).implies(GO))
+    output = always("of an output", made.machines[0].output("sum") > 2)
+    assert [] == found(small)
+    assert [] == shared_terms(replace(made, properties=(output,)))
+
+
+def test_a_clause_that_repeats_a_guard_is_told() -> None:
+    """It reads inputs only and is lawful, but it moves with the machine."""
+    guard = (Y + 3 > X) & (X + Y * 2 > Y)
+    around = World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": (Y + 3 > X) & (X + Y * 2 > Y)})
+    made = Machine("m", (ON, OFF), [X, Y], {N: 0}, {}, [Transition("far", ON, OFF, guard)], world=around)
+    assert ["clause the law of m"] == [one.of for one in shared_terms(Target("m", (made,), lower(made), ()))]
+
+
+def test_a_law_that_reads_state_is_refused_without_a_reason() -> None:
+    """The message names the law and what it reads; with a reason it is accepted, and listed."""
+    with pytest.raises(ModelError, match=r"clause 'the law' reads 'n', which the machine computes; the world knows"):
+        machine(N < 50)
+    made = machine(Law(N < 50, "n stays low"), reads_machine="for the test")
+    assert {"clause 'the law' of m": ("n",)} == follows_machine(Target("m", (made,), lower(made), ()))
+
+
+def test_a_move_that_reads_state_is_refused() -> None:
+    """The truth does not follow the machine."""
+    made = machine()
+    with pytest.raises(ModelError, match=r"move of ghost 'truth' reads 'n', which the machine computes"):
+        replace(made, world=replace(made.world, moves={TRUTH: N}))

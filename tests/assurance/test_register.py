@@ -1,0 +1,93 @@
+"""The register of assumptions is made from the laws of the worlds, complete, with figures and what is missing."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel
+
+from safeloc.assurance.register import FROM_MEMORY, Assumption, register, to_confirm
+from safeloc.config import Config, quantity
+from safeloc.language.composition import Clause, compose
+from safeloc.language.expr import Bool, Var, number
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.system import lower
+from safeloc.language.units import MM
+from safeloc.language.world import Law, World
+from safeloc.target import Target
+
+(ON,) = modes("ON")
+TRUTH, NEXT = number("truth", MM, 0, 100), number("next", MM, 0, 100)
+
+
+class Reader(Config):
+    """A reader's figures."""
+
+    accuracy_mm: int = quantity(12, "mm", 0, 100, "[M] from memory")
+    latency_ms: int = quantity(3, "ms", 0, 100, "[S] a data sheet")
+
+
+class Both(Config):
+    """Two readers, and a figure of the whole."""
+
+    front: Reader = Reader()
+    rear: Reader = Reader(accuracy_mm=20)
+    length_mm: int = quantity(5, "mm", 0, 100, "[D] derived")
+
+
+def machine(name: str, **laws: Bool | Law) -> Machine:
+    """Adds up what it hears."""
+    heard, total = number("heard", MM, 0, 9), number("total", MM, 0, 9)
+    around = World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {law.replace("_", " "): term for law, term in laws.items()})
+    rows = [Transition("take", ON, ON, set={total: heard})]
+    return Machine(name, (ON,), [heard], {total: 0}, {"total": total}, rows, world=around)
+
+
+def registered(made: Machine, config: BaseModel | None = None) -> list[Assumption]:
+    """The register of a target of this machine alone."""
+    return register(Target("t", (made,), lower(made), (), config))
+
+
+def test_every_law_is_numbered_in_the_order_of_declaration() -> None:
+    """A bare term is an assumption as well, and what nobody said of it is told."""
+    full = Law(TRUTH < 50, "the truth is low", ("accuracy_mm",), "[S] a document", "supplier", "a type test")
+    bare, said = registered(machine("front", stays=NEXT < 90, is_low=full), Reader())
+    assert ("front/A1", "stays", "(< next 90)") == (bare.id, bare.name, bare.term)
+    assert ("statement", "source", "owner", "check") == bare.lacks
+    assert ("front/A2", (), "supplier") == (said.id, said.lacks, said.owner)
+    assert [("accuracy_mm", "12", "mm", True)] == [
+        (one.name, one.value, one.unit, one.to_confirm) for one in said.figures
+    ]
+
+
+def test_a_figure_is_that_of_the_machine_s_own_part() -> None:
+    """Of two parts with a figure of the same name, that of the machine's name; without one of its name, all of them."""
+    law = Law(TRUTH < 50, figures=("accuracy_mm", "length_mm"))
+    (own,) = registered(machine("rear", law=law), Both())
+    assert [("rear.accuracy_mm", "20"), ("length_mm", "5")] == [(one.name, one.value) for one in own.figures]
+    (other,) = registered(machine("middle", law=law), Both())
+    assert ["front.accuracy_mm", "rear.accuracy_mm", "length_mm"] == [one.name for one in other.figures]
+
+
+def test_a_figure_that_nobody_configured_is_told() -> None:
+    """A wrong name is not passed over."""
+    (one,) = registered(machine("m", law=Law(TRUTH < 50, figures=("acuracy_mm",))), Reader())
+    assert ["not found in the configuration"] == [figure.source for figure in one.figures]
+
+
+def test_a_law_that_another_machine_guarantees_is_marked() -> None:
+    """Nobody outside has to see to it."""
+    first, second = machine("first"), machine("second", is_low=NEXT < 50, stays=NEXT < 90)
+    heard = next(var for var in second.inputs if isinstance(var, Var))
+    for discharge, expected in (([second], [True, True]), ([Clause(second, "is low")], [True, False])):
+        whole = compose(
+            "both", [first, second], {heard: first.output("total")}, shared=[TRUTH, NEXT], discharge=discharge
+        )
+        found = register(Target("both", (first, second), whole.system, ()))
+        assert expected == [one.guaranteed for one in found]
+
+
+def test_figures_from_memory_are_counted_by_target() -> None:
+    """Only they: those read in a document or derived need no operator; one that was set here is no default."""
+    target = Target("t", (), lower(machine("m")), (), Both())
+    assert {"t.front.accuracy_mm"} == set(to_confirm([target]))
+    assert {} == to_confirm([Target("t", (), target.system, ())])
+    assert FROM_MEMORY == "[M]"

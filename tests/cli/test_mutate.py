@@ -1,0 +1,46 @@
+"""`safeloc mutate`: lines for people, JSON for programs, and what was judged before."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tests.cli.calling import Call
+
+SPEC = "tests.assurance.mutation.brake:machine"
+
+
+def test_lines(call: Call, tmp_path: Path) -> None:
+    """The score in both ways, who notices alone, and each question with its place and term."""
+    called = call("mutate", SPEC, "--cache", str(tmp_path))
+    assert 0 == called.code
+    assert "the term wrong wherever it stands: " in called.out
+    assert "the machine alone wrong: " in called.out
+    assert "only range brakings notices" in called.out
+    assert "written: self.speed > LIMIT_MM_S" in called.out
+    alone = call("mutate", SPEC, "--cache", str(tmp_path), "--machine-only")
+    assert "the term wrong wherever it stands: " not in alone.out
+
+
+def test_json_of_a_sample(call: Call, tmp_path: Path) -> None:
+    """So many mutants as asked for, and the same again from what was kept."""
+    command = ("mutate", SPEC, "--sample", "5", "--seed", "2", "--cache", str(tmp_path), "--json")
+    first, again = (json.loads(call(*command).out) for _ in range(2))
+    assert ("safeloc-mutation/1", 5) == (first["schema"], first["judged"])
+    assert first["results"] == again["results"]
+    [one] = json.loads(call(*command, "--mutant", first["results"][0]["id"]).out)["results"]
+    assert first["results"][0] == one
+
+
+def test_an_unknown_mutant(call: Call, tmp_path: Path) -> None:
+    """Exit code 2, and where ids are listed."""
+    called = call("mutate", SPEC, "--mutant", "brake-0", "--cache", str(tmp_path))
+    assert 2 == called.code
+    assert "no mutant 'brake-0'; --json lists them" in called.err
+
+
+def test_a_composition(call: Call) -> None:
+    """Exit code 2, with the machines to give instead."""
+    called = call("mutate", "supervised_odometry")
+    assert 2 == called.code
+    assert "supervised_odometry is a composition of" in called.err

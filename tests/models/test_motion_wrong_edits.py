@@ -1,0 +1,74 @@
+"""Wrong edits of what motion charges, each of which a proof must notice: what its users are owed is not kept any more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from safeloc.language.expr import Bool, Num, as_num, ite, minimum
+from safeloc.language.units import NM
+from safeloc.models.localizer import LocalizerConfig, compose_machines
+from safeloc.models.motion.unit_check import UnitCheck
+from safeloc.models.vocabulary.odometer import Odometer
+from safeloc.proof.provers.implication import Refuted
+from safeloc.proof.provers.proved_base import Base, base
+from tests.models.test_motion import one_user
+
+BEYOND = vars(UnitCheck)["beyond"].func
+Edit = Callable[[pytest.MonkeyPatch], None]
+
+
+def _term(kind: type, name: str, wrong: Callable[..., Num | Bool]) -> Edit:
+    return lambda patch: patch.setattr(kind, name, property(wrong))
+
+
+def _standing_up_to_a_metre(check: UnitCheck) -> Bool:
+    step = check.unit.step.value
+    return check.checked & check.odometer.step.value.eq(0) & (step <= 1_000) & (step >= -1_000)
+
+
+def _standing_by_the_wheel_alone(check: UnitCheck) -> Bool:
+    return check.checked & check.odometer.step.value.eq(0)
+
+
+def _standing_by_the_radar_alone(check: UnitCheck) -> Bool:
+    return check.checked & (check.unit.step.value <= 55) & (check.unit.step.value >= -55)
+
+
+def _half_blind(unit: Odometer) -> Num:
+    return ite(unit.admitted, unit.most_error, as_num(unit.limits.blind_nm // 2, NM))
+
+
+def _capped(check: UnitCheck) -> Num:
+    return minimum(BEYOND(check), as_num(100_000_000, NM))
+
+
+EDITS: Mapping[str, Edit] = {
+    "standing is believed up to one metre a cycle": _term(UnitCheck, "standing", _standing_up_to_a_metre),
+    "standing is believed of the wheel alone": _term(UnitCheck, "standing", _standing_by_the_wheel_alone),
+    "standing is believed of the radar alone": _term(UnitCheck, "standing", _standing_by_the_radar_alone),
+    "nothing is charged beyond the law": _term(UnitCheck, "beyond", lambda check: as_num(0, NM)),
+    "no more than 0.1 m a cycle is charged": _term(UnitCheck, "beyond", _capped),
+    "silence is charged with half the top speed": _term(Odometer, "growth", _half_blind),
+    "what does not come back is forgotten": _term(UnitCheck, "_settled", lambda check: as_num(0, NM)),
+}
+
+
+def owed(patch: pytest.MonkeyPatch, edit: Edit | None) -> Base:
+    """What is known of motion and balises after the edit."""
+    if edit is not None:
+        edit(patch)
+    return base(one_user(compose_machines(LocalizerConfig(sources=("balise",))), {}), seconds=120)
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_a_wrong_edit_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The balise machine is not kept what it is owed, or a fact of motion falls."""
+    refuted = owed(monkeypatch, EDITS[name]).refuted
+    assert [str(fact) for fact, why in refuted.items() if isinstance(why, Refuted)]
+
+
+def test_without_an_edit_all_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The machine as it is keeps what the edits break."""
+    assert owed(monkeypatch, None).refuted == {}

@@ -1,0 +1,160 @@
+"""Wrong edits of odometry's terms, each of which a proof must notice: world, machine and claims do not move together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from safeloc.codegen.smtlib import Query
+from safeloc.language.expr import TRUE, Num, as_num
+from safeloc.language.spec import observe
+from safeloc.language.system import environment, in_range, lower
+from safeloc.language.terms import Substitution, variables
+from safeloc.language.units import MM
+from safeloc.models import odometry
+from safeloc.models.odometry.distance_device import Cycle
+from safeloc.models.odometry.marker_reading import Fix, Reader, fix
+from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
+from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, ErrorLaw
+from safeloc.models.vocabulary.measured import Limits
+from safeloc.proof.provers.implication import Refuted, unproved
+from safeloc.proof.provers.proved_base import ranges_and_lemmas
+from safeloc.properties.odometry import properties
+
+FIX = "safeloc.models.odometry.cycle.fix"
+Patch = pytest.MonkeyPatch
+Edit = Callable[[Patch], None]
+
+
+def refuted(model: odometry.Odometry, claim: str, *, seconds: float = 200) -> set[str]:
+    """Which of the claim and the lemmas that tie machine and world are refuted in one step; every one is decided."""
+    prop = next(one for one in properties(model) if one.name == claim)
+    goal = observe(lower(model.machine), prop)
+    facts = {str(fact): term for fact, term in ranges_and_lemmas(goal.original).items()}
+    if prop.unconditional:
+        facts = {name: term for name, term in facts.items() if not goal.original.ghosts & set(variables([term]))}
+    known = {**facts, claim: goal.good}
+    given = [environment(goal.system, assume=not prop.unconditional), in_range(goal.system.state), *known.values()]
+    after = Substitution(dict(goal.system.next))
+    tied = [name for name in known if name == claim or "holds the truth" in name or "gated" in name or "age_ms" in name]
+    failed = unproved(Query("one step", given, {name: after.bool(known[name]) for name in tied}), seconds)
+    assert {name: why for name, why in failed.items() if not isinstance(why, Refuted)} == {}
+    return set(failed)
+
+
+def reader_with(**fields: Any) -> Edit:
+    """What a reading says is computed with other figures of the reader."""
+
+    def edit(patch: Patch) -> None:
+        patch.setattr(FIX, lambda reader, moved: fix(replace(reader, **fields), moved))
+
+    return edit
+
+
+def law_with(**figures: int) -> Edit:
+    """What a cycle adds to a margin is computed with other figures of the law."""
+
+    def edit(patch: Patch) -> None:
+        sound = ErrorLaw.growth_nm
+
+        def grown(law: ErrorLaw, distance: Num, age: Num, period_ms: int) -> Num:
+            return sound(law.model_copy(update=figures), distance, age, period_ms)
+
+        patch.setattr(ErrorLaw, "growth_nm", grown)
+
+    return edit
+
+
+def limits_with(**fields: int) -> Edit:
+    """The devices work within other limits."""
+
+    def edit(patch: Patch) -> None:
+        sound = vars(OdometryConfig)["limits"].fget
+        patch.setattr(OdometryConfig, "limits", property(lambda config: replace(sound(config), **fields)))
+
+    return edit
+
+
+def window_open(patch: Patch) -> None:
+    """A reading outside its window is accepted."""
+    patch.setattr(Fix, "meets", lambda fix, values: TRUE)
+
+
+def half_blind(patch: Patch) -> None:
+    """Silence is charged with half of the highest speed."""
+    patch.setattr(Limits, "blind_nm", property(lambda limits: limits.max_speed_mm_s * limits.period_ms * 500))
+
+
+def measured_is_run(patch: Patch) -> None:
+    """The run in the reader's latency is reckoned from the measured distance, as if that were true."""
+    law = {"rate_ppm": 0, "floor_mm_s": 0, "drift_mm_s2": 0}
+    patch.setattr(ErrorLaw, "portion", lambda one, share_ppm: one.model_copy(update=law))
+
+
+def constant_free(patch: Patch) -> None:
+    """A fresh reading is not charged the units' one-off constant."""
+    sound = Fix.values
+    patch.setattr(Fix, "values", lambda fix, wander, tolerance, limit: sound(fix, 0, tolerance, limit))
+
+
+def since_backwards(patch: Patch) -> None:
+    """The run since the marker is taken off instead of added."""
+
+    def turned(reader: Reader, moved: Cycle) -> Fix:
+        found = fix(reader, moved)
+        return replace(found, position=found.position - 2 * reader.since.value_or(as_num(0, MM)))
+
+    patch.setattr(FIX, turned)
+
+
+def readers_swapped(patch: Patch) -> None:
+    """The trailing reader is taken for the leading one."""
+    patch.setattr(Parts, "leads", lambda own, end: own.backwards if end == 0 else ~own.backwards)
+
+
+EDITS: Mapping[str, tuple[Edit, str]] = {
+    "rear reading without the vehicle length": (reader_with(offset=as_num(0, MM)), "containment"),
+    "length tolerance not charged": (reader_with(offset_tolerance_mm=0), "containment"),
+    "error of the run since the marker not charged": (reader_with(since_ppm=0), "containment"),
+    "latency not charged": (reader_with(latency_ppm=0), "containment"),
+    "a changing speed not charged": (reader_with(unsteady_nm=(0, 0)), "containment"),
+    "accuracy of the map not charged": (reader_with(accuracy_mm=0), "containment"),
+    "run since the marker on the wrong side": (since_backwards, "containment"),
+    "what is measured in the latency is taken for what is run": (measured_is_run, "containment"),
+    "reading outside its window accepted": (window_open, "containment"),
+    "floor of the law dropped": (law_with(floor_mm_s=0), "containment"),
+    "rate of the law too small": (law_with(rate_ppm=20_000), "containment"),
+    "knee of the law too high": (law_with(knee_mm_s=10_000), "containment"),
+    "one-off constant not charged": (constant_free, "containment"),
+    "silence charged with half the top speed": (half_blind, "containment"),
+    "silence charged with half the top speed, without the world": (half_blind, "front_wheel charges silence"),
+    "age limit doubled": (limits_with(age_limit_ms=172_800_000), "age limit"),
+    "change of speed not gated": (limits_with(max_step_change_mm=100_000), "front_wheel gate"),
+    "top speed not gated": (limits_with(max_step_mm=9_000), "front_wheel gate"),
+    "a gate that lets pass what no vehicle runs": (limits_with(max_step_change_mm=100_000), "containment"),
+    "readers swapped": (readers_swapped, "rear reading pairs"),
+}
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_a_wrong_edit_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After the edit the claim, or a lemma that it rests on, does not hold any more."""
+    edit, claim = EDITS[name]
+    edit(monkeypatch)
+    assert refuted(odometry.build(parts(OdometryConfig())), claim)
+
+
+def test_a_forgotten_drift_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A unit that drifts with the time since its marker is charged for that."""
+    law_with(drift_mm_s2=0)(monkeypatch)
+    config = OdometryConfig(devices=1, first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER)
+    assert refuted(odometry.build(parts(config)), "containment")
+
+
+@pytest.mark.parametrize("claim", sorted({claim for _, claim in EDITS.values()}))
+def test_without_an_edit_nothing_is_refuted(claim: str) -> None:
+    """The machine as it is keeps all that the edits break."""
+    assert refuted(odometry.build(parts(OdometryConfig())), claim) == set()
