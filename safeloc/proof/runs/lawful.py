@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import combinations
 
 from safeloc.errors import InputError
 from safeloc.language.expr import BoolVar, Lit, NumVar, Var
@@ -98,16 +99,22 @@ class Repair:
         return found
 
     def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> Sequence[Var]:
-        """Change a truth value, such as the presence of a measurement, so that the broken part holds; what was changed."""
+        """Change a truth value, such as the presence of a measurement, or two, so that the broken part holds; what changed."""
         flags = [var for var in self._free[broken] if isinstance(var, BoolVar)]
-        for flag in draw.sample(flags, len(flags)):
-            trial = {**values, flag: not values[flag]}
-            if flag in self._value:
-                trial[self._value[flag]] = canonical(self._value[flag])
-            if broken.holds(trial):
-                values.update(trial)
-                return [flag, self._value[flag]] if flag in self._value else [flag]
+        mixed = draw.sample(flags, len(flags))
+        for some in (*((one,) for one in mixed), *combinations(mixed, 2)):
+            changed = {var: value for flag in some for var, value in self._other(flag, values).items()}
+            if broken.holds({**values, **changed}):
+                values.update(changed)
+                return list(changed)
         return []
+
+    def _other(self, flag: BoolVar, values: Mapping[Var, Value]) -> dict[Var, Value]:
+        """The opposite truth value; what is left out or comes with it has its canonical value."""
+        changed: dict[Var, Value] = {flag: not values[flag]}
+        if flag in self._value:
+            changed[self._value[flag]] = canonical(self._value[flag])
+        return changed
 
 
 def begins(system: TransitionSystem, first: Mapping[str, Value]) -> bool:

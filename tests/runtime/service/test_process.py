@@ -96,7 +96,7 @@ def test_nothing_decided(tmp_path: Path) -> None:
         (("--first", "mode=1"), "mode starts at 0 by declaration"),
         (("--period-ms", "50"), "configured for cycles of 100 ms, not 50 ms"),
         (("--from", "file:absent", "--until-end"), "absent: no such file"),
-        (("--from", "file:run.jsonl.gz"), "run.jsonl.gz: packed, so lines cannot be followed in it; unpack it"),
+        (("--from", "file:run.jsonl.gz"), "run.jsonl.gz: a compressed file cannot be followed line by line; unpack it"),
         (("--to", "file:absent/there"), "cannot be written"),
         (("--snapshot", "absent/there"), "snapshots cannot be kept there"),
         (("--snapshot", "."), "a folder; name a file"),
