@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from textwrap import shorten
 from typing import Annotated, Any
 
 import typer
 
-from safeloc.assurance.independence import follows_machine, shared_terms
+from safeloc.assurance.independence import Shared, follows_machine, shared_terms
 from safeloc.assurance.register import Assumption, register, to_confirm
 from safeloc.assurance.requirements import Item, Link, traceability
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.errors import InputError
 from safeloc.language.spec import Property
+from safeloc.target import Target
 
+SHOWN = 3
+TERM_CHARACTERS = 200
 Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines."""
 
@@ -153,9 +157,26 @@ def _shared(chosen: _Chosen) -> Listed:
         for target in targets
         for what, read in follows_machine(target).items()
     ]
-    lines = [f"{one['machine']}  {one['of']}  {one['nodes']} nodes  {', '.join(one['used'])}" for one in shared]
-    lines += [f"{one['machine']}  {one['of']}  reads {', '.join(one['reads'])}" for one in follows]
+    lines = [line for target in targets for line in _shared_lines(target)]
+    lines += [f"{one['machine']}  {one['of']}  reads {_first_few(one['reads'])}" for one in follows]
     return {"shared": shared, "reads_machine": follows}, lines or ["nothing is shared."]
+
+
+def _shared_lines(target: Target) -> Iterator[str]:
+    """One shared term after another, with what the machine computes with it and who speaks of it."""
+    by_term: dict[str, list[Shared]] = {}
+    for one in shared_terms(target):
+        by_term.setdefault(one.term, []).append(one)
+    for term, speakers in sorted(by_term.items(), key=lambda item: -item[1][0].nodes):
+        yield f"{target.name}  {speakers[0].nodes} nodes  {shorten(term, TERM_CHARACTERS, placeholder=' ...')}"
+        yield f"    computed for  {_first_few(speakers[0].used)}"
+        yield f"    shared by     {_first_few(list(dict.fromkeys(one.of for one in speakers)))}"
+
+
+def _first_few(names: Sequence[str]) -> str:
+    """The first three names, and how many there are besides; all of them stand in the JSON."""
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more
 
 
 def _shipped_lines() -> Listed:
