@@ -87,6 +87,11 @@ COMMANDS: Mapping[str, Known] = {
         "mutate",
         "Make a machine wrong on purpose, term by term, and say which proof notices, and which wrong machines nothing notices.",
     ),
+    "cores": Known(
+        "cores",
+        "cores",
+        "Find a smallest set of clauses, lemmas and rows for each proved claim, and say which of them no claim needs.",
+    ),
     "verify": Known(
         "verify", "verify", "Prove, test, replay the shipped recordings, and write the report: the main command."
     ),

@@ -139,6 +139,7 @@ def compose(
             step.bool(_may_be_heard(system, wired)),
             step.bool(all_of([ghosts, owed])),
             _guaranteed(machine, discharge),
+            {key: step.bool(term) for key, term in _left(machine, discharge).items()},
         )
         rename[machine] = now
         merged = replace(
@@ -178,6 +179,12 @@ def _guaranteed(machine: Machine, discharge: Sequence[Machine | Clause]) -> tupl
     return tuple(one.name for one in discharge if isinstance(one, Clause) and one.machine is machine)
 
 
+def _left(machine: Machine, discharge: Sequence[Machine | Clause]) -> dict[str, Bool]:
+    """The clauses of the machine that the composition assumes, by name."""
+    guaranteed = _guaranteed(machine, discharge)
+    return {name: term for name, term in machine.world.terms.items() if name not in guaranteed}
+
+
 def _divided(machine: Machine, system: TransitionSystem, discharge: Sequence[Machine | Clause]) -> tuple[Bool, Bool]:
     """Divide the machine's assumption into the part that is discharged and the part that the composition assumes."""
     if machine in discharge:
@@ -186,8 +193,7 @@ def _divided(machine: Machine, system: TransitionSystem, discharge: Sequence[Mac
     if not named:
         return TRUE, system.assume
     owed = [term for name, term in machine.world.terms.items() if name in named]
-    kept = [term for name, term in machine.world.terms.items() if name not in named]
-    return all_of(owed), all_of(kept)
+    return all_of(owed), all_of(_left(machine, discharge).values())
 
 
 def _start(value: Initial) -> Value | Any_:

@@ -10,7 +10,7 @@ Modes, priorities and staying put become terms. Every back end and every prover 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from safeloc.language.checks.machine import input_variables
 from safeloc.language.expr import (
@@ -45,6 +45,7 @@ class Part:
     heard  the condition that all wired inputs are in range, over the composition's state before the step and inputs
     owed   the ranges of its wired ghosts, and the part of its assumption that the machines before it discharge
     guaranteed  names of its world's clauses that the machines before it guarantee
+    assumed     the other clauses by name, over the composition's state before the step and inputs
     """
 
     alone: TransitionSystem
@@ -52,6 +53,7 @@ class Part:
     heard: Bool
     owed: Bool
     guaranteed: tuple[str, ...] = ()
+    assumed: Mapping[str, Bool] = field(default_factory=dict)
 
     @property
     def machine(self) -> Machine:

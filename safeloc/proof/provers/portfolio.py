@@ -162,10 +162,10 @@ def _property_claim(system: TransitionSystem, prop: Property) -> _Claim:
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     """Prove a property on the machine alone if its inputs are in range and its assumption discharged; else on the
     composition."""
-    inherited = _inherited(goal)
-    if inherited is None:
+    of_machine = inherited(goal)
+    if of_machine is None:
         return prove_one(goal, limits)
-    part, own = inherited
+    part, own = of_machine
     known = base(goal.original, seconds=limits.seconds)
     free = own.unconditional and part.alone.ghosts.isdisjoint(variables([own.term]))
     owed = free or part.owed is TRUE or owed_to(part) in known.kept
@@ -179,7 +179,7 @@ def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
     return prove_one(goal, half)
 
 
-def _inherited(goal: Goal) -> tuple[Part, Property] | None:
+def inherited(goal: Goal) -> tuple[Part, Property] | None:
     """Return the machine and its own property if the claim about the composition is exactly that property."""
     if goal.prop.kept_by is None:
         return None
