@@ -21,7 +21,7 @@ MODULES = sorted(
     + [*(ROOT.parent / "models").rglob("*.py"), *(ROOT.parent / "properties").rglob("*.py")]
 )
 HEAVY = {
-    "z3": ("safeloc/codegen/smt.py", "safeloc/proof/provers/", "safeloc/checker/solve.py"),
+    "z3": ("safeloc/codegen/smt.py", "safeloc/proof/provers/", "safeloc/proof/cores/", "safeloc/checker/solve.py"),
     "cvc5": (
         "safeloc/proof/provers/recheck.py",
         "safeloc/checker/solve.py",

@@ -92,6 +92,11 @@ COMMANDS: Mapping[str, Known] = {
         "cores",
         "Find a smallest set of clauses, lemmas and rows for each proved claim, and say which of them no claim needs.",
     ),
+    "faults": Known(
+        "faults",
+        "faults",
+        "Break every clause of the world, and say what becomes of each claim and of the reported interval.",
+    ),
     "verify": Known(
         "verify", "verify", "Prove, test, replay the shipped recordings, and write the report: the main command."
     ),

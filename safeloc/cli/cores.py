@@ -8,14 +8,13 @@ from typing import Annotated
 import typer
 
 from safeloc.assurance.evidence.core_work import SCHEMA, as_data, cores_of, needed_by_none
-from safeloc.assurance.evidence.cores import Core
-from safeloc.catalogue import load_target
+from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.show import Progressing
 from safeloc.cli.verify import ConfigOption, JobsOption, SecondsOption, TargetArgument
+from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
-from safeloc.target import Target
 
 KINDS = {"clause": "clauses", "contract": "contracts", "lemma": "lemmas", "range": "ranges of ghosts", "row": "rows"}
 MANY_ROWS = 4

@@ -12,11 +12,10 @@ import typer
 from safeloc.assurance.independence import Shared, follows_machine, shared_terms
 from safeloc.assurance.register import Assumption, register, to_confirm
 from safeloc.assurance.requirements import Item, Link, traceability
-from safeloc.catalogue import ENTRIES, load_target
+from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.errors import InputError
 from safeloc.language.spec import Property
-from safeloc.target import Target
 
 SHOWN = 3
 TERM_CHARACTERS = 200

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.evidence.clauses import assumed_clauses
-from safeloc.assurance.evidence.cores import Core, core
-from safeloc.assurance.evidence.elements import Element
 from safeloc.language.spec import Property
 from safeloc.proof.cache.engine import undisturbed
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
+from safeloc.proof.cores.clauses import assumed_clauses
+from safeloc.proof.cores.cores import Core, core
+from safeloc.proof.cores.elements import Element
 from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.portfolio import proved_base
 from safeloc.proof.provers.workers import Lost, Task, in_processes

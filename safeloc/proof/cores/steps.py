@@ -9,10 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import z3
 
-from safeloc.assurance.evidence.elements import Asked, Element, nothing_fires
 from safeloc.codegen.smt import Terms, constant
 from safeloc.language.expr import Bool, all_of
 from safeloc.language.system import environment, in_range
+from safeloc.proof.cores.elements import Asked, Element, nothing_fires
 from safeloc.proof.provers.asking import ask, new_solver
 from safeloc.proof.provers.limits import Limits
 

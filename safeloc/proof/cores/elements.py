@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal
 
-from safeloc.assurance.evidence.clauses import assumed_clauses
 from safeloc.language.expr import Bool, Lit, Num, Var, all_of, as_bool, as_num
 from safeloc.language.nodes import Expr, Value
 from safeloc.language.spec import Goal, Property, observe
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Substitution, variables
+from safeloc.proof.cores.clauses import assumed_clauses
 from safeloc.proof.provers.kinduction import given_facts
 from safeloc.proof.provers.proved_base import Base
 

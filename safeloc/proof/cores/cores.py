@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from safeloc.assurance.evidence.elements import Asked, Element, asked
-from safeloc.assurance.evidence.steps import Switched
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved
+from safeloc.proof.cores.elements import Asked, Element, asked
+from safeloc.proof.cores.steps import Switched
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import inherited, prove_one
 from safeloc.proof.provers.proved_base import Base, base

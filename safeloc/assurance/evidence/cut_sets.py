@@ -1,0 +1,76 @@
+"""Minimal cut sets: the fewest clauses whose breach lets a reported interval miss the truth, of order 1 and 2."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+from safeloc.assurance.evidence.effects import Effect
+from safeloc.language.system import TransitionSystem
+from safeloc.proof.cores.clauses import ClauseId
+
+TOP = "a reported interval misses the truth"
+
+
+@dataclass(frozen=True)
+class CutSets:
+    """The cut sets that runs were found for, and what was not decided: it may be a cut set as well."""
+
+    found: tuple[tuple[ClauseId, ...], ...]
+    undecided: tuple[tuple[ClauseId, ...], ...]
+
+
+def cut_sets(effects: Iterable[Effect]) -> CutSets:
+    """Return the minimal cut sets among the effects. Pairs are asked only of clauses that alone do no harm: none holds another."""
+    every = list(effects)
+    return CutSets(
+        tuple(one.broken for one in every if one.end in ("wrong", "withdrawn")),
+        tuple(one.broken for one in every if one.end == "undecided"),
+    )
+
+
+def numbered(system: TransitionSystem) -> dict[ClauseId, str]:
+    """Return the number of every clause in the register of assumptions, such as "odometry/A3"."""
+    return {
+        ClauseId(machine.name, name): f"{machine.name}/A{number}"
+        for machine in system.machines
+        for number, name in enumerate(machine.world.laws, 1)
+    }
+
+
+def to_open_psa(system: TransitionSystem, sets: CutSets) -> str:
+    """Return the cut sets as a fault tree in the Open-PSA model exchange format: a basic event is the breach of a clause.
+
+    What was not decided stands in a comment: it is no event.
+    """
+    numbers = numbered(system)
+    root = ElementTree.Element("opsa-mef")
+    for one in sets.undecided:
+        root.append(ElementTree.Comment(f" not decided: {' and '.join(numbers[clause] for clause in one)} "))
+    tree = ElementTree.SubElement(root, "define-fault-tree", name=_name(system.name))
+    gate = ElementTree.SubElement(tree, "define-gate", name="interval_misses_the_truth")
+    ElementTree.SubElement(gate, "label").text = TOP
+    if sets.found:
+        _formula(gate, sets.found, numbers)
+    else:
+        ElementTree.SubElement(gate, "constant", value="false")
+    data = ElementTree.SubElement(root, "model-data")
+    for clause in dict.fromkeys(clause for one in sets.found for clause in one):
+        event = ElementTree.SubElement(data, "define-basic-event", name=_name(numbers[clause]))
+        ElementTree.SubElement(event, "label").text = f"broken: {clause}"
+    ElementTree.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+
+
+def _formula(gate: ElementTree.Element, sets: Sequence[tuple[ClauseId, ...]], numbers: dict[ClauseId, str]) -> None:
+    """A gate of one input passes it on; `or` needs two."""
+    parent = gate if len(sets) == 1 else ElementTree.SubElement(gate, "or")
+    for one in sets:
+        holder = parent if len(one) == 1 else ElementTree.SubElement(parent, "and")
+        for clause in one:
+            ElementTree.SubElement(holder, "basic-event", name=_name(numbers[clause]))
+
+
+def _name(text: str) -> str:
+    return "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in text)

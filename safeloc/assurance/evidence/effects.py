@@ -1,0 +1,173 @@
+"""What becomes of a target's claims and of its reported interval when clauses of its world are broken.
+
+A broken clause holds in no cycle of which anything is known: it may be broken once, always, or never. So what is proved
+here holds however long the fault lasts, and a run that is found is one of the worst.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from safeloc.assurance.evidence.interval import HOLDS, holds_truth, valid_term, withdrawn_within
+from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before, was
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Property, earlier_bool, observe, once, previous, reachable
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import Substitution, variables
+from safeloc.language.trace import Trace
+from safeloc.language.units import Enumeration
+from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, without
+from safeloc.proof.provers.bmc import Exhausted, search
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove_one
+from safeloc.target import Target
+
+End = Literal["contained", "withdrawn", "wrong", "undecided", "no interval"]
+"""What becomes of the reported interval.
+
+contained    it holds the truth all the same: proved
+withdrawn    it may miss the truth, and is right again or withdrawn within so many cycles: proved
+wrong        a run was found in which it misses the truth for longer
+undecided    neither was decided within the limits
+no interval  the target reports none, or its truth is unknown
+"""
+CYCLES = (1, 2, 5, 10)
+"""How long a wrong interval may stand before it counts as undetected, tried one after the other."""
+TRANSITIONS = 4
+"""So many transitions are looked for that withdraw the interval in the cycle of the breach."""
+SEARCH_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class Run:
+    """A shortest run: first state and inputs of every cycle, by name, and the transition that fires in the last one."""
+
+    first: dict[str, Value]
+    inputs: tuple[dict[str, Value], ...]
+    fired: str
+
+    @property
+    def cycles(self) -> int:
+        """How many cycles it has."""
+        return len(self.inputs)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What becomes of a target when these clauses are broken.
+
+    kept, lost, open_  claims that are proved all the same; that a run breaks, with its cycles; that are not decided
+    end                what becomes of the reported interval, and `within_cycles` of `withdrawn`
+    run                of `wrong` and `withdrawn`: the shortest run that ends in a wrong interval
+    withdrawn_by        transitions that can withdraw the interval in the very cycle of the breach
+    """
+
+    broken: tuple[ClauseId, ...]
+    kept: tuple[str, ...] = ()
+    lost: dict[str, int] = field(default_factory=dict)
+    open_: tuple[str, ...] = ()
+    end: End = "no interval"
+    within_cycles: int = 0
+    run: Run | None = None
+    withdrawn_by: tuple[str, ...] = ()
+
+
+def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str], limits: Limits) -> Effect:
+    """Return what becomes of the target when these clauses are broken.
+
+    asked  names of the claims that may rest on them; every other one is kept, since it was proved without them
+    """
+    system = without(target.system, broken)
+    found = Effect(broken)
+    for prop in target.properties:
+        if prop.kind != "reachable":
+            found = _with_claim(found, system, prop, limits) if prop.name in asked else _kept(found, prop.name)
+    top = holds_truth(target)
+    if top is None:
+        return found
+    if HOLDS not in asked:
+        return replace(found, end="contained")
+    ended = _ended(found, target, system, top, limits)
+    return replace(ended, withdrawn_by=_withdrawn_by(target, system, broken, limits))
+
+
+def _kept(found: Effect, name: str) -> Effect:
+    return replace(found, kept=(*found.kept, name))
+
+
+def _with_claim(found: Effect, system: TransitionSystem, prop: Property, limits: Limits) -> Effect:
+    verdict = prove_one(observe(system, replace(prop, kept_by=None)), limits)
+    if isinstance(verdict, Proved):
+        return _kept(found, prop.name)
+    if isinstance(verdict, Violated) and verdict.trace is not None:
+        return replace(found, lost={**found.lost, prop.name: len(verdict.trace.steps)})
+    return replace(found, open_=(*found.open_, prop.name))
+
+
+def _ended(found: Effect, target: Target, system: TransitionSystem, top: Property, limits: Limits) -> Effect:
+    verdict = prove_one(observe(system, top), limits)
+    if isinstance(verdict, Proved):
+        return replace(found, end="contained")
+    if not isinstance(verdict, Violated) or verdict.trace is None:
+        return replace(found, end="undecided")
+    run = _run(verdict.trace)
+    for cycles in CYCLES:
+        later = prove_one(observe(system, withdrawn_within(target, cycles)), limits)
+        if isinstance(later, Proved):
+            return replace(found, end="withdrawn", within_cycles=cycles, run=run)
+        if not isinstance(later, Violated):
+            return replace(found, end="undecided", run=run)
+    return replace(found, end="wrong", run=run)
+
+
+def _run(trace: Trace) -> Run:
+    fired = ", ".join(trace.steps[-1].fired.values()) if trace.steps else ""
+    return Run(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), fired)
+
+
+# ------------------------------------------------------------------ what withdraws the interval
+
+
+def _withdrawn_by(
+    target: Target, system: TransitionSystem, broken: Sequence[ClauseId], limits: Limits
+) -> tuple[str, ...]:
+    """Transitions of the broken clauses' machines that fire where the first breach of all withdraws the interval."""
+    clauses = assumed_clauses(target.system)
+    breach = _of_the_step(any_of(~clauses[one] for one in broken), target.system)
+    valid = valid_term(target)
+    withdrawn = breach & ~previous(once(breach)) & earlier_bool(valid) & ~valid
+    tables = _tables(system, {one.machine for one in broken})
+    limited = replace(limits, seconds=limits.seconds * SEARCH_SHARE)
+    found = list[dict[str, str]]()
+    while len(found) < TRANSITIONS:
+        others = [any_of(table.ne(_row(table, one[table.name])) for table in tables) for one in found]
+        claim = reachable("the interval is withdrawn in the cycle of the breach", all_of([withdrawn, *others]))
+        run = search(observe(system, claim), limited)
+        if isinstance(run, Exhausted):
+            break
+        found.append({table.name: run.steps[-1].fired[table.name] for table in tables})
+    return tuple(dict.fromkeys(name for one in found for name in one.values()))
+
+
+def _tables(system: TransitionSystem, machines: Collection[str]) -> list[NumVar]:
+    """The names of the transitions that fire, of these machines."""
+    if len(system.machines) == 1:
+        return list(system.fired)
+    return [fired for fired, one in zip(system.fired, system.machines, strict=True) if one.name in machines]
+
+
+def _row(table: NumVar, name: str) -> Lit:
+    assert isinstance(table.unit, Enumeration)
+    return Lit(table.unit.index(name), table.unit)
+
+
+def _of_the_step(term: Bool, system: TransitionSystem) -> Bool:
+    """A clause, which is over the state before the step and inputs, as a claim says it."""
+    state = set(system.state)
+    twins: dict[Var, Expr] = {
+        var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term]) if var in state
+    }
+    return Substitution(twins).bool(term)

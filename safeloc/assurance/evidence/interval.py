@@ -1,0 +1,54 @@
+"""The top event of a target that reports an interval: the interval does not hold the true position."""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Num, NumVar, exact_to
+from safeloc.language.spec import Property, always, within
+from safeloc.language.units import NM
+from safeloc.target import Target
+
+HOLDS = "the reported interval holds the truth"
+
+
+def holds_truth(target: Target) -> Property | None:
+    """Return the claim that a reported interval always holds the true position; None where there is no interval or truth."""
+    term = _term(target)
+    return None if term is None else always(HOLDS, term)
+
+
+def withdrawn_within(target: Target, cycles: int) -> Property:
+    """Return the claim that a wrong interval is right again or withdrawn at most so many cycles later.
+
+    ValueError if the target reports no interval.
+    """
+    term = _term(target)
+    if term is None:
+        raise ValueError(f"{target.name} reports no interval whose truth is known.")
+    return within(f"a wrong interval is withdrawn within {cycles} cycles", cycles, ~term, term)
+
+
+def valid_term(target: Target) -> Bool:
+    """Return whether an interval is reported, over the state."""
+    assert target.reported is not None
+    flag = target.system.outputs[target.reported.valid]
+    assert isinstance(flag, Bool)
+    return flag if target.reported.valid_is else ~flag
+
+
+def _term(target: Target) -> Bool | None:
+    reported, system = target.reported, target.system
+    truth = None if reported is None else next((var for var in system.ghosts if var.name == reported.truth), None)
+    if reported is None or not isinstance(truth, NumVar):
+        return None
+    place, below, above = (_number(target, name) for name in (reported.position, reported.below, reported.above))
+    return valid_term(target).implies((_in_nm(place - below) <= truth) & (truth <= _in_nm(place + above)))
+
+
+def _number(target: Target, name: str) -> Num:
+    term = target.system.outputs[name]
+    assert isinstance(term, Num)
+    return term
+
+
+def _in_nm(term: Num) -> Num:
+    return exact_to(term, NM)

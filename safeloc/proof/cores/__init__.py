@@ -1,0 +1,1 @@
+"""Proof cores: the clauses, lemmas and rows that a proof needs."""

@@ -1,0 +1,59 @@
+"""The minimal cut sets as a picture: the top event, and under it every breach, or two of them together, that leads to it."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Mapping, Sequence
+
+from safeloc.assurance.evidence.cut_sets import TOP, CutSets
+from safeloc.proof.cores.clauses import ClauseId
+from safeloc.report.drawing import GREY, ORANGE, RED
+
+WIDTH, LEFT, ROW, BOX = 1_000, 250, 34, 26
+LETTERS = 96
+"""So many letters of a line have room in a box."""
+
+
+def fault_tree(title: str, sets: CutSets, numbers: Mapping[ClauseId, str]) -> str:
+    """Return the picture as SVG text: cut sets in red, what is not decided in grey with a question mark."""
+    rows = [(one, RED, "") for one in sets.found] + [(one, GREY, " (not decided)") for one in sets.undecided]
+    height = ROW * (max(len(rows), 1) + 2)
+    parts = [_text(20, 24, title, "bold"), *_top(height)]
+    if not rows:
+        parts.append(_text(LEFT, 2 * ROW, "no breach of one clause, nor of two that were asked, leads to it", "normal"))
+    for number, (clauses, colour, note) in enumerate(rows, 1):
+        parts += _row(number * ROW + 12, clauses, colour, note, numbers)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" '
+        f'font-family="sans-serif" font-size="13"><title>{html.escape(title)}: {TOP}</title>'
+        f'<rect width="{WIDTH}" height="{height}" fill="#ffffff"/>{"".join(parts)}</svg>'
+    )
+
+
+def _top(height: int) -> Iterator[str]:
+    middle = height / 2
+    yield _box(10, middle - 30, 170, 60, RED)
+    yield _text(20, middle - 4, "a reported interval", "normal")
+    yield _text(20, middle + 14, "misses the truth", "normal")
+    yield f'<line x1="180" y1="{middle:g}" x2="210" y2="{middle:g}" stroke="#333333"/>'
+    yield _text(188, middle - 8, "or", "normal")
+    yield f'<line x1="210" y1="{ROW + 12 + BOX / 2:g}" x2="210" y2="{height - ROW - 8:g}" stroke="#333333"/>'
+
+
+def _row(y: float, clauses: Sequence[ClauseId], colour: str, note: str, numbers: Mapping[ClauseId, str]) -> list[str]:
+    words = " AND ".join(f"{numbers[one]} {one.name}" for one in clauses) + note
+    told = words if len(words) <= LETTERS else f"{words[: LETTERS - 1]}…"
+    middle = y + BOX / 2
+    edge = colour if len(clauses) == 1 else ORANGE
+    return [
+        f'<line x1="210" y1="{middle:g}" x2="{LEFT - 10}" y2="{middle:g}" stroke="#333333"/>',
+        f"<g><title>{html.escape(words)}</title>{_box(LEFT - 10, y, WIDTH - LEFT, BOX, edge)}{_text(LEFT, y + 18, told, 'normal')}</g>",
+    ]
+
+
+def _box(x: float, y: float, width: float, height: float, colour: str) -> str:
+    return f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{height:g}" rx="4" fill="#ffffff" stroke="{colour}" stroke-width="2"/>'
+
+
+def _text(x: float, y: float, words: str, weight: str) -> str:
+    return f'<text x="{x:g}" y="{y:g}" font-weight="{weight}" fill="#111111">{html.escape(words)}</text>'

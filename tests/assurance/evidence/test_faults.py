@@ -1,0 +1,183 @@
+"""Every clause broken alone and in pairs: what is kept, what is lost, and what becomes of the reported interval."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from functools import cache
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from safeloc.assurance.evidence.cut_sets import CutSets, cut_sets, numbered, to_open_psa
+from safeloc.assurance.evidence.effects import Effect, Run
+from safeloc.assurance.evidence.fault_work import Breaking, from_data
+from safeloc.language.composition import compose
+from safeloc.language.expr import number
+from safeloc.language.interpret import run
+from safeloc.language.machine import ANY, Machine, Transition, modes
+from safeloc.language.nodes import Value
+from safeloc.language.units import MM
+from safeloc.language.world import World
+from safeloc.proof.cache.store import Store
+from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, laws, without
+from safeloc.proof.provers.limits import Limits
+from safeloc.report.fault_tree import fault_tree
+from tests.assurance.evidence.receivers import target
+
+FIRST, SECOND = (ClauseId("receivers", f"the {name} receiver is right") for name in ("first", "second"))
+MEASURED, ENDS, FAST = (
+    ClauseId("receivers", name) for name in ("a run is measured", "the line ends", "it is never fast")
+)
+
+
+def breaking(store: Store | None = None) -> Breaking:
+    """With small limits."""
+    return Breaking(Limits(seconds=10), 2, lambda _effect, _of: None, store, store)
+
+
+@cache
+def singles() -> dict[ClauseId, Effect]:
+    """Each clause of the receivers broken alone."""
+    return {one.broken[0]: one for one in breaking().singles(target())}
+
+
+def test_a_clause_that_is_not_needed_does_no_harm() -> None:
+    """Every claim is kept, and the interval holds the truth."""
+    assert [*singles()] == [FIRST, SECOND, MEASURED, ENDS, FAST]
+    for clause in (FIRST, SECOND, ENDS, FAST):
+        one = singles()[clause]
+        assert ("contained", {}, (), None) == (one.end, one.lost, one.open_, one.run)
+        assert ("containment", "never wider", "nothing") == one.kept
+
+
+def test_a_wrong_run_is_withdrawn_in_time() -> None:
+    """The interval runs on for four cycles after a fix: proved, with the shortest run that ends in a wrong interval."""
+    one = singles()[MEASURED]
+    assert ("withdrawn", 5, {"containment": 2}) == (one.end, one.within_cycles, one.lost)
+    assert ("never wider", "nothing") == one.kept
+    assert one.run is not None
+    assert (2, "run on") == (one.run.cycles, one.run.fired)
+    assert "receivers contradict each other" in one.withdrawn_by
+
+
+def test_the_shortest_run_is_one_of_the_machine() -> None:
+    """It ends with an interval that misses the truth; the other clauses hold in it."""
+    found = singles()[MEASURED].run
+    assert found is not None
+    system = without(target().system, [MEASURED])
+    told = run(system, found.inputs, first=found.first).steps[-1]
+    place, margin = told.outputs["position_mm"] * 10**6, told.outputs["margin_above_mm"] * 10**6
+    assert told.outputs["valid"] and abs(told.state["truth_nm"] - place) > margin
+
+
+def test_two_receivers_that_are_both_wrong_are_a_cut_set() -> None:
+    """Pairs are asked of clauses that alone do no harm; the interval stays wrong as long as both agree."""
+    both = {one.broken: one for one in breaking().pairs(target(), [*singles().values()])}
+    assert 6 == len(both)
+    wrong = both[FIRST, SECOND]
+    assert ("wrong", 1) == (wrong.end, wrong.run.cycles if wrong.run is not None else 0)
+    assert {"contained"} == {one.end for pair, one in both.items() if pair != (FIRST, SECOND)}
+    found = cut_sets([*singles().values(), *both.values()])
+    assert (((MEASURED,), (FIRST, SECOND)), ()) == (found.found, found.undecided)
+
+
+def test_without_an_interval_claims_are_told_alone() -> None:
+    """Nothing is said of an interval that nobody reports."""
+    one = breaking().singles(replace(target(), reported=None))
+    assert {"no interval"} == {each.end for each in one}
+    assert {"containment": 2} == one[2].lost
+
+
+def test_what_was_found_is_kept(tmp_path: Path) -> None:
+    """A second run takes it from there, and it is the same."""
+    store = Store(tmp_path)
+    first = breaking(store).singles(target())
+    heard = list[Effect]()
+    again = Breaking(Limits(seconds=10), 1, lambda one, _of: heard.append(one), store, None).singles(target())
+    assert first == again == heard
+
+
+def test_what_is_not_decided_is_said() -> None:
+    """With hardly any effort neither is claimed; it may be a cut set."""
+    found = Breaking(Limits(seconds=0.0001), 1, lambda _effect, _of: None).singles(target())
+    assert "undecided" in {one.end for one in found}
+    assert cut_sets(found).undecided
+
+
+def test_effect_and_data_are_each_other() -> None:
+    """What is kept is what was found."""
+    inputs: tuple[dict[str, Value], ...] = ({"x": 1}, {"x": 2})
+    one = Effect((FIRST,), ("a",), {"b": 3}, ("c",), "wrong", 0, Run({"s": True}, inputs, "row"), ("row",))
+    assert one == from_data(asdict(one))
+
+
+# ------------------------------------------------------------------ clauses of a composition
+
+
+def _pair() -> tuple[Machine, Machine]:
+    (on,) = modes("ON")
+    made = []
+    for name in ("one", "two"):
+        truth, next_ = number("truth", MM, 0, 9), number("next", MM, 0, 9)
+        world = World({truth: ANY}, [next_], {truth: next_}, {"stays": next_ < 9, "is low": truth < 8})
+        made.append(Machine(name, (on,), [], {}, {}, [Transition("stay", on, on)], world=world))
+    return made[0], made[1]
+
+
+def test_clauses_of_a_composition_are_those_of_its_machines() -> None:
+    """Broken in the whole, and in the machine by itself."""
+    both = compose("both", _pair(), {})
+    every = assumed_clauses(both.system)
+    assert [ClauseId(machine, name) for machine in ("one", "two") for name in ("stays", "is low")] == [*every]
+    broken = without(both.system, [ClauseId("two", "stays")])
+    assert [*every][:2] + [*every][3:] == [*assumed_clauses(broken)]
+    assert broken.parts[0].alone is both.system.parts[0].alone
+    assert broken.parts[1].alone.assume is not both.system.parts[1].alone.assume
+    assert "one/A2" == numbered(both.system)[ClauseId("one", "is low")]
+
+
+def test_a_clause_that_is_not_assumed_is_refused() -> None:
+    """The message names the clauses there are."""
+    with pytest.raises(KeyError, match="assumes no clause receivers: nothing; it assumes receivers: the first"):
+        without(target().system, [ClauseId("receivers", "nothing")])
+    assert "supplier" == laws(target().system)[FIRST].owner
+
+
+# ------------------------------------------------------------------ tables and pictures
+
+
+def test_the_fault_tree_is_open_psa() -> None:
+    """One `or` of events and of `and`s; every event is defined once; what is not decided stands in a comment."""
+    sets = CutSets(((MEASURED,), (FIRST, SECOND)), ((ENDS,),))
+    text = to_open_psa(target().system, sets)
+    root = ElementTree.fromstring(text.partition("\n")[2])
+    gate = root.find("define-fault-tree/define-gate")
+    assert gate is not None
+    assert ["label", "or"] == [one.tag for one in gate]
+    assert ["basic-event", "and"] == [one.tag for one in gate[1]]
+    defined = [one.get("name") for one in root.findall("model-data/define-basic-event")]
+    assert defined == [one.get("name") for one in gate.iter("basic-event")] == [
+        "receivers_A3", "receivers_A1", "receivers_A2",
+    ]  # fmt: skip
+    assert "not decided: receivers/A4" in text
+
+
+def test_one_event_needs_no_gate_and_none_is_never_true() -> None:
+    """An `or` of one would be no formula of the format."""
+    alone = ElementTree.fromstring(to_open_psa(target().system, CutSets(((MEASURED,),), ())).partition("\n")[2])
+    assert alone.find("define-fault-tree/define-gate/basic-event") is not None
+    none = ElementTree.fromstring(to_open_psa(target().system, CutSets((), ())).partition("\n")[2])
+    constant = none.find("define-fault-tree/define-gate/constant")
+    assert constant is not None and "false" == constant.get("value")
+
+
+@pytest.mark.parametrize("sets", [CutSets(((MEASURED,), (FIRST, SECOND)), ((ENDS,),)), CutSets((), ())])
+def test_the_picture_names_every_set(sets: CutSets) -> None:
+    """In words, the undecided ones marked; it is well-formed."""
+    drawn = fault_tree("receivers", sets, numbered(target().system))
+    told = "".join(ElementTree.fromstring(drawn).itertext())
+    for one in (*sets.found, *sets.undecided):
+        assert " AND ".join(f"{numbered(target().system)[clause]} {clause.name}" for clause in one) in told
+    assert ("(not decided)" in told) is bool(sets.undecided)
+    assert ("no breach of one clause" in told) is not bool(sets.found)
