@@ -6,6 +6,7 @@ A lemma that is switched on is a hypothesis, and has to hold after the step as w
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import z3
 
@@ -79,7 +80,7 @@ class Switched:
         for one, term in terms.items():
             yield z3.Implies(self._switch[one], self._states[number].bool(term))
 
-    def _moves(self, number: int) -> Iterator[z3.BoolRef]:
+    def _moves(self, number: int) -> Iterator[Any]:  # z3 builds terms by operators that type checkers cannot see
         now, after = self._states[number], self._states[number + 1]
         yield now.bool(self._always)
         yield from (after(var) == now(term) for var, term in self._claim.goal.system.next.items())
