@@ -67,7 +67,7 @@ class Switched:
             self._step.add(self._states[number].bool(self._wanted), *self._facts(number), *self._moves(number))
         self._step.add(self._wrong(k))
 
-    def _wrong(self, number: int) -> z3.BoolRef:
+    def _wrong(self, number: int) -> Any:
         now = self._states[number]
         lemmas = self._claim.states if self._claim.together else {}
         broken = [z3.And(self._switch[one], z3.Not(now.bool(term))) for one, term in lemmas.items()]
