@@ -76,7 +76,7 @@ def of_colours(guard: Bool) -> list[Shared]:
     """What a claim shares with a machine that both ask the same of colours and of a sum."""
     row = Transition("far", ON, OFF, guard)
     made = Machine("m", (ON, OFF), [X, Y, GO, COLOUR, OTHER], {N: 0}, {}, [row])
-    return shared_terms(Target("m", (made,), lower(made), [always("of colours", guard.implies(GO))]))
+    return shared_terms(Target("m", (made,), lower(made), (always("of colours", guard.implies(GO)),)))
 
 
 @pytest.mark.parametrize("guard", [LIT, ~LIT, COLOUR.one_of(*COLOURS[1:])])
