@@ -121,3 +121,15 @@ def test_a_move_that_reads_state_is_refused() -> None:
     made = machine()
     with pytest.raises(ModelError, match=r"move of ghost 'truth' reads 'n', which the machine computes"):
         replace(made, world=replace(made.world, moves={TRUTH: N}))
+
+
+def test_a_figure_of_the_site_may_be_read() -> None:
+    """A state variable that no row sets, such as the place of a counter, follows no edit; one that a row sets is refused."""
+    place = number("place", MM, 0, 500)
+    made = machine()
+    state, world = {**made.state, place: ANY}, World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": TRUTH < place})
+    fixed = replace(made, state=state, world=world)
+    assert {} == follows_machine(Target("m", (fixed,), lower(fixed), ()))
+    rows = [replace(row, set={**row.set, place: X + Y}) for row in fixed.transitions]
+    with pytest.raises(ModelError, match=r"clause 'the law' reads 'place', which the machine computes"):
+        replace(fixed, transitions=rows)
