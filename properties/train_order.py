@@ -2,51 +2,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from safeloc.language.expr import TRUE, Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import COUNT, UM
-from safeloc.models.train_order import TRACE, TrainOrder, place_of
-from safeloc.properties.in_step import in_step
+from safeloc.models.train_order import TRACE, Parts, TrainOrder
 
-LAW = "no train passes another; as many patterns as trains, lying apart, hold a train each"
+LAW = (
+    "no train passes another; undisturbed counters tell each train that enters or leaves, unless what they tell cannot be; as "
+    "many patterns as trains, lying apart, hold a train each"
+)
 
 
 def properties(model: TrainOrder) -> list[Property]:
     """A pattern that belongs to a train holds it; any doubt, and no pattern belongs to anyone."""
+    associated = model.machine.flag("associated")
+    seen = reachable("associated", associated, statement="patterns can be told apart", requirements=TRACE)
+    return [*_true(model), *_patterns(model), *_order(model), seen]
+
+
+def _true(model: TrainOrder) -> Iterator[Property]:
+    """What is told is so on the track."""
     machine, own = model.machine, model.own
-    associated = machine.flag("associated")
-    held = [
-        one.ne(0).implies(between(exact_to(low, UM), place_of(one, own.places), exact_to(high, UM)))
-        for one, low, high in zip(own.belongs, own.lows, own.highs, strict=True)
-    ]
-    fired = machine.fired("patterns belong to trains")
-    return [
-        always(
-            "a pattern holds its train",
-            fired.implies(all_of(held)),
-            statement="the train that a pattern is said to be is within that pattern, however near others are",
-            requirements=TRACE,
-            assumption=LAW,
+    yield always(
+        "a pattern holds its train",
+        all_of(_held(own, rank) for rank in range(len(own.belongs))),
+        statement="the train that a pattern is said to be is within that pattern, however near others are",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+    listed = [train.inside.iff(any_of(one.eq(train.number) for one in own.order)) for train in own.trains]
+    yield always(
+        "the order is that on the track",
+        machine.flag("ordered").implies(all_of([*listed, _from_the_low_end(own)])),
+        statement="while an order is known, it names just the trains that are between the counters, from the low end on",
+        requirements=TRACE,
+        assumption=LAW,
+    )
+
+
+def _held(own: Parts, rank: int) -> Bool:
+    """Whoever the pattern is said to be is within it."""
+    low, high = exact_to(own.lows[rank], UM), exact_to(own.highs[rank], UM)
+    told = own.belongs[rank]
+    return all_of(told.eq(train.number).implies(between(low, train.place, high)) for train in own.trains)
+
+
+def _from_the_low_end(own: Parts) -> Bool:
+    """Of two trains that are named one after the other the second is farther up."""
+    pairs = [(a, b) for a in own.trains for b in own.trains if a is not b]
+    return all_of(
+        (one.ne(a.number) | other.ne(b.number)) | (b.place > a.place)
+        for one, other in zip(own.order, own.order[1:], strict=False)
+        for a, b in pairs
+    )
+
+
+def _patterns(model: TrainOrder) -> Iterator[Property]:
+    """Whose the patterns are, as they compare with the order that is known."""
+    machine, own = model.machine, model.own
+    associated, is_ordered = machine.flag("associated"), machine.flag("ordered")
+    trains = _how_many(one.ne(0) for one in own.order)
+    yield always(
+        "another number of patterns belongs to nobody",
+        associated.implies(is_ordered & own.patterns.eq(trains) & _lie_apart(own)),
+        statement="more or fewer patterns than trains, or patterns that overlap: none belongs to anyone, in that cycle",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "as many patterns as trains belong to them in their order",
+        (is_ordered & own.patterns.eq(trains) & _lie_apart(own)).implies(
+            all_of(one.eq(train) for one, train in zip(own.belongs, own.order, strict=True))
         ),
-        always(
-            "another number of patterns belongs to nobody",
-            (~in_step(machine, own.matched)).implies(~associated),
-            statement="more or fewer patterns than trains, or patterns that overlap: none belongs to anyone, in that cycle",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        always(
-            "a fault ends the order",
-            own.fault.implies(~associated & ~machine.flag("ordered")),
-            statement="with a disturbed counter no order is known, until the area is empty",
-            requirements=TRACE,
-            unconditional=True,
-        ),
-        *_order(model),
-        reachable("associated", associated, statement="patterns can be told apart", requirements=TRACE),
-    ]
+        statement="as many patterns as trains, lying apart: the first belongs to the first train, and so on, in that cycle",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "a fault ends the order",
+        own.fault.implies(~associated & ~is_ordered),
+        statement="with a disturbed counter no order is known, until the area is empty",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _how_many(conditions: Iterable[Bool]) -> Num:
+    total = as_num(0, COUNT)
+    for one in conditions:
+        total = total + ite(one, as_num(1, COUNT), 0)
+    return total
+
+
+def _lie_apart(own: Parts) -> Bool:
+    """Each pattern that is seen begins behind the one before it, and does not end before it begins."""
+    terms = list[Bool]()
+    for rank, (low, high) in enumerate(zip(own.lows, own.highs, strict=True)):
+        behind = all_of([high >= low, low > own.highs[rank - 1]]) if rank else high >= low
+        terms.append((own.patterns <= rank) | behind)
+    return all_of(terms)
+
+
+def _events(own: Parts) -> Num:
+    """How many events the counters tell in the cycle."""
+    return _how_many([own.leaves_low, own.leaves_high, own.enters_low > 0, own.enters_high > 0])
 
 
 def _order(model: TrainOrder) -> Iterator[Property]:
@@ -54,7 +115,6 @@ def _order(model: TrainOrder) -> Iterator[Property]:
     machine, own = model.machine, model.own
     unknown, ordered = machine.modes
     was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
-    events = (own.enters_low > 0, own.enters_high > 0, own.leaves_low, own.leaves_high)
     nobody = all_of(one.eq(0) for one in own.order)
     yield always(
         "an order begins with an empty area",
@@ -63,11 +123,13 @@ def _order(model: TrainOrder) -> Iterator[Property]:
         requirements=TRACE,
         unconditional=True,
     )
-    several = any_of(one & other for n, one in enumerate(events) for other in events[:n])
-    nobody_leaves = (own.leaves_low | own.leaves_high) & before(own.order[0]).eq(0)
+    none = before(own.order[0]).eq(0)
     impossible = {
-        "two events at once": (several, "two events in one cycle"),
-        "a train that is not there": (nobody_leaves, "a train that leaves an area without trains"),
+        "two events at once": (_events(own) >= 2, "two events in one cycle"),
+        "a train that is not there": (
+            (own.leaves_low & none) | (own.leaves_high & none),
+            "a train that leaves an area without trains",
+        ),
         "a train that is there already": (
             _again(model),
             "a train that enters and is in the area already, or is one too many",
@@ -81,6 +143,13 @@ def _order(model: TrainOrder) -> Iterator[Property]:
             requirements=TRACE,
             unconditional=True,
         )
+    yield always(
+        "an order ends only for a reason",
+        (was_ordered & ~is_ordered).implies(any_of([own.fault, *(event for event, _ in impossible.values())])),
+        statement="an order that is known is given up for a disturbed counter, or an event that cannot be, and for nothing else",
+        requirements=TRACE,
+        unconditional=True,
+    )
     for name, moved in _moved(model).items():
         yield always(
             f"the order follows: {name}",
@@ -92,28 +161,27 @@ def _order(model: TrainOrder) -> Iterator[Property]:
 
 
 def _again(model: TrainOrder) -> Bool:
-    own = model.own
-    full = before(own.order[-1]).ne(0)
-    there = any_of(before(one).ne(0) & before(one).one_of(own.enters_low, own.enters_high) for one in own.order)
-    return ((own.enters_low > 0) | (own.enters_high > 0)) & (full | there)
+    """A train enters that is there already, or there is no room for one more."""
+    own, full = model.own, before(model.own.order[-1]).ne(0)
+    again = [before(one).eq(told) for one in own.order for told in (own.enters_low, own.enters_high)]
+    return any_of((told > 0) & any_of([full, *again[n::2]]) for n, told in enumerate((own.enters_low, own.enters_high)))
 
 
 def _moved(model: TrainOrder) -> dict[str, Bool]:
     """What becomes of the order by each event, from the low end to the high end."""
     own, ranks = model.own, range(len(model.own.order))
     now, earlier, zero = own.order, [before(one) for one in own.order], as_num(0, COUNT)
-    quiet = own.enters_low.eq(0) & own.enters_high.eq(0) & ~own.leaves_low & ~own.leaves_high
-    first_free = [earlier[rank].eq(0) & (earlier[rank - 1].ne(0) if rank else TRUE) for rank in ranks]
+    trains = _how_many(one.ne(0) for one in earlier)
     up = [own.enters_low, *earlier[:-1]]
     down = [*earlier[1:], zero]
-    joined = [ite(first_free[rank], own.enters_high, earlier[rank]) for rank in ranks]
+    joined = [ite(trains.eq(rank), own.enters_high, earlier[rank]) for rank in ranks]
     without_last = [ite(after.eq(0), zero, here) for here, after in zip(earlier, down, strict=True)]
 
     def becomes(told: Sequence[Num]) -> Bool:
         return all_of(one.eq(other) for one, other in zip(now, told, strict=True))
 
     return {
-        "nothing happens": quiet.implies(becomes(earlier)),
+        "nothing happens": _events(own).eq(0).implies(becomes(earlier)),
         "in at the low end": (own.enters_low > 0).implies(becomes(up)),
         "in at the high end": (own.enters_high > 0).implies(becomes(joined)),
         "out at the low end": own.leaves_low.implies(becomes(down)),

@@ -24,21 +24,18 @@ from safeloc.language.expr import (
     Lit,
     Num,
     Var,
-    abs_,
-    all_of,
     any_of,
     as_num,
-    between,
-    exact_to,
     ite,
     maximum,
     minimum,
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM, UM
-from safeloc.language.world import World
+from safeloc.language.units import COUNT, MM
+from safeloc.models.area.lemmas import ends_in_order, lemmas
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.area.variables import AreaConfig, Parts, parts
+from safeloc.models.area.world import moves_clause, report_law, reports_clause, um, world
 
 __all__ = [
     "Area",
@@ -73,7 +70,6 @@ def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
     table = modes("UNSWEPT", "SWEPT")
     current = current_mode(table)
     limit = own.config.limit_mm
-    ghosts, moves = _world(own)
     state: dict[Var, Initial] = {own.low_end: ANY, own.high_end: ANY, own.loose_low: -limit, own.loose_high: limit}
     for one in own.slots:
         state |= one.state()
@@ -84,15 +80,9 @@ def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
         state={**state, own.rejected: 0},
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, table)),
-        world=World(
-            ghosts=ghosts,
-            choices=_choices(own),
-            moves=moves,
-            clauses=_clauses(own, kept),
-            reads_machine="trains are tied to the slots that the machine gives them",
-        ),
-        lemmas=_lemmas(own, current, table),
-        initially=_ends_in_order(own),
+        world=world(own, kept),
+        lemmas=lemmas(own, current, table),
+        initially=ends_in_order(own),
         mode_variable=current,
         doc=(
             "Trains between two axle counters, and vehicles that were never counted. Assumed: while the counters are "
@@ -102,12 +92,6 @@ def build(own: Parts, *, kept: Sequence[Slot] = ()) -> Area:
         ),
     )
     return Area(made, own)
-
-
-def _ends_in_order(own: Parts) -> Bool:
-    """The low end before the high end, both at least a cycle's run from the ends of the world."""
-    inner = own.config.limit_mm - own.config.reach.cycle_mm
-    return all_of([own.low_end < own.high_end, own.low_end >= -inner, own.high_end <= inner])
 
 
 # ------------------------------------------------------------------ judging a cycle
@@ -214,146 +198,3 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
         name = f"train_{one.number}"
         outputs |= {f"{name}_in_area": one.present, f"{name}_accepted": one.judged.eq(ACCEPTED)}
     return outputs
-
-
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-def _choices(own: Parts) -> list[Var]:
-    return [
-        *(var for one in own.slots for var in (one.next_rear, one.next_front)),
-        own.next_loose,
-        own.next_loose_rear,
-        own.next_loose_front,
-    ]
-
-
-def _stays(own: Parts, one: Slot) -> Bool:
-    """Ghost: the train is in the area after the cycle, as the undisturbed counters have it."""
-    return (one.there | one.enters) & ~(own.healthy & one.leaves) & ~(own.healthy & own.clear & ~one.enters)
-
-
-def _world(own: Parts) -> tuple[dict[Var, Initial], dict[Var, Expr]]:
-    first: dict[Var, Initial] = {own.loose: ANY, own.loose_rear: ANY, own.loose_front: ANY}
-    moves: dict[Var, Expr] = {
-        own.loose: own.next_loose,
-        own.loose_rear: own.next_loose_rear,
-        own.loose_front: own.next_loose_front,
-    }
-    for one in own.slots:
-        first |= {one.there: False, one.true_rear: ANY, one.true_front: ANY}
-        moves |= {one.there: _stays(own, one), one.true_rear: one.next_rear, one.true_front: one.next_front}
-    return first, moves
-
-
-def um(term: Num) -> Num:
-    """A length in mm as um."""
-    return exact_to(term, UM)
-
-
-def moves_clause(one: Slot) -> str:
-    """The name of the clause that its train moves as a train does."""
-    return f"train {one.number} moves as one"
-
-
-def reports_clause(one: Slot) -> str:
-    """The name of the clause that its train's reports are true."""
-    return f"reports of train {one.number} are true"
-
-
-def _clauses(own: Parts, kept: Sequence[Slot]) -> dict[str, Bool]:
-    """What is assumed of trains, by name; of uncounted vehicles: `_loose_law`."""
-    on_line = {"uncounted vehicles stay on the line": _on_the_line(own, own.next_loose_rear, own.next_loose_front)}
-    moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
-    counted = {f"train {one.number} is counted": _counting_law(own, one) for one in own.slots}
-    reports = {reports_clause(one): report_law(one) for one in own.slots if one not in kept}
-    return {**on_line, **moves, **counted, **reports, "uncounted vehicles": _loose_law(own)}
-
-
-def _on_the_line(own: Parts, *places: Num) -> Bool:
-    far = own.config.limit_mm * 1_000
-    return all_of(between(-far, place, far) for place in places)
-
-
-def _movement_law(own: Parts, one: Slot) -> Bool:
-    """A train is on the line, and where it is there its ends run no faster than the top speed."""
-    step, known = own.config.reach.cycle_mm * 1_000, one.there | one.enters
-    rear, front = one.next_rear, one.next_front
-    runs = (abs_(front - one.true_front) <= step) & (abs_(rear - one.true_rear) <= step)
-    return all_of([_on_the_line(own, rear, front), known.implies(rear <= front), one.there.implies(runs)])
-
-
-def _counting_law(own: Parts, one: Slot) -> Bool:
-    """What undisturbed counters tell of a train."""
-    step = own.config.reach.cycle_mm * 1_000
-    rear, front = one.next_rear, one.next_front
-    at_low, at_high = front <= um(own.low_end) + step, rear >= um(own.high_end) - step
-    out_low, out_high = front < um(own.low_end), rear > um(own.high_end)
-    return all_of(
-        [
-            one.enters.implies(~one.there),
-            one.event.eq(ENTERS_LOW).implies(at_low),
-            one.event.eq(ENTERS_HIGH).implies(at_high),
-            (one.there & own.healthy & one.event.eq(LEAVES_LOW)).implies(out_low),
-            (one.there & own.healthy & one.event.eq(LEAVES_HIGH)).implies(out_high),
-        ]
-    )
-
-
-def report_law(one: Slot) -> Bool:
-    """What a trusted, complete and recent report says of the train is true, of the ends that it holds."""
-    recent = one.age <= one.reach.report_age_limit_ms
-    seen = one.there & one.trusted & one.front.present & one.rear.present & recent
-    return all_of(
-        [
-            (seen & one.holds_high).implies(one.next_front <= um(one.highest)),
-            (seen & one.holds_low).implies(one.next_rear >= um(one.lowest)),
-        ]
-    )
-
-
-def _loose_law(own: Parts) -> Bool:
-    """What was never counted in: it runs, passes no train, and comes in only while a counter is disturbed."""
-    step = own.config.reach.cycle_mm * 1_000
-    rear, front = own.next_loose_rear, own.next_loose_front
-    runs = (abs_(front - own.loose_front) <= step) & (abs_(rear - own.loose_rear) <= step)
-    inside = (front >= um(own.low_end)) & (rear <= um(own.high_end))
-    sides = [own.next_loose.implies(_beside(own, one) | _uncounted(own)) for one in own.slots]
-    return all_of(
-        [
-            own.next_loose.implies(own.loose | ~own.healthy),
-            own.next_loose.implies((rear <= front) & inside),
-            (own.next_loose & own.loose).implies(runs),
-            (own.next_loose & own.healthy).implies(~own.clear),
-            *sides,
-        ]
-    )
-
-
-def _beside(own: Parts, one: Slot) -> Bool:
-    """A loose vehicle stays above a train that came in at the low end, and below one from the high end."""
-    rear, front = own.next_loose_rear, own.next_loose_front
-    below = one.below | one.event.eq(ENTERS_LOW)
-    above = one.above | one.event.eq(ENTERS_HIGH)
-    return (below.implies(rear >= one.next_front)) & (above.implies(front <= one.next_rear))
-
-
-def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    swept = current.eq(table[1])
-    lemmas: dict[str, Bool] = {
-        "ends in order": _ends_in_order(own),
-        "nothing loose once swept": swept.implies(~own.loose),
-        "loose vehicles within": own.loose.implies(
-            (um(own.loose_low) <= own.loose_rear) & (own.loose_front <= um(own.loose_high))
-        ),
-    }
-    for one in own.slots:
-        inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high)) & (one.true_rear <= one.true_front)
-        lemmas[f"train {one.number} within"] = one.there.implies(one.present & inside)
-        lemmas[f"train {one.number} has sides only while present"] = (one.below | one.above).implies(one.present)
-        lemmas[f"train {one.number} has one side"] = ~(one.below & one.above)
-        pushed = (one.below.implies(one.low <= own.loose_low)) & (one.above.implies(own.loose_high <= one.high))
-        lemmas[f"train {one.number} has pushed"] = swept | pushed
-        lemmas[f"train {one.number} is in order"] = one.present.implies(one.low <= one.high)
-        lemmas[f"train {one.number} pushes only while there"] = (own.loose & (one.below | one.above)).implies(one.there)
-    return lemmas

@@ -65,6 +65,7 @@ class Slot:
     below, above        every vehicle that was never counted in is above (below) this train, since it came in at the
                         low (high) end and no vehicle passes another
     there, true_rear, true_front  ghosts: the train itself, um
+    from_low, from_high  ghosts: it came in at that end, and since then the counters were undisturbed
     """
 
     number: int
@@ -89,6 +90,8 @@ class Slot:
     true_front: NumVar
     next_rear: NumVar
     next_front: NumVar
+    from_low: BoolVar
+    from_high: BoolVar
 
     @property
     def inputs(self) -> list[Var | Optional]:
@@ -217,4 +220,6 @@ def slot(number_: int, reach: Reach, count_limit: int) -> Slot:
         number(f"{name}_true_front_um", UM, -far, far),
         number(f"{name}_next_rear_um", UM, -far - step, far + step),
         number(f"{name}_next_front_um", UM, -far - step, far + step),
+        boolean(f"{name}_from_low"),
+        boolean(f"{name}_from_high"),
     )

@@ -30,8 +30,8 @@ from safeloc.language.expr import (
     as_num,
     between,
     boolean,
-    exact_to,
     number,
+    with_unit,
 )
 from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, MS, UM
@@ -182,7 +182,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 def _clauses(own: Parts) -> dict[str, Bool]:
     """The pattern is part of the train: all of it if it has all axles; and its leading end is the train's."""
-    charge = exact_to(own.reach.charge_mm(own.age), UM)
+    ran = with_unit(own.age * own.reach.max_speed_mm_s, UM)
     return {
         "a pattern with all axles is the whole train": own.has_all.implies(own.next_rear_is & own.next_front_is),
         "the leading high end stays the train's": (own.front_is & own.upwards & ~own.downwards).implies(
@@ -190,13 +190,13 @@ def _clauses(own: Parts) -> dict[str, Bool]:
         ),
         "the leading low end stays the train's": (own.rear_is & own.downwards & ~own.upwards).implies(own.next_rear_is),
         "the train's high end is near the pattern's": own.next_front_is.implies(
-            _near(own.next_front, own.pattern_front, charge)
+            _near(own.next_front, own.pattern_front, ran)
         ),
         "the train's low end is near the pattern's": own.next_rear_is.implies(
-            _near(own.next_rear, own.pattern_rear, charge)
+            _near(own.next_rear, own.pattern_rear, ran)
         ),
     }
 
 
-def _near(place: Num, read: Num, charge: Num) -> Bool:
-    return between(read - charge, place, read + charge)
+def _near(place: Num, read: Num, ran: Num) -> Bool:
+    return between(read - ran, place, read + ran)

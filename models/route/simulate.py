@@ -64,9 +64,10 @@ def way(number: int, route: Route) -> Way:
 def answers(ways: Sequence[Way], carried: Mapping[str, Value], sighting: Mapping[str, Cell]) -> dict[str, Cell]:
     """The map's inputs to a sighting: per route, the reflector of that model nearest to where it would stand.
 
-    carried   the machine's outputs, with the interval of every route
+    carried   the machine's outputs, with the interval of every route; while none is possible, nothing is looked up
     """
-    if "sighting_range_mm" not in sighting:
+    possible = any(carried[f"route_{one.number}_possible"] for one in ways)
+    if "sighting_range_mm" not in sighting or not possible:
         return {}
     inputs: dict[str, Cell] = {}
     for one in ways:
@@ -146,6 +147,7 @@ class _Run:
         self._ways, self._true, self._motion, self._distances, self._rng = ways, true, motion, distances, rng
         self._start_error_mm, self._radar_error_mm = start_error_mm, radar_error_mm
         self._missed, self._misread, self._wander = missed, misread, 0
+        self._in_sight: dict[str, Cell] = {"sighted_place_nm": 0, "sighted_model": "NONE"}
         self._offset = int(rng.uniform(-0.9, 0.9) * start_error_mm) * NM_PER_MM - motion.start_nm
         self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
@@ -180,6 +182,7 @@ class _Run:
         away, sight = min(seen, key=lambda one: one[0])
         measured = round(away / NM_PER_MM + self._rng.uniform(-0.9, 0.9) * self._radar_error_mm)
         model = self._misread.get(sight.identity, sight.model)
+        self._in_sight = {"sighted_place_nm": sight.place_mm * NM_PER_MM, "sighted_model": sight.model}
         return {
             "sighting_range_mm": max(measured, 0),
             "sighting_error_mm": self._radar_error_mm,
@@ -195,5 +198,7 @@ class _Run:
             "start_truth_nm": truth_nm,
             "next_wander_nm": self._wander,
             "start_route": self._true.number,
+            **self._in_sight,
+            "true_course": "UNDECIDED",
             "truth_mm": truth_nm // NM_PER_MM,
         }

@@ -8,7 +8,6 @@ from pydantic import model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.expr import (
-    Bool,
     BoolVar,
     NumVar,
     Optional,
@@ -20,11 +19,13 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.models.route.ghosts import Bounds, Ghosts, ghosts
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import Limits
+from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import Odometer, odometer
-from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL, NO_MODEL
+from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL
 
 REASON = members("reason", "NONE", "NO_START", "CONTRADICTION", "TOLERANCE", "SENSOR_FAILURE")
 NO_REASON, NO_START, CONTRADICTION, TOLERANCE, SENSOR_FAILURE = REASON
@@ -66,6 +67,14 @@ class RouteConfig(Config):
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.length_limit_mm, False
         )  # fmt: skip
 
+    @property
+    def physics(self) -> Physics:
+        """What the vehicle can run, as the world has it."""
+        gap = self.gap_limit_cycles
+        return Physics(
+            self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm, gap, gap + 1
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -104,18 +113,7 @@ class Parts:
     authorised: NumVar
     refuted: NumVar
     reason: NumVar
-    truth: NumVar
-    true_step: NumVar
-    next_truth: NumVar
-    wander: NumVar
-    next_wander: NumVar
-    true_route: NumVar
-    next_route: NumVar
-
-    @property
-    def seen(self) -> Bool:
-        """A reflector was sighted and its model recognised."""
-        return self.sighting.present & self.sighting_model.ne(NO_MODEL)
+    ghosts: Ghosts
 
     @property
     def half_nm(self) -> int:
@@ -125,8 +123,6 @@ class Parts:
 
 def parts(config: RouteConfig) -> Parts:
     """Fresh variables for one machine."""
-    reach = (config.length_limit_mm + 2 * config.tolerance_mm + config.range_limit_mm) * NM_PER_MM
-    half, blind = config.odometer.wander_nm, config.limits.blind_nm
     return Parts(
         config=config,
         odometer=odometer(config.odometer, config.limits),
@@ -139,14 +135,13 @@ def parts(config: RouteConfig) -> Parts:
         authorised=number("authorised_route", COUNT, 0, config.routes),
         refuted=number("authority_refuted", COUNT, 0, 1),
         reason=choice("reason", enumeration(REASON)),
-        truth=number("truth_nm", NM, -reach, reach),
-        true_step=number("true_step_nm", NM, -blind, blind),
-        next_truth=number("start_truth_nm", NM, -reach, reach),
-        wander=number("wander_nm", NM, -half, half),
-        next_wander=number("next_wander_nm", NM, -half, half),
-        true_route=number("true_route", COUNT, 1, config.routes),
-        next_route=number("start_route", COUNT, 1, config.routes),
+        ghosts=ghosts(_bounds(config)),
     )
+
+
+def _bounds(config: RouteConfig) -> Bounds:
+    far = config.length_limit_mm + config.range_limit_mm
+    return Bounds(config.physics, config.odometer.wander_nm, far + 2 * config.tolerance_mm, far, config.routes)
 
 
 def _hypothesis(number_: int, config: RouteConfig) -> Hypothesis:

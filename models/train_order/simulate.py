@@ -1,20 +1,22 @@
 """Trains of an area and the patterns that the fibre sees, as steps of the machine that tells whose a pattern is.
 
-A cycle is a second. Trains run along the track; where two come so near that the fibre sees one pattern, there is one.
+Its named runs are written anew by `python -m safeloc.models.train_order.simulate`. A cycle is a second. Trains run along the track; where two come so near that the fibre sees one pattern, there is one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from random import Random
 
 from safeloc.language.units import UM_PER_MM
 from safeloc.models.train_order import TrainOrderConfig
 from safeloc.proof.runs.worked import Steps, WorkedRun
-from safeloc.runtime.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell, write_steps
 
 HALF_MM = 120_000  # half a pattern: a train and what is not known of its ends
+FOLDER = Path(__file__).parents[1] / "streams"
 ENDS_MM = (0, 10_000_000)
 
 
@@ -90,6 +92,7 @@ class _World:
             step |= {f"{name}_low_mm": low, f"{name}_high_mm": high, f"{name}_owner": owner}
         for number in range(1, self._config.trains + 1):
             step[f"next_train_{number}_place_um"] = self._places.get(number, 0) * UM_PER_MM
+            step[f"next_train_{number}_inside"] = number in self._inside
         return step
 
     def _run(self, second: int) -> dict[str, Cell]:
@@ -166,3 +169,16 @@ RUNS: Mapping[str, WorkedRun[TrainOrderConfig]] = {
         Scene(60, (), clear=(1, 40), events=((20, {"leaves_high": True}),)),
     ),
 }
+
+
+def write(folder: Path = FOLDER) -> list[Path]:
+    """Write all of them; the paths."""
+    paths = [folder / f"{name}.jsonl.gz" for name in RUNS]
+    for path, run in zip(paths, RUNS.values(), strict=True):
+        write_steps(path, run.steps(TrainOrderConfig()), machine="train_order")
+    return paths
+
+
+if __name__ == "__main__":
+    for path in write():
+        print(path)

@@ -255,10 +255,10 @@ def _within_gate(config: OdometryConfig, unit: Unit) -> Bool:
     """In figures of the requirement: top speed and greatest acceleration, rounded up to mm, and steps of the measurement."""
     farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
-    step, last, cycles = unit.step.value, earlier_num(unit.last), earlier_num(unit.gap) + 1
-    allowed = with_unit(cycles * change, MM)
-    near = (step <= last + allowed) & (last <= step + allowed)
-    return (step <= farthest) & (step >= -farthest) & ((cycles > config.gap_limit_cycles + 1) | near)
+    step, last, silent = unit.step.value, earlier_num(unit.last), earlier_num(unit.gap)
+    while_silent = with_unit(silent * change, MM)
+    near = (step - last <= while_silent + change) & (last - step <= while_silent + change)
+    return (step <= farthest) & (step >= -farthest) & ((silent > config.gap_limit_cycles) | near)
 
 
 def _ages(model: Odometry) -> Iterator[Property]:

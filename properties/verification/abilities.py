@@ -36,33 +36,39 @@ class Abilities:
         return with_unit(ability * self.own.config.period_ms, UM_S)
 
     @cached_property
-    def bounds(self) -> tuple[Num, Num]:
-        """Of the speed before the cycle."""
-        last = with_unit(before(self.own.last_speed) * 1_000, UM_S)
-        return last - before(self.own.slower), last + before(self.own.faster)
+    def last(self) -> Num:
+        """The last speed that was told."""
+        return with_unit(before(self.own.last_speed) * 1_000, UM_S)
 
     @cached_property
     def changes(self) -> tuple[Num, Num]:
-        """How much less and how much more the speed can be after the cycle; which way it runs may not be sure."""
-        low, high = self.bounds
+        """How much less and how much more the speed can become in the cycle; which way the train runs may not be sure."""
+        slower, faster = before(self.own.slower), before(self.own.faster)
         both = maximum(self._traction, self._brake)
-        up, down = low >= both, high <= -both
+        up, down = self.last >= both + slower, self.last + both <= -faster
         less = ite(up, self._brake, ite(down, self._traction, both))
         more = ite(up, self._traction, ite(down, self._brake, both))
         return less, more
 
+    @cached_property
+    def since_last(self) -> tuple[Num, Num]:
+        """How much less and how much more than the last one the speed can be after the cycle."""
+        less, more = self.changes
+        return less + before(self.own.slower), more + before(self.own.faster)
+
     def exceeded_by(self, speed: Num) -> Bool:
         """A speed that the train cannot have, even where both readings are off by all of their tolerance."""
-        (low, high), (less, more) = self.bounds, self.changes
-        said, slack = with_unit(speed * 1_000, UM_S), 2_000 * self.own.config.speed_tolerance_mm_s
-        return (said + slack < low - less) | (said - slack > high + more)
+        less, more = self.since_last
+        gain = with_unit((speed - before(self.own.last_speed)) * 1_000, UM_S)
+        slack = 2_000 * self.own.config.speed_tolerance_mm_s
+        return (gain + slack < -less) | (gain - slack > more)
 
     @cached_property
     def run_nm(self) -> Num:
         """The farthest run of the cycle: um/s in ms are nm."""
-        own, (low, high), (less, more) = self.own, self.bounds, self.changes
+        own, (less, more) = self.own, self.since_last
         fastest, slack = own.config.max_speed_mm_s * 1_000, own.config.speed_tolerance_mm_s * 1_000
-        known = minimum(maximum(high + more, less - low) + slack, fastest)
+        known = minimum(maximum(more + self.last, less - self.last) + slack, fastest)
         speed = ite(was(own.speed_known), known, Lit(fastest, UM_S))
         return with_unit(speed * own.config.period_ms, NM)
 

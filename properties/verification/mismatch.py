@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, before, was, with_unit
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, before, was, with_unit
 from safeloc.language.spec import Property, always
 from safeloc.language.units import MM, MM_S, NM
 from safeloc.models.verification import Verification
@@ -91,7 +91,7 @@ def properties(model: Verification) -> Iterator[Property]:
     for name, (reason, statement, trace) in NAMED.items():
         withholds = must[reason].implies(~machine.flag("trusted"))
         yield always(name, withholds, statement=statement, requirements=trace, unconditional=True)
-    compared = (own.due | was_known) & ~own.leaves
+    compared = any_of([own.due, *(before(mode).eq(one) for one in (withheld, trusted))]) & ~own.leaves
     yield always(
         "mismatch withholds in the same cycle",
         (compared & any_of(must.values())).implies(mode.eq(untrusted)),
@@ -170,7 +170,7 @@ def _of_parameters(own: Parts) -> dict[Lit, Bool]:
     return {
         v.COUNT_DIFFERS: own.associated & own.seen_count.present & count(own.seen_count.value),
         v.LENGTH_DIFFERS: own.associated & own.seen_length.present & length(own.seen_length.value),
-        v.ENDS_APART: apart | (near.present & far.present & (far.value < near.value)),
+        v.ENDS_APART: apart | all_of([near.present, far.present, near.value > far.value]),
         v.CONTROL_COUNT: own.control_count.present & count(own.control_count.value),
         v.CONTROL_LENGTH: own.control_length.present & length(own.control_length.value),
     }
@@ -185,12 +185,12 @@ def _at_counter(own: Parts) -> dict[Lit, Bool]:
     here = own.associated & own.due & own.source.eq(v.AXLE_COUNTER)
     most = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // 1_000)
     run = -(-config.max_speed_mm_s * config.period_ms // 1_000)
-    change = with_unit(own.record_age * most, MM_S) + config.speed_tolerance_mm_s
-    slack = with_unit(own.record_age * run, MM) + config.place_tolerance_mm
+    changed, ran = with_unit(own.record_age * most, MM_S), with_unit(own.record_age * run, MM)
     speed, place = own.seen_speed, own.place
-    off = (own.record_speed_low - speed.value > change) | (speed.value - own.record_speed_high > change)
-    beyond = place.value - own.record_place_high > slack + own.place_below
-    short = own.record_place_low - place.value > slack + own.place_above
+    less, more = own.record_speed_low - speed.value, speed.value - own.record_speed_high
+    off = (less - config.speed_tolerance_mm_s > changed) | (more - config.speed_tolerance_mm_s > changed)
+    beyond = place.value - own.record_place_high - own.place_below - config.place_tolerance_mm > ran
+    short = own.record_place_low - place.value - own.place_above - config.place_tolerance_mm > ran
     return {
         v.SPEED_AT_ENTRY: here & speed.present & off,
         v.PLACE_AT_ENTRY: here & own.located & place.present & (beyond | short),
@@ -215,7 +215,7 @@ def _of_course(own: Parts, least_mm: int) -> dict[Lit, Bool]:
         & was(own.length_known)
         & (change > own.config.length_change_mm),
         v.SPEED_CHANGED: own.associated & speed.present & was(own.speed_known) & able.exceeded_by(speed.value),
-        v.JUMP: own.associated & own.located & place.present & was(own.place_known) & jump,
+        v.JUMP: all_of([own.associated, was(own.place_known), own.located, place.present, jump]),
     }
 
 

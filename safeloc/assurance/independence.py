@@ -2,7 +2,8 @@
 
 A claim that is made of the machine's own terms moves with a wrong edit of them, and so stays proved. Terms are compared by
 structure, not by name: a formula that was written twice counts as shared, since it says nothing that the machine does not
-say. What a machine puts out, and what it declares as state, are no such terms: claims are made of them.
+say. What a machine puts out, and what it declares as state, are no such terms: claims are made of them. Nor are named
+values of one declared variable, such as two modes: they compute nothing.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from safeloc.language.checks.machine import read_of_machine
-from safeloc.language.nodes import Expr, Var
+from safeloc.language.nodes import Compare, Expr, Lit, Not, NumVar, Or, Var
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.terms import Sharing, Substitution, children, in_order, text, variables
+from safeloc.language.units import Enumeration
 from safeloc.target import Target
 
 LEAST_NODES = 6
@@ -83,7 +85,7 @@ class _Comparison:
         waiting = [self._share(_at_one_time(term)) for term in terms]
         while waiting:
             node = waiting.pop()
-            if node in seen or node in self._outputs:
+            if node in seen or node in self._outputs or _names_values(node):
                 continue
             seen.add(node)
             nodes = len(in_order([node]))
@@ -98,6 +100,14 @@ def _computed(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
     yield from ((f"next value of {var.name}", term) for var, term in system.next.items() if var not in system.ghosts)
     yield from ((f"output {name}", term) for name, term in system.outputs.items())
     yield from (("transition that fires", term) for term in system.fired.values())
+
+
+def _names_values(term: Expr) -> bool:
+    """Whether a term only names values of one variable of an enumeration, such as the modes in which something is reported."""
+    parts = in_order([term])
+    read = [part for part in parts if isinstance(part, NumVar)]
+    named = len(read) == 1 and isinstance(read[0].unit, Enumeration)
+    return named and all(isinstance(part, (Compare, Lit, Not, NumVar, Or)) for part in parts)
 
 
 def _at_one_time(term: Expr) -> Expr:

@@ -1,7 +1,8 @@
 """The environment of a machine: ghosts such as the true position, and the laws that sensors and neighbours obey.
 
 A world knows the inputs of its machine and the configuration, and nothing that the machine computes. A law that reads the
-machine's state would follow the machine wherever a wrong edit leads it, and prove it right.
+machine's state would follow the machine wherever a wrong edit leads it, and prove it right. State that no transition sets is
+configuration: a figure of the site, open in the proof.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ import pytest
 
 from safeloc.assurance.independence import Shared, follows_machine, shared_terms
 from safeloc.errors import ModelError
-from safeloc.language.expr import Bool, before, boolean, number
+from safeloc.language.expr import Bool, before, boolean, choice, enumeration, members, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
@@ -67,6 +67,39 @@ def test_small_terms_and_outputs_are_not_told() -> None:
     assert [] == shared_terms(replace(made, properties=(output,)))
 
 
+COLOURS = members("colour", "RED", "AMBER", "GREEN", "DARK")
+COLOUR, OTHER = choice("colour", enumeration(COLOURS)), choice("other", enumeration(COLOURS))
+LIT = COLOUR.one_of(*COLOURS[:3])
+
+
+def of_colours(guard: Bool) -> list[Shared]:
+    """What a claim shares with a machine that both ask the same of colours and of a sum."""
+    row = Transition("far", ON, OFF, guard)
+    made = Machine("m", (ON, OFF), [X, Y, GO, COLOUR, OTHER], {N: 0}, {}, [row])
+    return shared_terms(Target("m", (made,), lower(made), (always("of colours", guard.implies(GO)),)))
+
+
+@pytest.mark.parametrize("guard", [LIT, ~LIT, COLOUR.one_of(*COLOURS[1:])])
+def test_named_values_of_one_variable_are_not_told(guard: Bool) -> None:
+    """Three colours by name are words of the declaration; no wrong edit of a formula is hidden by saying the same words."""
+    assert [] == of_colours(guard)
+
+
+@pytest.mark.parametrize(
+    ("guard", "nodes"),
+    [
+        (LIT & GO, 10),
+        (COLOUR.one_of(*COLOURS[:2]) | OTHER.eq(COLOURS[0]), 9),
+        (COLOUR.eq(OTHER) | COLOUR.one_of(*COLOURS[:2]), 9),
+        ((X > 3) & (X < 50), 6),
+        (X.one_of(3, 4, 5), 8),
+    ],
+)
+def test_conditions_of_two_variables_and_figures_are_told(guard: Bool, nodes: int) -> None:
+    """What is put together of two variables is a judgement, and figures are chosen: both can be wrong."""
+    assert [nodes] == [one.nodes for one in of_colours(guard)]
+
+
 def test_a_clause_that_repeats_a_guard_is_told() -> None:
     """It reads inputs only and is lawful, but it moves with the machine."""
     guard = (Y + 3 > X) & (X + Y * 2 > Y)
@@ -88,3 +121,15 @@ def test_a_move_that_reads_state_is_refused() -> None:
     made = machine()
     with pytest.raises(ModelError, match=r"move of ghost 'truth' reads 'n', which the machine computes"):
         replace(made, world=replace(made.world, moves={TRUTH: N}))
+
+
+def test_a_figure_of_the_site_may_be_read() -> None:
+    """A state variable that no row sets, such as the place of a counter, follows no edit; one that a row sets is refused."""
+    place = number("place", MM, 0, 500)
+    made = machine()
+    state, world = {**made.state, place: ANY}, World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": TRUTH < place})
+    fixed = replace(made, state=state, world=world)
+    assert {} == follows_machine(Target("m", (fixed,), lower(fixed), ()))
+    rows = [replace(row, set={**row.set, place: X + Y}) for row in fixed.transitions]
+    with pytest.raises(ModelError, match=r"clause 'the law' reads 'place', which the machine computes"):
+        replace(fixed, transitions=rows)

@@ -11,10 +11,12 @@ from safeloc.language.expr import TRUE
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine
 from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, Proved
 from safeloc.models import route
+from safeloc.models.route.recordings import RUNS, recorded
 from safeloc.models.route.simulate import Steps, Way, answers, quiet, simulate, way
 from safeloc.models.route.variables import RouteConfig, parts
 from safeloc.proof.provers.limits import Limits
@@ -23,6 +25,8 @@ from safeloc.properties.route import properties
 from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
+from safeloc.runtime.streams.steps import Cell, read_steps
+from safeloc.shipped.making import STREAMS
 from safeloc.simulation.motion import Leg
 from tests.models.spoilt import rebuilt
 
@@ -33,6 +37,7 @@ ROUTES = [r for r in through_routes(Topology(find_line("fig3")), 100) if r.runs[
 WAYS = [way(number, one) for number, one in enumerate(ROUTES, 1)]
 NAMES = [one.models() for one in ROUTES]
 LEGS = [Leg(30_000, 50.0)]
+UNSEEN: dict[str, Cell] = {"sighted_place_nm": 0, "sighted_model": "NONE", "true_course": "UNDECIDED"}
 
 
 def runs(taken: int, missed: tuple[str, ...] = (), **more: object) -> Trace:
@@ -115,9 +120,15 @@ def test_an_authority_for_another_route_is_flagged() -> None:
 
 def test_a_turn_refutes_what_goes_the_other_way() -> None:
     """A turn to the left that one route does not take leaves the others; a switch that a route does not have tells nothing."""
-    start = {**quiet(CONFIG), "start_error_mm": 1_000, "start_truth_nm": 0, "start_route": 2, "true_step_nm": 0}
-    start |= {"next_wander_nm": 0, "odometer_mm": 0, **{f"route_{n}_candidate": True for n in (1, 2, 3)}}
-    turn = {
+    start: dict[str, Cell] = {
+        **quiet(CONFIG),
+        "start_error_mm": 1_000,
+        "start_truth_nm": 0,
+        "start_route": 2,
+        "true_step_nm": 0,
+    }
+    start |= {"next_wander_nm": 0, "odometer_mm": 0, **{f"route_{n}_candidate": True for n in (1, 2, 3)}, **UNSEEN}
+    turn: dict[str, Cell] = {
         **quiet(CONFIG),
         "start_truth_nm": 0,
         "start_route": 2,
@@ -125,7 +136,13 @@ def test_a_turn_refutes_what_goes_the_other_way() -> None:
         "next_wander_nm": 0,
         "odometer_mm": 0,
     }
-    turn |= {"course_taken": "LEFT", "route_1_course": "RIGHT", "route_2_course": "LEFT", "route_3_course": "UNDECIDED"}
+    turn |= UNSEEN | {
+        "true_course": "LEFT",
+        "course_taken": "LEFT",
+        "route_1_course": "RIGHT",
+        "route_2_course": "LEFT",
+        "route_3_course": "UNDECIDED",
+    }
     trace = followed([start, turn])
     assert [1, 2, 3] == carried(trace, 0)
     assert [2, 3] == carried(trace, 1)
@@ -133,13 +150,23 @@ def test_a_turn_refutes_what_goes_the_other_way() -> None:
 
 def test_the_map_answers_with_the_nearest_of_that_model() -> None:
     """Of several reflectors of the sighted model, the one nearest to where the sighting puts it."""
-    outputs = {f"route_{n}_{end}_mm": 500_000 for n in range(1, 6) for end in ("low", "high")}
-    seen = {"sighting_range_mm": 70_000, "sighting_model": "A"}
-    found = answers(WAYS, outputs, seen)  # type: ignore[arg-type]
+    outputs: dict[str, Value] = {f"route_{n}_{end}_mm": 500_000 for n in range(1, 6) for end in ("low", "high")}
+    outputs |= {f"route_{n}_possible": n == 1 for n in range(1, 6)}
+    seen: dict[str, Cell] = {"sighting_range_mm": 70_000, "sighting_model": "A"}
+    found = answers(WAYS, outputs, seen)
     assert 560_000 == found["route_1_reflector_mm"]
     assert 160_000 == found["route_4_reflector_mm"]
     assert "route_5_reflector_mm" not in found
     assert {} == answers(WAYS, outputs, {})
+    assert {} == answers(WAYS, {**outputs, "route_1_possible": False}, seen)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_shipped_recordings_are_fresh_simulations(name: str) -> None:
+    """The recording is what its run gives; the machine states the route taken or none."""
+    steps = recorded(RUNS[name])
+    assert steps == list(read_steps(STREAMS / f"route-{name}.jsonl.gz").steps)
+    assert decisions(followed(steps)) <= {NAMES.index(RUNS[name].models) + 1}
 
 
 def test_wrong_simulations_are_refused() -> None:

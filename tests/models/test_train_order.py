@@ -12,6 +12,7 @@ from safeloc.language.interpret import run
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.models.train_order import TrainOrder, TrainOrderConfig, build, parts
+from safeloc.models.train_order.cycle import Cycle
 from safeloc.properties.train_order import properties
 from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import unproved_of
@@ -94,7 +95,7 @@ def test_everything_is_proved() -> None:
 def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: str) -> None:
     """A row without its guard, or an order that is not kept up, loses a proof."""
     own = made().own
-    given = {name: dict(zip(own.belongs, own.after, strict=True)) if isinstance(value, str) else value
+    given = {name: dict(zip(own.belongs, Cycle(own).after, strict=True)) if isinstance(value, str) else value
              for name, value in fields.items()}  # fmt: skip
     wrong = replace(made(), machine=changed(made().machine, row, **given))
     assert not_kept(wrong.machine, next(one for one in properties(wrong) if one.name == broken))

@@ -21,10 +21,11 @@ ORDER = TrainOrderConfig()
 
 @dataclass(frozen=True)
 class Ordered:
-    """Inputs of each step, and whose each train's pattern is after it (None: nobody's)."""
+    """Inputs of each step; whose each train's pattern is after it (None: nobody's), and which trains are in the area."""
 
     steps: Steps
     patterns: list[list[TrainSeen | None]]
+    inside: list[list[bool]]
 
 
 Places = Sequence[tuple[float, float]]
@@ -40,7 +41,7 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
     code = _on_board()
     told = [events(ends, places) for places in trains]
     state, steps, patterns = code.first(), Steps(), list[list[TrainSeen | None]]()
-    inside = [False] * len(trains)
+    inside, whole = [False] * len(trains), list[list[bool]]()
     for number, moment in enumerate(moments):
         now = [one[number] for one in told]
         was = any(inside)
@@ -53,8 +54,9 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
         state, _ = code.step(state, code.read(step))
         owners = [code.named_outputs(state)[f"train_of_pattern_{rank}"] for rank in range(1, ORDER.trains + 1)]
         steps.append(step)
+        whole.append(inside)
         patterns.append([_owned(seen, owners, train) for train in range(1, len(trains) + 1)])
-    return Ordered(steps, patterns)
+    return Ordered(steps, patterns, whole)
 
 
 def _inside(one: TrainSeen, ends: Ends) -> bool:
@@ -87,13 +89,16 @@ def _owned(seen: Sequence[TrainSeen], owners: Sequence[int], train: int) -> Trai
     return next((one for one, owner in zip(seen, owners, strict=False) if owner == train), None)
 
 
-def truth_of(trains: Sequence[Places], steps: Steps) -> Steps:
-    """Ghost inputs: each train's middle, and which train each pattern of the steps holds."""
+def truth_of(trains: Sequence[Places], told: Ordered) -> Steps:
+    """Ghost inputs: each train's middle, whether it is in the area, and which train each pattern of the steps holds."""
     made = Steps()
-    for now, told in zip(zip(*trains, strict=True), steps, strict=True):
+    for now, inside, seen in zip(zip(*trains, strict=True), told.inside, told.steps, strict=True):
         middles = [round(MM_PER_M * UM_PER_MM * (low + high) / 2) for low, high in now]
-        step: dict[str, Cell] = {f"next_train_{n}_place_um": _at(middles, n) for n in range(1, ORDER.trains + 1)}
-        made.append(step | {f"pattern_{n}_owner": _held(middles, told, n) for n in range(1, ORDER.trains + 1)})
+        step: dict[str, Cell] = {}
+        for n in range(1, ORDER.trains + 1):
+            step |= {f"next_train_{n}_inside": n <= len(inside) and inside[n - 1]}
+            step |= {f"next_train_{n}_place_um": _at(middles, n)}
+        made.append(step | {f"pattern_{n}_owner": _held(middles, seen, n) for n in range(1, ORDER.trains + 1)})
     return made
 
 

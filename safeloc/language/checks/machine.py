@@ -267,12 +267,19 @@ def _world_is_apart(machine: Machine) -> Iterator[str]:
 
 
 def read_of_machine(machine: Machine) -> dict[str, list[Var]]:
-    """Return each clause and each ghost's move that reads what the machine computes, with what it reads."""
-    computed, world = {*machine.state, machine.mode, machine.fired_name}, machine.world
+    """Return each clause and each ghost's move that reads what the machine computes, with what it reads.
+
+    A state variable that no transition sets is a figure of the site, such as the place of a counter: it follows no edit.
+    """
+    computed, world = {*_set_by_rows(machine), machine.mode, machine.fired_name}, machine.world
     laws: dict[str, Expr] = {f"clause {name!r}": term for name, term in world.terms.items()}
     laws |= {f"move of ghost {var.name!r}": move for var, move in world.moves.items()}
     read = {what: [var for var in variables([term]) if var in computed] for what, term in laws.items()}
     return {what: found for what, found in read.items() if found}
+
+
+def _set_by_rows(machine: Machine) -> set[Var]:
+    return {var for transition in machine.transitions for var in transition.set}
 
 
 class _Readers:

@@ -1,0 +1,217 @@
+"""The world of a line area: trains and vehicles that were never counted, and what counters and reports tell of them.
+
+    trains    run no faster than the top speed, and are on the line
+    counters  undisturbed, count every train in and out at its end, into a free slot, and are clear only over an empty area
+    reports   of a train, where they are trusted: hold the end that leads, and both if it is known to be whole
+    others    vehicles that were never counted come in only while a counter is disturbed, and no vehicle passes another
+
+A train that came in at the low end, with undisturbed counters ever since, has every such vehicle above it: the world
+remembers at which end each train came in, and forgets it in a disturbance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from safeloc.language.expr import Bool, Expr, Num, Var, abs_, all_of, between, exact_to, ite, with_unit
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import UM, UM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
+from safeloc.models.area.variables import Parts
+
+
+def world(own: Parts, kept: Sequence[Slot]) -> World:
+    """Trains and uncounted vehicles; `kept`: slots whose reports an earlier machine vouches for, not assumed."""
+    first: dict[Var, Initial] = {own.loose: ANY, own.loose_rear: ANY, own.loose_front: ANY}
+    moves: dict[Var, Expr] = {
+        own.loose: own.next_loose,
+        own.loose_rear: own.next_loose_rear,
+        own.loose_front: own.next_loose_front,
+    }
+    for one in own.slots:
+        first |= {one.there: False, one.true_rear: ANY, one.true_front: ANY, one.from_low: False, one.from_high: False}
+        moves |= _train_moves(own, one)
+    return World(first, _choices(own), moves, _laws(own, kept))
+
+
+def _choices(own: Parts) -> list[Var]:
+    ends: Iterable[Var] = (var for one in own.slots for var in (one.next_rear, one.next_front))
+    return [*ends, own.next_loose, own.next_loose_rear, own.next_loose_front]
+
+
+def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
+    stays, (low, high) = _stays(own, one), _came_in(one)
+    return {
+        one.there: stays,
+        one.true_rear: one.next_rear,
+        one.true_front: one.next_front,
+        one.from_low: all_of([low, stays, own.healthy]),
+        one.from_high: all_of([high, stays, own.healthy]),
+    }
+
+
+def _stays(own: Parts, one: Slot) -> Bool:
+    """The train is in the area after the cycle, as the undisturbed counters have it."""
+    return (one.there | one.enters) & ~(own.healthy & one.leaves) & ~(own.healthy & own.clear & ~one.enters)
+
+
+def _came_in(one: Slot) -> tuple[Bool, Bool]:
+    """The train came in at the low end, at the high end, in this cycle or before."""
+    low, high = (one.event.eq(end) for end in (ENTERS_LOW, ENTERS_HIGH))
+    return ite(one.enters, low, one.from_low), ite(one.enters, high, one.from_high)
+
+
+def um(term: Num) -> Num:
+    """A length in mm as um."""
+    return exact_to(term, UM)
+
+
+def moves_clause(one: Slot) -> str:
+    """The name of the clause that its train moves as a train does."""
+    return f"train {one.number} moves as one"
+
+
+def reports_clause(one: Slot) -> str:
+    """The name of the clause that its train's reports are true."""
+    return f"reports of train {one.number} are true"
+
+
+def _laws(own: Parts, kept: Sequence[Slot]) -> dict[str, Law]:
+    moves = {moves_clause(one): _movement_law(own, one) for one in own.slots}
+    counted = {f"train {one.number} is counted": _counting_law(own, one) for one in own.slots}
+    reports = {reports_clause(one): _reports_law(one) for one in own.slots if one not in kept}
+    return {
+        "uncounted vehicles stay on the line": _line_law(own),
+        **moves,
+        **counted,
+        **reports,
+        "uncounted vehicles": _loose_law(own),
+    }
+
+
+# ------------------------------------------------------------------ trains
+
+
+def _on_the_line(own: Parts, *places: Num) -> Bool:
+    far = own.config.limit_mm * UM_PER_MM
+    return all_of(between(-far, place, far) for place in places)
+
+
+def _line_law(own: Parts) -> Law:
+    return Law(
+        _on_the_line(own, own.next_loose_rear, own.next_loose_front),
+        "The coordinates of the line do not end before an uncounted vehicle does.",
+        ("limit_mm",),
+        "[D] 100 km to either side",
+        "infrastructure",
+        "when the map is made",
+    )
+
+
+def _movement_law(own: Parts, one: Slot) -> Law:
+    step, known = own.config.reach.cycle_mm * UM_PER_MM, one.there | one.enters
+    rear, front = one.next_rear, one.next_front
+    runs = (abs_(front - one.true_front) <= step) & (abs_(rear - one.true_rear) <= step)
+    return Law(
+        all_of([_on_the_line(own, rear, front), known.implies(rear <= front), one.there.implies(runs)]),
+        "A train is on the line, its rear end behind its front end; while it is in the area they run no faster than the top "
+        "speed.",
+        ("limit_mm", "max_speed_mm_s", "period_ms"),
+        "[D] 160 km/h",
+        "operator",
+        "speed supervision",
+    )
+
+
+def _counting_law(own: Parts, one: Slot) -> Law:
+    step = own.config.reach.cycle_mm * UM_PER_MM
+    rear, front = one.next_rear, one.next_front
+    at_low, at_high = front <= um(own.low_end) + step, rear >= um(own.high_end) - step
+    out_low, out_high = front < um(own.low_end), rear > um(own.high_end)
+    term = all_of(
+        [
+            one.enters.implies(~one.there),
+            one.event.eq(ENTERS_LOW).implies(at_low),
+            one.event.eq(ENTERS_HIGH).implies(at_high),
+            all_of([one.there, own.healthy, one.event.eq(LEAVES_LOW)]).implies(out_low),
+            all_of([one.there, own.healthy, one.event.eq(LEAVES_HIGH)]).implies(out_high),
+        ]
+    )
+    return Law(
+        term,
+        "A train that is counted in gets a slot that no train in the area has, and is no farther in than it runs in a cycle; one that "
+        "undisturbed counters count out has left completely, at the end that they tell.",
+        ("max_speed_mm_s", "period_ms"),
+        "[S] ES fibre source, l. 479-546; FVA-2",
+        "supplier",
+        "counts at both ends agree whenever the area is empty",
+    )
+
+
+def report_law(one: Slot) -> Bool:
+    """What a trusted, complete and recent report says of the train is true, of the ends that it holds."""
+    ran = with_unit(one.age * one.reach.max_speed_mm_s, UM)
+    seen = all_of(
+        [
+            one.there,
+            one.trusted,
+            one.front.present,
+            one.rear.present,
+            one.age <= one.reach.report_age_limit_ms,
+        ]
+    )
+    return all_of(
+        [
+            (seen & one.holds_high).implies(one.next_front <= um(one.front.value) + ran),
+            (seen & one.holds_low).implies(one.next_rear >= um(one.rear.value) - ran),
+        ]
+    )
+
+
+def _reports_law(one: Slot) -> Law:
+    return Law(
+        report_law(one),
+        "A trusted report, complete and recent, held the train's leading end when it was measured, and both ends where the train "
+        "is known to be whole; since then the train ran no faster than the top speed.",
+        ("max_speed_mm_s", "report_age_limit_ms"),
+        "[D] proved of the fibre's machines and their verification, under their own laws",
+        "supplier",
+        "place and length at every counter that the train passes",
+    )
+
+
+# ------------------------------------------------------------------ vehicles that were never counted
+
+
+def _loose_law(own: Parts) -> Law:
+    step = own.config.reach.cycle_mm * UM_PER_MM
+    rear, front = own.next_loose_rear, own.next_loose_front
+    runs = (abs_(front - own.loose_front) <= step) & (abs_(rear - own.loose_rear) <= step)
+    inside = (front >= um(own.low_end)) & (rear <= um(own.high_end))
+    term = all_of(
+        [
+            own.next_loose.implies(own.loose | ~own.healthy),
+            own.next_loose.implies((rear <= front) & inside),
+            (own.next_loose & own.loose).implies(runs),
+            own.next_loose.implies(~(own.healthy & own.clear)),
+            *((own.next_loose & own.healthy).implies(_beside(own, one)) for one in own.slots),
+        ]
+    )
+    return Law(
+        term,
+        "A vehicle that was never counted was there at the start or came in while a counter was disturbed; it runs no faster than the "
+        "top speed, undisturbed counters are not clear over it, and it stays above a train that came in at the low end, and "
+        "below one from the high end, for as long as the counters are undisturbed.",
+        ("max_speed_mm_s", "period_ms"),
+        "[D] one track: no vehicle passes another",
+        "infrastructure",
+        "safety case of the counters; no switch between them",
+    )
+
+
+def _beside(own: Parts, one: Slot) -> Bool:
+    """A loose vehicle stays above a train that came in at the low end, and below one from the high end."""
+    rear, front = own.next_loose_rear, own.next_loose_front
+    low, high = _came_in(one)
+    return low.implies(rear >= one.next_front) & high.implies(front <= one.next_rear)

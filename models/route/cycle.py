@@ -1,0 +1,103 @@
+"""What a cycle does to a hypothesis: it runs on, is narrowed by what is seen, or is refuted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import Bool, Num, as_num, exact_to, ite, maximum, minimum
+from safeloc.language.units import COUNT, NM, NM_PER_MM
+from safeloc.models.route.variables import Hypothesis, Parts
+from safeloc.models.turn_off import UNDECIDED as NO_COURSE
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+
+
+@dataclass(frozen=True, eq=False)
+class Bounded:
+    """A hypothesis: whether it is possible, and the bounds of the distance less the present wander, nm."""
+
+    own: Parts
+    possible: Bool
+    low: Num
+    high: Num
+
+    @property
+    def tolerable(self) -> Bool:
+        """The reported interval is no wider than the tolerance to either side of its middle, and on the line."""
+        config = self.own.config
+        width = self.high - self.low + 2 * self.own.half_nm
+        limit = config.length_limit_mm * NM_PER_MM
+        return (width <= (2 * config.tolerance_mm - 2) * NM_PER_MM) & (self.low >= -limit) & (self.high <= limit)
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """One hypothesis in a cycle."""
+
+    own: Parts
+    route: Hypothesis
+
+    @property
+    def moved(self) -> tuple[Num, Num]:
+        """The bounds after the measured distance, nm."""
+        distance, growth = exact_to(self.own.odometer.distance, NM), self.own.odometer.growth
+        return self.route.low + distance - growth, self.route.high + distance + growth
+
+    @property
+    def seen(self) -> Bool:
+        """A reflector was sighted and its model recognised."""
+        return self.own.sighting.present & self.own.sighting_model.ne(NO_MODEL)
+
+    @property
+    def sighted(self) -> tuple[Num, Num]:
+        """The bounds that the sighted reflector gives, nm: where it stands, less the measured range, with its error."""
+        place = exact_to(self.route.reflector.value - self.own.sighting.value, NM)
+        error = exact_to(self.own.sighting_error, NM) + self.own.half_nm
+        return place - error, place + error
+
+    @property
+    def has_it(self) -> Bool:
+        """The route has a reflector of the sighted model where the vehicle would see it."""
+        (low, high), (first, last) = self.moved, self.sighted
+        right = self.route.reflector.present & self.route.model.eq(self.own.sighting_model)
+        return right & (first <= high) & (low <= last)
+
+    @property
+    def turns_so(self) -> Bool:
+        """The route does not go another way than the turn that was seen."""
+        turned, course = self.own.turned, self.route.course
+        return turned.eq(NO_COURSE) | course.eq(NO_COURSE) | turned.eq(course)
+
+    @property
+    def fits(self) -> Bool:
+        """What is seen in this cycle is possible on the route: the reflector's model and place, and the turn."""
+        return (~self.seen | self.has_it) & self.turns_so
+
+    @property
+    def spread(self) -> Num:
+        """How far from the common start the vehicle may be at a start, wander included, nm."""
+        return exact_to(self.own.start.value, NM) + self.own.half_nm
+
+    @property
+    def after(self) -> Bounded:
+        """Run on, narrowed by what is seen; at a start, at the start."""
+        (low, high), (first, last) = self.moved, self.sighted
+        begun = self.own.start.present
+        return Bounded(
+            self.own,
+            ite(begun, self.route.candidate, self.route.possible & self.fits),
+            ite(begun, -self.spread, ite(self.seen, maximum(low, first), low)),
+            ite(begun, self.spread, ite(self.seen, minimum(high, last), high)),
+        )
+
+
+def now(own: Parts) -> tuple[Bounded, ...]:
+    """Every hypothesis as it is kept."""
+    return tuple(Bounded(own, route.possible, route.low, route.high) for route in own.routes)
+
+
+def count(bounded: tuple[Bounded, ...]) -> Num:
+    """How many routes are possible."""
+    total = as_num(0, COUNT)
+    for one in bounded:
+        total = total + ite(one.possible, as_num(1, COUNT), 0)
+    return total

@@ -1,0 +1,68 @@
+"""What no device of the vehicle can read: the route it really runs on, where on it, and what is really sighted there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from safeloc.language.expr import NumVar, choice, enumeration, number
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.models.turn_off import COURSE
+from safeloc.models.vocabulary.measuring_world import Physics
+from safeloc.models.vocabulary.reflectors import MODEL
+
+
+@dataclass(frozen=True, eq=False)
+class Ghosts:
+    """The world's variables; lengths in nm.
+
+    route, next_route    the number of the route that the vehicle runs along; at a start, the one that begins there
+    truth, true_step     end A from the common start, along that route, and what it really runs in the cycle
+    next_truth           at a start, where end A is from then on
+    wander, next_wander  the one-off part of the odometer's error: before the cycle and, freely chosen, after it
+    heard, silent        the last distance that it delivered and that can have been run, mm, and the cycles since then
+    sighted, model       where the reflector that is sighted in this cycle stands along the route, and its model
+    course               the course that the vehicle takes at the switch that a turn may be seen at
+    """
+
+    route: NumVar
+    next_route: NumVar
+    truth: NumVar
+    true_step: NumVar
+    next_truth: NumVar
+    wander: NumVar
+    next_wander: NumVar
+    heard: NumVar
+    silent: NumVar
+    sighted: NumVar
+    model: NumVar
+    course: NumVar
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Figures of the configuration that bound the ghosts: what can be run, half the odometer's constant, mm of line, routes."""
+
+    physics: Physics
+    half_nm: int
+    line_mm: int
+    reflectors_mm: int
+    routes: int
+
+
+def ghosts(bounds: Bounds) -> Ghosts:
+    """Fresh variables."""
+    line, half, run = bounds.line_mm * NM_PER_MM, bounds.half_nm, bounds.physics
+    return Ghosts(
+        route=number("true_route", COUNT, 1, bounds.routes),
+        next_route=number("start_route", COUNT, 1, bounds.routes),
+        truth=number("truth_nm", NM, -line, line),
+        true_step=number("true_step_nm", NM, -run.farthest_nm, run.farthest_nm),
+        next_truth=number("start_truth_nm", NM, -line, line),
+        wander=number("wander_nm", NM, -half, half),
+        next_wander=number("next_wander_nm", NM, -half, half),
+        heard=number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm),
+        silent=number("odometer_silent_cycles", COUNT, 0, run.longest_cycles),
+        sighted=number("sighted_place_nm", NM, 0, bounds.reflectors_mm * NM_PER_MM),
+        model=choice("sighted_model", enumeration(MODEL)),
+        course=choice("true_course", enumeration(COURSE)),
+    )

@@ -1,0 +1,82 @@
+"""Recordings of the route machine that ship: runs over the line of source 001, fig. 3, whole and with a reflector missed.
+
+Written by `python -m safeloc.models.route.recordings`; the tests check that they come out the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from safeloc.models.line_runs.configs import LineVehicle
+from safeloc.models.line_runs.drive import Journey, streams
+from safeloc.models.route.simulate import Steps, Way, simulate, way
+from safeloc.models.route.variables import RouteConfig
+from safeloc.railway.map.routes import Route, through_routes
+from safeloc.railway.map.toml_files import find_line
+from safeloc.railway.map.walk import Walk
+from safeloc.runtime.streams.steps import write_steps
+from safeloc.simulation.motion import Leg
+
+FOLDER, LINE, MOST_ROUTES = Path(__file__).parents[1] / "streams", "fig3", 100
+STEADY = [Leg(30_000, 50.0)]
+"""Up to 30 m/s, 50 s in all."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run along the route with these models; `missed`: which of its reflectors is never seen, counted from 0.
+
+    seed   of the drawn errors
+    whole  driven from standstill to the end of the route as the line permits; else at once, the first 50 s
+    """
+
+    models: str
+    seed: int
+    whole: bool = False
+    missed: int | None = None
+
+
+RUNS: Mapping[str, Run] = {
+    "adab-every-reflector": Run("ADAB", 1, whole=True),
+    "adad-every-reflector": Run("ADAD", 1, whole=True),
+    "acd-every-reflector": Run("ACD", 1, whole=True),
+    "adcd-every-reflector": Run("ADCD", 3),
+    "adcd-first-missed": Run("ADCD", 3, missed=0),
+    "adcd-second-missed": Run("ADCD", 3, missed=1),
+    "dcd-every-reflector": Run("DCD", 5),
+}
+"""By the end of the recording's name."""
+
+
+def recorded(run: Run) -> Steps:
+    """The steps of a run, all routes of its direction being possible at the start."""
+    walk = Walk(find_line(LINE))
+    routes = [one for one in through_routes(walk.topology, MOST_ROUTES) if one.runs[0].direction == "increasing"]
+    taken = [one.models() for one in routes].index(run.models)
+    return _driven(walk, routes, taken, run.seed) if run.whole else _steady(routes, taken, run)
+
+
+def _driven(walk: Walk, routes: Sequence[Route], taken: int, seed: int) -> Steps:
+    (stream,) = streams(Journey(routes[taken], walk, LineVehicle(), seed, tuple(routes), ()), "route")
+    return [dict(step) for step in stream.steps]
+
+
+def _steady(routes: Sequence[Route], taken: int, run: Run) -> Steps:
+    ways: list[Way] = [way(number, one) for number, one in enumerate(routes, 1)]
+    missed = [] if run.missed is None else [ways[taken].sights[run.missed].identity]
+    return simulate(RouteConfig(), ways, taken + 1, seed=run.seed, legs=STEADY, missed=missed)
+
+
+def write(folder: Path = FOLDER) -> list[Path]:
+    """Write all of them; the paths."""
+    paths = [folder / f"route-{name}.jsonl.gz" for name in RUNS]
+    for path, run in zip(paths, RUNS.values(), strict=True):
+        write_steps(path, recorded(run), machine="route")
+    return paths
+
+
+if __name__ == "__main__":
+    for path in write():
+        print(path)

@@ -1,0 +1,198 @@
+"""The world of the route machine: on which route the vehicle runs, and what ties odometer, radar and map to that.
+
+    the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    a start       says how far from the common start the vehicle can be, and which routes begin there
+    a reflector   is sighted at its range within the error, and shows its own model, or none that is known
+    a turn        is the one that is taken, or is not seen
+    the map       has, of the true route, the reflector that is sighted, and the course at the switch
+
+Nothing is assumed of what is not seen, nor of what the map says of the other routes.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, between, exact_to, ite
+from safeloc.language.machine import ANY
+from safeloc.language.units import NM
+from safeloc.language.world import Law, World
+from safeloc.models.route.variables import Hypothesis, Parts
+from safeloc.models.turn_off import UNDECIDED as NO_COURSE
+from safeloc.models.vocabulary.measuring_world import Measuring
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+
+
+def world(own: Parts) -> World:
+    """The true route and position, the odometer's error, and what is sighted."""
+    seen, odometer = own.ghosts, measuring(own)
+    moves: dict[Var, Expr] = {
+        seen.route: _route(own),
+        seen.truth: _after(own),
+        seen.wander: ite(odometer.can_be_run, seen.next_wander, seen.wander),
+        **odometer.moves(),
+    }
+    return World(
+        ghosts={**dict.fromkeys((seen.route, seen.truth, seen.wander), ANY), **odometer.first()},
+        choices=[
+            seen.true_step, seen.next_truth, seen.next_wander, seen.next_route, seen.sighted, seen.model, seen.course,
+        ],
+        moves=moves,
+        clauses={
+            "the odometer keeps its law": _odometer_law(own),
+            "the vehicle keeps to its highest speed": _speed_law(own),
+            "the vehicle stays on the line": _line_law(own),
+            "the start names the true route and place": _start_law(own),
+            "a reflector is sighted at its range": _range_law(own),
+            "a model that is recognised is the reflector's own": _model_law(own),
+            "the map has the sighted reflector on the true route": _map_law(own),
+            "a turn that is seen is taken": _turn_law(own),
+            "the map has the course of the true route": _course_law(own),
+        },
+    )  # fmt: skip
+
+
+def measuring(own: Parts) -> Measuring:
+    """The odometer as the world has it."""
+    seen = own.ghosts
+    return Measuring(own.odometer.law, own.odometer.step, seen.heard, seen.silent, own.config.physics)
+
+
+def _after(own: Parts) -> Num:
+    """Where end A is at the end of the cycle: a start counts from another place."""
+    return ite(own.start.present, own.ghosts.next_truth, own.ghosts.truth + own.ghosts.true_step)
+
+
+def _route(own: Parts) -> Num:
+    """The route of the cycle."""
+    return ite(own.start.present, own.ghosts.next_route, own.ghosts.route)
+
+
+# ------------------------------------------------------------------ the vehicle and its odometer
+
+
+def _odometer_law(own: Parts) -> Law:
+    seen, odometer = own.ghosts, measuring(own)
+    error = seen.true_step - exact_to(own.odometer.step.value, NM) - (seen.next_wander - seen.wander)
+    return Law(
+        odometer.can_be_run.implies(odometer.allows(error)),
+        "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, and by the change of a "
+        "one-off part within half its constant; or it is a distance that no vehicle can have run. The rate is that of the "
+        "MEASURED distance.",
+        ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s", "max_acceleration_mm_s2"),
+        "[S] SUBSET-041: 5 m + 5 % of every measured distance",
+        "supplier",
+        "type test; in operation the run between two starts against the map",
+    )
+
+
+def _speed_law(own: Parts) -> Law:
+    farthest = own.config.physics.farthest_nm
+    return Law(
+        between(-farthest, own.ghosts.true_step, farthest),
+        "The vehicle runs no faster than its highest speed, either way.",
+        ("max_speed_mm_s", "period_ms"),
+        "[D] 160 km/h",
+        "operator",
+        "speed supervision",
+    )
+
+
+def _line_law(own: Parts) -> Law:
+    truth = own.ghosts.truth
+    return Law(
+        between(truth.low, truth + own.ghosts.true_step, truth.high),
+        "The coordinates of the routes do not end before the vehicle does.",
+        ("length_limit_mm",),
+        "[D] 100 km from the common start",
+        "infrastructure",
+        "when the map is made",
+    )
+
+
+def _start_law(own: Parts) -> Law:
+    away, seen = exact_to(own.start.value, NM), own.ghosts
+    leads = any_of(seen.next_route.eq(one.number) & one.candidate for one in own.routes)
+    return Law(
+        own.start.present.implies(leads & (seen.next_truth <= away) & (seen.next_truth >= -away)),
+        "At a start the vehicle is no farther from the common start than the reading errs, and the route on which it leaves "
+        "it is among those that begin there.",
+        ("start_error_mm",),
+        "[S] OCORA 7242, SUBSET-026 3.16.2; Q_NVLOCACC [D]",
+        "infrastructure",
+        "the balise machine's linking; audit of the line's map",
+    )
+
+
+# ------------------------------------------------------------------ what is seen, and what the map says of it
+
+
+def _sighted(own: Parts, law: Bool) -> Bool:
+    """The law is kept where a reflector is sighted whose model is known."""
+    return any_of([~own.sighting.present, own.sighting_model.eq(NO_MODEL), law])
+
+
+def _range_law(own: Parts) -> Law:
+    error, origin = exact_to(own.sighting_error, NM), own.ghosts.sighted
+    too_near = origin - _after(own) - exact_to(own.sighting.value, NM)
+    return Law(
+        _sighted(own, between(-error, too_near, error)),
+        "The range of a sighting is the distance from end A to the reflector within the error that is told with it.",
+        ("range_limit_mm",),
+        "[M] FMCW radar, interpolated to centimetres",
+        "supplier",
+        "self-test at every balise",
+    )
+
+
+def _model_law(own: Parts) -> Law:
+    return Law(
+        _sighted(own, own.ghosts.model.eq(own.sighting_model)),
+        "A sighting is of a reflector beside the route that the vehicle runs on, and the model that is recognised is its own.",
+        source="[M] signatures told apart, source l. 161 and 237",
+        owner="supplier",
+        check="type test of the signatures; a contradiction is reported",
+    )
+
+
+def _map_law(own: Parts) -> Law:
+    told_nothing = all_of(~one.reflector.present for one in own.routes)
+    return Law(
+        told_nothing | _sighted(own, all_of(_of_true(own, one, _names_it(own, one)) for one in own.routes)),
+        "The map is looked up for a sighting while a route is possible, and tells, of each route, the reflector of that model "
+        "nearest to where the vehicle would see it. If it tells any, then of the true route the sighted one, since those of "
+        "one model stand farther apart than all errors.",
+        ("tolerance_mm",),
+        "[D] the map is looked up around the reported interval; layout rule: models told apart by distance",
+        "infrastructure",
+        "audit of the line's map; survey; the look-up is tested with the map",
+    )
+
+
+def _of_true(own: Parts, route: Hypothesis, law: Bool) -> Bool:
+    return _route(own).ne(route.number) | law
+
+
+def _names_it(own: Parts, route: Hypothesis) -> Bool:
+    """The map names the sighted reflector for this route."""
+    seen, nearest = own.ghosts, route.reflector
+    return all_of([seen.model.eq(route.model), nearest.present, seen.sighted.eq(exact_to(nearest.value, NM))])
+
+
+def _turn_law(own: Parts) -> Law:
+    return Law(
+        own.turned.one_of(NO_COURSE, own.ghosts.course),
+        "A turn that is seen is the course that the vehicle takes at the switch.",
+        source="[D] the machine `turn_off`, and its assumptions",
+        owner="supplier",
+        check="as for the machine `turn_off`",
+    )
+
+
+def _course_law(own: Parts) -> Law:
+    taken = own.ghosts.course
+    return Law(
+        all_of(_of_true(own, one, one.course.one_of(NO_COURSE, taken)) for one in own.routes),
+        "Where the map tells the course of the true route at the switch, it is the one that the vehicle takes.",
+        source="[D] the map is looked up around the reported interval",
+        owner="infrastructure",
+        check="audit of the line's map; the look-up is tested with the map",
+    )

@@ -1,0 +1,150 @@
+"""What is reported, and when nothing is: tolerance, silence of the odometer, reasons, the movement authority."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, all_of, any_of, as_num, between, with_unit
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.models.route import Route
+from safeloc.models.route.variables import NO_REASON, SENSOR_FAILURE, TOLERANCE, Parts
+from safeloc.models.vocabulary.measured import ADMITTED
+from safeloc.properties.route.figures import TRACE, Told, bounds, carried, ran
+
+
+def reports(model: Route) -> Iterator[Property]:
+    """The claims of what is put out."""
+    for maker in (_silent, _wide, _odometer, _reasons, _authority):
+        yield from maker(model)
+
+
+def _silent(model: Route) -> Iterator[Property]:
+    silent = all_of(~route.possible for route in model.own.routes)
+    yield always(
+        "nothing is reported without a start",
+        carried(model) | (silent & model.machine.output("route").eq(0)),
+        statement="idle or lost, no route and no interval is reported",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "no route left is no report",
+        silent.implies(~carried(model)),
+        statement="the cycle in which no route fits any more is the cycle in which nothing is reported",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    yield always(
+        "no resurrection",
+        (carried(model) & ~earlier_bool(carried(model))).implies(model.own.start.present),
+        statement="after a contradiction only a new start, with its own reference, begins to report",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _wide(model: Route) -> Iterator[Property]:
+    own, most = model.own, as_num(2 * model.own.config.tolerance_mm * NM_PER_MM, NM)
+    widths = [high - low <= most for low, high in (bounds(model, route) for route in own.routes)]
+    yield always(
+        "tolerance",
+        all_of(widths),
+        statement="no reported interval is wider than the tolerable error to either side",
+        requirements=("RFL-D6", "RFL-D1"),
+        unconditional=True,
+    )
+    lost = _given_up(model) & own.reason.eq(TOLERANCE)
+    yield always(
+        "given up for its width only where it may be too wide",
+        lost.implies(any_of(_may_be_too_wide(own, Told(own, route)) for route in own.routes)),
+        statement="nothing is given up for tolerance unless an interval, run on, may be wider than tolerable to the mm, or "
+        "reach beyond the line",
+        requirements=("RFL-D6", "RFL-D1"),
+        unconditional=True,
+    )
+
+
+def _given_up(model: Route) -> Bool:
+    """What was reported is not any more, and there was no new start."""
+    return earlier_bool(carried(model)) & ~model.own.start.present & ~carried(model)
+
+
+def _may_be_too_wide(own: Parts, told: Told) -> Bool:
+    (least, most), config = ran(own), own.config
+    low, high, line = told.low + least, told.high + most, config.length_limit_mm * NM_PER_MM
+    wide = high - low > 2 * ((config.tolerance_mm - 1) * NM_PER_MM - own.half_nm)
+    return any_of([wide, low < -line, high > line])
+
+
+def _odometer(model: Route) -> Iterator[Property]:
+    own, odometer = model.own, model.own.odometer
+    yield always(
+        "a distance is admitted just if it can have been run",
+        odometer.judged.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
+        statement="a distance counts exactly if it is below the top speed, and within the greatest change of speed since the "
+        "last one",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
+    yield always(
+        "silent cycles are counted",
+        (odometer.judged.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.judged.ne(ADMITTED) & counted),
+        statement="cycles without an admitted distance are counted, to one beyond the limit",
+        requirements=TRACE,
+        unconditional=True,
+    )
+    too_long = odometer.gap > own.config.gap_limit_cycles
+    yield always(
+        "a silent odometer ends the report",
+        (earlier_bool(carried(model)) & ~own.start.present).implies(own.reason.eq(SENSOR_FAILURE).iff(too_long)),
+        statement="what is carried is given up for the odometer exactly where it was silent for longer than permitted",
+        requirements=("RFL-D6", "RFL-D1"),
+        unconditional=True,
+    )
+
+
+def _can_be_run(own: Parts) -> tuple[Bool, Bool]:
+    """In figures of the requirement: top speed and greatest acceleration, rounded up to mm, and steps of the measurement."""
+    config, step = own.config, own.odometer.step.value
+    farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
+    change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
+    silent, faster = earlier_num(own.odometer.gap), step - earlier_num(own.odometer.last)
+    allowed = with_unit(silent * change, MM) + change
+    heard_lately = silent <= config.gap_limit_cycles
+    return between(-farthest, step, farthest), heard_lately.implies((faster <= allowed) & (-faster <= allowed))
+
+
+def _reasons(model: Route) -> Iterator[Property]:
+    yield always(
+        "reason stated",
+        model.own.reason.eq(NO_REASON).iff(carried(model)),
+        statement="a reason is stated exactly while nothing is reported",
+        requirements=TRACE,
+        unconditional=True,
+    )
+
+
+def _authority(model: Route) -> Iterator[Property]:
+    own, machine = model.own, model.machine
+    refuted = any_of(own.authorised.eq(route.number) & ~route.possible for route in own.routes)
+    yield always(
+        "authority",
+        carried(model).implies(machine.flag("refutes_authority").iff(refuted)),
+        statement="that the route of the movement authority is refuted is reported in the same cycle",
+        requirements=("RFL-D6", "RFL-12"),
+        unconditional=True,
+    )
+
+
+def reached(model: Route) -> Iterator[Property]:
+    """Each route can be decided."""
+    for route in model.own.routes:
+        yield reachable(
+            f"route {route.number} is decided after others were possible",
+            model.machine.fired("one route is left") & route.possible,
+            statement="the route can be told from the others by what is seen",
+            requirements=TRACE,
+        )

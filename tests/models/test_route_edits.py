@@ -1,0 +1,94 @@
+"""A wrong edit of a term of the route machine is noticed by a proof: claims speak of truth and inputs, not of its terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from safeloc.language.expr import FALSE, TRUE, Bool, Num, as_num, exact_to
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.units import MM, NM
+from safeloc.models.route import build
+from safeloc.models.route.cycle import Bounded, Cycle
+from safeloc.models.route.variables import RouteConfig, parts
+from safeloc.models.vocabulary.odometer import Odometer
+from safeloc.properties.route import properties
+from tests.models.edited_terms import edited, keeps
+
+CONFIG = RouteConfig(routes=2)
+HAS_NOT = "route 1 is given up where a reflector is sighted that it does not have"
+ONLY_SEEN = "route 1 is refuted only by what is seen"
+TRUE_ROUTE = "the true route is carried"
+
+
+def made() -> tuple[Machine, list[Property]]:
+    """The machine as it is built now, and its claims."""
+    model = build(parts(CONFIG))
+    return model.machine, properties(model)
+
+
+def placed(cycle: Cycle, error: Num | int, sign: int = -1) -> tuple[Num, Num]:
+    """Where the sighting puts the vehicle, with another error or sign of the range."""
+    place = exact_to(cycle.route.reflector.value + cycle.own.sighting.value * sign, NM)
+    return place - error, place + error
+
+
+def run(cycle: Cycle, sign: int = 1, more: int = 0) -> tuple[Num, Num]:
+    """The bounds after the measured distance, run the other way or widened."""
+    distance, growth = exact_to(cycle.own.odometer.distance, NM) * sign, cycle.own.odometer.growth + more
+    return cycle.route.low + distance - growth, cycle.route.high + distance + growth
+
+
+def there(cycle: Cycle, *, anywhere: bool = False, any_model: bool = False) -> Bool:
+    """The route has what was sighted, by laxer tests."""
+    (low, high), (first, last), route = cycle.moved, cycle.sighted, cycle.route
+    place = TRUE if anywhere else (first <= high) & (low <= last)
+    return route.reflector.present & place & (TRUE if any_model else route.model.eq(cycle.own.sighting_model))
+
+
+Wrong = Callable[..., object]
+EDITS: dict[str, tuple[type, str, Wrong, str]] = {
+    "odometer error not charged": (Odometer, "growth", lambda _o, right: right * 0, TRUE_ROUTE),
+    "blind cycles not charged": (Odometer, "growth", lambda o, _: o.most_error, TRUE_ROUTE),
+    "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, TRUE_ROUTE),
+    "a change of speed is no gate": (
+        Odometer, "_jump", lambda _o, _r: FALSE, "a distance is admitted just if it can have been run"),
+    "silent odometer not noticed": (Odometer, "failed", lambda _o, _r: FALSE, "a silent odometer ends the report"),
+    "noticed a cycle early": (
+        Odometer, "failed", lambda o, _: ~o.admitted & (o.gap >= o.limits.gap_limit - 1), "a silent odometer ends the report"),
+    "the distance is run backwards": (Cycle, "moved", lambda c, _: run(c, -1), TRUE_ROUTE),
+    "a metre too much is charged": (
+        Cycle, "moved", lambda c, _: run(c, more=10**9), "route 1 widens only by what was run"),
+    "the range counts from behind": (Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error, NM), 1), TRUE_ROUTE),
+    "the constant is not charged to a sighting": (
+        Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error, NM)), TRUE_ROUTE),
+    "the sighting's error is not charged": (Cycle, "sighted", lambda c, _: placed(c, c.own.half_nm), TRUE_ROUTE),
+    "the sighting's error is charged twice": (
+        Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error * 2, NM) + c.own.half_nm),
+        "route 1 is where its reflector is sighted"),
+    "what is sighted does not narrow": (Cycle, "seen", lambda _c, _r: FALSE, "route 1 is where its reflector is sighted"),
+    "an unknown model counts": (Cycle, "seen", lambda c, _: c.own.sighting.present, ONLY_SEEN),
+    "unseen refutes": (Cycle, "fits", lambda c, _: c.has_it & c.turns_so, ONLY_SEEN),
+    "any place fits": (Cycle, "has_it", lambda c, _: there(c, anywhere=True), HAS_NOT),
+    "any model fits": (Cycle, "has_it", lambda c, _: there(c, any_model=True), HAS_NOT),
+    "nothing has to be there": (Cycle, "has_it", lambda _c, _r: TRUE, HAS_NOT),
+    "a turn refutes nothing": (Cycle, "turns_so", lambda _c, _r: TRUE, "route 1 is given up for a turn that it does not take"),
+    "no turn refutes a course": (Cycle, "turns_so", lambda c, _: c.own.turned.eq(c.route.course), ONLY_SEEN),
+    "the start's error is not charged": (Cycle, "spread", lambda c, _: as_num(c.own.half_nm, NM), TRUE_ROUTE),
+    "the constant is not charged to a start": (Cycle, "spread", lambda c, _: exact_to(c.own.start.value, NM), TRUE_ROUTE),
+    "every width is tolerable": (Bounded, "tolerable", lambda _b, _r: TRUE, "tolerance"),
+    "half the width is tolerable": (
+        Bounded, "tolerable", lambda b, right: right & (b.high - b.low <= exact_to(as_num(CONFIG.tolerance_mm, MM), NM)),
+        "given up for its width only where it may be too wide"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
+    """The claim that is named is kept by the machine as it is, and not by the one that was edited wrongly."""
+    owner, name, wrong, claim = EDITS[edit]
+    assert keeps(made(), claim)
+    edited(monkeypatch, owner, name, wrong)
+    assert not keeps(made(), claim)
