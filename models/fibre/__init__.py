@@ -118,7 +118,7 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     yield from _located(own, cycle, located, faulted)
     yield from _counting(own, cycle, waiting, counting, located)
     started = {**cycle.nowhere(), **cycle.enter(cycle.one), own.why: v.ONLY_COUNTING}
-    yield Transition("first signal", waiting, counting, cycle.enters, started, (*SEEN, *COUNTS), 3)
+    yield Transition("first signal", waiting, counting, cycle.enters & ~cycle.late, started, (*SEEN, *COUNTS), 3)
     yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), requirements=SEEN, rank=6)
     yield Transition("error stays", faulted, faulted, set=cycle.heard(), requirements=CHECKED, rank=6)
 

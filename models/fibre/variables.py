@@ -83,6 +83,11 @@ class FibreConfig(Config):
         return 2 * self.edge_tolerance_mm
 
     @property
+    def unheard_limit_nm(self) -> int:
+        """More run without an amplitude is not told apart: what changed meanwhile changed anywhere."""
+        return self.tolerance_mm * NM_PER_MM
+
+    @property
     def max_step_mm(self) -> int:
         """The farthest run of one cycle, rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // MS_PER_S)
@@ -118,6 +123,7 @@ class Parts:
     band             amplitude: normal, or changed by a section; count: sections below the front, or signals so far
     counted          some signal was counted; forwards: the last direction of running
     base, since      place of the last edge (while located), and the run since; drift: what that run may be wrong by
+    unheard          the farthest that the end may have run since the amplitude was last told
     upwards, far, long   of the section being passed: entered upwards; its other edge; its length by the map
     word, read       the last symbols read, and how many of them
     truth, true_base ghosts: where the end and the last edge are, nm
@@ -145,6 +151,7 @@ class Parts:
     since: NumVar
     drift: NumVar
     gap: NumVar
+    unheard: NumVar
     upwards: BoolVar
     far: NumVar
     long: BoolVar
@@ -174,6 +181,7 @@ class Parts:
         numbers = (self.count, self.base, self.since, self.drift, self.gap, self.far, self.word, self.read)
         state: dict[Var, Initial] = dict.fromkeys(numbers, 0)
         state |= dict.fromkeys((self.counted, self.upwards, self.long), False)
+        state[self.unheard] = self.config.unheard_limit_nm
         return {**state, self.forwards: True, self.band: NORMAL, self.signal: NO_SIGNAL, self.why: NO_SIGNAL_YET}
 
     def ghosts(self) -> dict[Var, Initial]:
@@ -192,7 +200,7 @@ class Parts:
 def parts(config: FibreConfig) -> Parts:
     """Fresh variables for one end of a train."""
     limit, step = config.position_limit_mm, config.max_step_mm
-    far, drift = 2 * limit, 2 * config.tolerance_mm * NM_PER_MM
+    far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
     return Parts(
         config=config,
         amplitude=optional("amplitude_cdb", CDB, -10_000, 10_000),
@@ -215,6 +223,7 @@ def parts(config: FibreConfig) -> Parts:
         since=number("run_since_edge_mm", MM, -far, far),
         drift=number("drift_nm", NM, 0, drift),
         gap=number("silent_cycles", COUNT, 0, config.gap_limit_cycles),
+        unheard=number("run_unheard_nm", NM, 0, config.unheard_limit_nm),
         upwards=boolean("entered_upwards"),
         far=number("far_edge_mm", MM, -limit, limit),
         long=boolean("long_by_map"),

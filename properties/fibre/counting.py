@@ -118,8 +118,17 @@ def _amplitude(model: Fibre) -> Iterator[Property]:
     hears = before(machine.mode).eq(waiting) | (before(machine.mode).one_of(counting, located) & follows)
     yield always(
         "a rise or a fall is a signal",
-        (hears & seen.changes & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
-        statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle",
+        (hears & seen.changes & ~seen.late & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
+        statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; unless "
+        "it was not told for so long, or never, that nobody knows where",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    yield always(
+        "a change of long ago is no signal",
+        (before(machine.mode).one_of(waiting, counting) & seen.late).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        statement="what is found changed when the amplitude is told again after too long a run, or for the first time, is not "
+        "taken for a section entered in that cycle",
         requirements=SEEN,
         unconditional=True,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, abs_, all_of, before, between, exact_to, ite, was, with_unit
+from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to, ite, minimum, was
 from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
 from safeloc.models.fibre import CODE, COUNTS, SEEN, Fibre
@@ -83,12 +83,21 @@ def _charged(model: Fibre) -> Iterator[Property]:
         requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
-    run = with_unit(ite(own.run.present, abs_(own.run.value), 0) * MM_IN_NM, NM)
     edge = _follows(model) & ~none
     yield always(
         "an edge is charged the run of its cycle",
-        edge.implies((own.drift - run).eq(seen.charge_nm) & own.since.eq(0)),
-        statement="an edge may have been passed anywhere within its cycle: the run of the whole cycle is charged",
+        edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
+        statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before it: "
+        "the whole run since the amplitude was last told is charged",
+        requirements=("FWG-1", "FWG-11"),
+        unconditional=True,
+    )
+    most = own.config.tolerance_mm * MM_IN_NM
+    yield always(
+        "the run without an amplitude is kept",
+        own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
+        statement="in each cycle without an amplitude the run, and what it may be wrong by, come to what was run unheard; no "
+        "more than the tolerance is told apart",
         requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )

@@ -78,6 +78,21 @@ class Seen:
         return before(self.own.drift) + self.charge_nm
 
     @cached_property
+    def blind_nm(self) -> Num:
+        """How far the end may have run since the amplitude was last told, this cycle among it."""
+        measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * MM_IN_NM, NM)
+        return measured + before(self.own.unheard) + self.charge_nm
+
+    @cached_property
+    def late(self) -> Bool:
+        """The amplitude was not told for so long that a change of it has no place within the tolerance."""
+        return before(self.own.unheard) > self._room_nm
+
+    @property
+    def _room_nm(self) -> int:
+        return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * MM_IN_NM
+
+    @cached_property
     def run(self) -> Num:
         """Run since the last edge."""
         return before(self.own.since) + ite(self.own.run.present, self.own.run.value, 0)
@@ -89,15 +104,19 @@ class Seen:
 
     @cached_property
     def lost(self) -> Bool:
-        """The pattern was not heard for too long, or the place is no longer known to the tolerance."""
+        """The pattern was not heard for too long, or the place, or that of an edge, is no longer known to the tolerance."""
         own, config = self.own, self.own.config
         silent = ~own.run.present & (before(own.gap) >= config.gap_limit_cycles)
-        room = (config.tolerance_mm - config.edge_tolerance_mm) * MM_IN_NM
-        return any_of([silent, self.wrong_nm > room, abs_(self.run) > config.position_limit_mm])
+        edge = (self.changes | self.returns) & self.late
+        return any_of([silent, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
 
     def _within(self, off: Num, figure_mm: int) -> Bool:
         """No farther off than the figure and what the run may be wrong by."""
         return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.wrong_nm
+
+    def _within_edges(self, off: Num, figure_mm: int) -> Bool:
+        """The same between two edges, the second of which was passed anywhere since the amplitude was last told."""
+        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.blind_nm + before(self.own.drift)
 
     # -------------------------------------------------------------- the section that is passed
 
@@ -106,7 +125,7 @@ class Seen:
         return ite(was(self.own.upwards), self.run, -self.run)
 
     def _like(self, length_mm: int) -> Bool:
-        return self._within(self._inside - length_mm, 2 * self.own.config.edge_tolerance_mm)
+        return self._within_edges(self._inside - length_mm, 2 * self.own.config.edge_tolerance_mm)
 
     @cached_property
     def turned_back(self) -> Bool:
@@ -166,7 +185,7 @@ class Seen:
             v.FALSE_SECTION: self.changes & ~self.expected,
             v.MISSED_SECTION: before(own.band).eq(v.NORMAL) & ~self.changes & self._missed,
             v.WRONG_LENGTH: self.returns & ~self.turned_back & ~fits,
-            v.NO_END_OF_SECTION: among & ~self._within(self.run, longest),
+            v.NO_END_OF_SECTION: among & ~self._within_edges(self.run, longest),
             v.FLIGHT_DIFFERS: own.flight.present & self._off(own.flight.value, config.flight_threshold_mm),
             v.REFLECTION_DIFFERS: own.reflection.present
             & self._off(own.reflection.value, config.reflection_threshold_mm),
