@@ -24,8 +24,8 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
     mode, was_located = machine.mode, before(machine.mode).eq(located)
-    off = before(own.true_count) - before(own.count)
-    near = was(own.real) & (abs_(off) <= own.config.reach)
+    off = before(own.ghosts.count) - before(own.count)
+    near = was(own.ghosts.real) & (abs_(off) <= own.config.reach)
     passed = was_located & mode.eq(located) & own.signal.eq(v.PASSED) & ~own.reference
     yield always(
         "count agrees with the truth",

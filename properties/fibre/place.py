@@ -25,7 +25,7 @@ def properties(model: Fibre) -> Iterator[Property]:
 def _interval(model: Fibre) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid, position, above = machine.flag("valid"), machine.output("position_mm"), machine.output("margin_above_mm")
-    off = own.truth - exact_to(position, NM)
+    off = own.ghosts.truth - exact_to(position, NM)
     yield always(
         "containment",
         valid.implies(between(-exact_to(above, NM), off, exact_to(above, NM))),
