@@ -209,7 +209,7 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
         "the run unheard is charged": (own.unheard < own.unheard.high).implies(
             (seen.truth - seen.low <= own.unheard) & (seen.high - seen.truth <= own.unheard)
         ),
-        "the run is charged no more than allowed": (counting | located).implies(own.drift <= seen.wrong),
+        "the run is charged what it may be wrong by": (counting | located).implies(own.drift.eq(seen.wrong)),
         "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),
         "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.base, NM))),
         "the section entered is the map's": (located & inside).implies(all_of([*of_map, *told])),

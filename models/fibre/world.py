@@ -37,7 +37,6 @@ from safeloc.language.world import Law, World
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
 
-NM_PER_UM = 1_000
 ASKED = "which section the map is asked for: the count that the machine reports"
 
 
@@ -163,7 +162,7 @@ class Passing:
         config, run = self.own.config, self.own.run
         moved = with_unit(maximum(run.value * config.rate_ppm, run.value * -config.rate_ppm), NM)
         told = ite(run.value.eq(0), as_num(0, NM), moved + config.floor_mm * NM_PER_MM)
-        return ite(run.present, told, Lit(config.max_speed_mm_s * config.period_ms * NM_PER_UM, NM))
+        return ite(run.present, told, Lit(self.farthest_nm, NM))
 
     @cached_property
     def upwards(self) -> Bool:
@@ -194,8 +193,9 @@ class Passing:
     @cached_property
     def wrong_after(self) -> Num:
         """The same with what this cycle brings: an edge that may lie anywhere since an amplitude was told, or a reference."""
-        kept = ite(self.own.reference & self.band.eq(v.NORMAL), as_num(0, NM), self.wrong)
-        return minimum(ite(self.edge, self.unheard, kept), self.own.ghosts.wrong.high)
+        told = ite(self.edge, self.unheard, self.wrong)
+        referred = self.own.reference & self.band.eq(v.NORMAL)
+        return minimum(ite(referred, as_num(0, NM), told), self.own.ghosts.wrong.high)
 
     # -------------------------------------------------------------- the map
 
@@ -216,6 +216,12 @@ class Passing:
         """The map has a section there, and it raises or lowers the amplitude as the one that is entered."""
         met = self.met
         return met.known & ((met.rises & self.band.eq(v.RAISED)) | (~met.rises & self.band.eq(v.LOWERED)))
+
+    @cached_property
+    def followed(self) -> Bool:
+        """The run since the last edge, and since an amplitude was told, is known within the tolerance."""
+        most = self.own.config.tolerance_mm * NM_PER_MM
+        return (self.wrong <= most) & (self.own.ghosts.unheard < most)
 
     @cached_property
     def bridged_nm(self) -> Num:
@@ -289,12 +295,12 @@ def _entry_law(own: Parts, now: Passing) -> Law:
     off = own.ghosts.spot - exact_to(now.met.near, NM)
     far = now.bridged_nm + now.farthest_nm
     return Law(
-        (now.enters & now.alike).implies(off.eq(0) | (off > far) | (-off > far)),
+        (now.enters & now.alike & now.followed).implies(off.eq(0) | (off > far) | (-off > far)),
         "A change of the amplitude of the kind of the section that the map has next begins where that section begins; or it "
         "is a false change, or another section's, and lies farther away than a window can bridge: the tolerances of both "
         "edges and of the place, the run since an amplitude was told and of a cycle, and twice what the run since the last "
-        "edge may be wrong by.",
-        ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms"),
+        "edge may be wrong by. So while both runs are known within the tolerance.",
+        ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
         "[D] layout: what looks like the section expected, where it is expected, cannot be told from it",
         "infrastructure",
         "audit of the line's sections; places of changes that no section explains are reported",
@@ -320,10 +326,11 @@ def _exit_law(own: Parts, now: Passing) -> Law:
     far = now.bridged_nm + own.config.long_mm * NM_PER_MM
     ends = seen.spot.eq(seen.edge) | seen.spot.eq(exact_to(seen.far, NM))
     return Law(
-        (now.leaves & seen.of_map).implies(ends | (now.off_entry > far)),
+        (now.leaves & seen.of_map & now.followed).implies(ends | (now.off_entry > far)),
         "A section of the map is left where it was entered, or at its other edge; where the amplitude was not told in "
-        "between, perhaps out of another section, that lies farther away than the longest section and what a window bridges.",
-        ("long_mm", "edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms"),
+        "between, perhaps out of another section, that lies farther away than the longest section and what a window bridges. So "
+        "while both runs are known within the tolerance.",
+        ("long_mm", "edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
         "[D] layout",
         "infrastructure",
         "audit of the line's sections",
