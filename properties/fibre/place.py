@@ -9,7 +9,7 @@ from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
 from safeloc.models.fibre import CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
-from safeloc.properties.fibre.seen import MM_IN_NM, Seen
+from safeloc.properties.fibre.seen import MM_IN_NM, Seen, followed
 
 LAW = "the detector's bounds, true references, and a code in which near sections differ"
 
@@ -65,25 +65,19 @@ def _told(model: Fibre) -> Bool:
     return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
 
 
-def _follows(model: Fibre) -> Bool:
-    """The end was followed, and is."""
-    mode, (_, counting, located, _) = model.machine.mode, model.machine.modes
-    return mode.one_of(counting, located) & before(mode).one_of(located, counting) & ~model.own.reference
-
-
 def _charged(model: Fibre) -> Iterator[Property]:
     """What a run may be wrong by."""
     own, seen = model.own, Seen(model.own)
-    none = own.signal.eq(v.NO_SIGNAL)
+    none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
     yield always(
         "every run is charged",
-        (_follows(model) & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
+        (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
         "none came",
         requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
-    edge = _follows(model) & ~none
+    edge = follows & ~none
     yield always(
         "an edge is charged the run of its cycle",
         edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
@@ -140,11 +134,12 @@ def _tied(model: Fibre) -> Iterator[Property]:
 def _kept(model: Fibre) -> Iterator[Property]:
     """When there is a place, and when there is none."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, located, _ = machine.modes
+    waiting, _, located, faulted = machine.modes
     mode, referred = machine.mode, own.reference & seen.normal
+    was_followed = before(mode).ne(waiting) & before(mode).ne(faulted)
     yield always(
         "a pattern that is lost has no place",
-        (before(mode).one_of(counting, located) & ~referred & seen.lost).implies(mode.eq(waiting)),
+        (was_followed & ~referred & seen.lost).implies(mode.eq(waiting)),
         statement="after too long a silence, or with an interval wider than tolerable, there is neither place nor count",
         requirements=SEEN,
         unconditional=True,

@@ -9,12 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, before, ite, was, with_unit
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, before, ite, was, with_unit
+from safeloc.language.machine import Machine
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
 
 MM_IN_NM = 1_000_000
+
+
+def followed(machine: Machine) -> Bool:
+    """The end was followed in this cycle, and before: it neither waits for a signal nor is an error out."""
+    waiting, _, _, faulted = machine.modes
+    return all_of(mode.ne(idle) for mode in (machine.mode, before(machine.mode)) for idle in (waiting, faulted))
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +102,8 @@ class Seen:
     @cached_property
     def run(self) -> Num:
         """Run since the last edge."""
-        return before(self.own.since) + ite(self.own.run.present, self.own.run.value, 0)
+        kept = before(self.own.since)
+        return ite(self.own.run.present, kept + self.own.run.value, kept)
 
     @cached_property
     def place(self) -> Num:
@@ -106,9 +114,9 @@ class Seen:
     def lost(self) -> Bool:
         """The pattern was not heard for too long, or the place, or that of an edge, is no longer known to the tolerance."""
         own, config = self.own, self.own.config
-        silent = ~own.run.present & (before(own.gap) >= config.gap_limit_cycles)
+        heard = own.run.present | (before(own.gap) < config.gap_limit_cycles)
         edge = (self.changes | self.returns) & self.late
-        return any_of([silent, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
+        return any_of([~heard, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
 
     def _within(self, off: Num, figure_mm: int) -> Bool:
         """No farther off than the figure and what the run may be wrong by."""
