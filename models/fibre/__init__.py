@@ -89,10 +89,10 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
         mode_variable=current,
         doc=(
             "Place of one end of a train from localization sections in a fibre. Assumed of the detector: the run of a "
-            "cycle is true within rate and floor; an edge of a section that fits the map in kind and place was passed "
-            "there, within the edge's tolerance, in that cycle; a section's kind and length are read truly; a reference "
-            "and the map's answer to a word are true. Of the map's code: sections so near each other differ. Any section "
-            "may be missed, and false ones may come."
+            "cycle is true within rate and floor; where the amplitude changes an edge was passed, within the edge's "
+            "tolerance, since an amplitude was last told. Of the sections: those near each other in number differ, each is as "
+            "long as its kind says, and what looks like the one expected, and is not, lies farther away than a window "
+            "bridges. References and the map's answers are true. Any section may be missed, and false ones may come."
         ),
     )  # fmt: skip
     return Fibre(made, own, cycle)
@@ -205,9 +205,6 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
         ),
         "the world hears what the machine hears": all_of(
             [own.band.eq(seen.band), own.forwards.iff(seen.upwards), own.unheard.eq(seen.unheard)]
-        ),
-        "the run unheard is charged": (own.unheard < own.unheard.high).implies(
-            (seen.truth - seen.low <= own.unheard) & (seen.high - seen.truth <= own.unheard)
         ),
         "the run is charged what it may be wrong by": (counting | located).implies(own.drift.eq(seen.wrong)),
         "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),

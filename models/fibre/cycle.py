@@ -96,7 +96,7 @@ class Cycle:
     @cached_property
     def edge_slack(self) -> Num:
         """What the run between the last edge and one that is seen in this cycle may be wrong by, mm rounded up."""
-        return ceil_to(self.own.drift + self.fresh, MM)
+        return ceil_to(self.drift + self.fresh, MM)
 
     @cached_property
     def late(self) -> Bool:
@@ -159,10 +159,9 @@ class Cycle:
     @cached_property
     def endless(self) -> Bool:
         """Changed for longer than any section."""
-        config = self.own.config
-        return self.own.band.ne(v.NORMAL) & (
-            abs_(self.since) - self.edge_slack > config.long_mm + config.read_tolerance_mm
-        )
+        longest = self.own.config.long_mm + self.own.config.read_tolerance_mm
+        slack = ite(self.leaves, self.edge_slack, self.slack)
+        return self.own.band.ne(v.NORMAL) & (abs_(self.since) - slack > longest)
 
     # -------------------------------------------------------------- what does not agree
 
@@ -170,8 +169,7 @@ class Cycle:
     def fits(self) -> Bool:
         """The signal is that of the section that the map has next, of its kind and where it can be."""
         known, near, _, rises, _ = self.own.next_to(self.forwards)
-        config = self.own.config
-        window = config.read_tolerance_mm + config.max_step_mm + self.slack
+        window = self.own.config.read_tolerance_mm + self.edge_slack
         return known & rises.iff(self.band.eq(v.RAISED)) & (abs_(self.place - near) <= window) & ~self.full
 
     @cached_property

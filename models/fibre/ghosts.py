@@ -18,8 +18,7 @@ class Ghosts:
     real           the section being passed is one of the line, not a false change; next_real: freely chosen
     band           the amplitude as it was told last: normal, or changed by a section
     upwards        the last run that was told and was not zero was upwards
-    low, high      how far down, and how far up, the end was since the amplitude was last told, nm
-    unheard        what the end was told to have run since then, and what that may be wrong by, nm
+    unheard        what the end was told to have run since the amplitude was last told, and what that may be wrong by, nm
     wrong          what the run told since the last edge, or a reference, may be wrong by, nm
     alike, of_map  the section being passed is of the kind that the map told; and entered where the map has its edge
     far, long      where the map has its other edge, and whether it is a long one by the map
@@ -36,8 +35,6 @@ class Ghosts:
     next_real: BoolVar
     band: NumVar
     upwards: BoolVar
-    low: NumVar
-    high: NumVar
     unheard: NumVar
     wrong: NumVar
     alike: BoolVar
@@ -61,8 +58,6 @@ def ghosts(bands: tuple[Lit, ...], places_mm: int, farthest_mm: int, sections: i
         next_real=boolean("next_section_is_real"),
         band=choice("band_last_told", enumeration(bands)),
         upwards=boolean("ran_upwards"),
-        low=number("lowest_unheard_nm", NM, -line, line),
-        high=number("highest_unheard_nm", NM, -line, line),
         unheard=number("told_unheard_nm", NM, 0, tolerance_mm * NM_PER_MM),
         wrong=number("told_run_error_nm", NM, 0, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM),
         alike=boolean("section_is_alike"),

@@ -53,8 +53,6 @@ def world(own: Parts) -> World:
             seen.real: seen.next_real,
             seen.band: now.band,
             seen.upwards: now.upwards,
-            seen.low: ite(own.amplitude.present, now.after, now.low),
-            seen.high: ite(own.amplitude.present, now.after, now.high),
             seen.unheard: ite(own.amplitude.present, as_num(0, NM), minimum(now.unheard, seen.unheard.high)),
             seen.wrong: now.wrong_after,
             **_entered(own, now),
@@ -68,8 +66,8 @@ def _first(own: Parts) -> dict[Var, Initial]:
     """Nothing was told: whatever is changed when the amplitude is first told may have been met anywhere."""
     seen = own.ghosts
     unknown: dict[Var, Initial] = dict.fromkeys((seen.truth, seen.edge, seen.count, seen.real), ANY)
-    unknown |= {seen.low: seen.low.low, seen.high: seen.high.high, seen.unheard: seen.unheard.high}
-    told: dict[Var, Initial] = {seen.band: v.NORMAL, seen.upwards: True, seen.wrong: seen.wrong.high}
+    told: dict[Var, Initial] = {seen.band: v.NORMAL, seen.upwards: True}
+    told |= {seen.unheard: seen.unheard.high, seen.wrong: seen.wrong.high}
     return {**unknown, **told, seen.alike: False, seen.of_map: False, seen.far: 0, seen.long: False, seen.ahead_by: 0}
 
 
@@ -171,16 +169,6 @@ class Passing:
         return up | (self.own.ghosts.upwards & ~down)
 
     @cached_property
-    def low(self) -> Num:
-        """How far down the end was since the amplitude was last told."""
-        return minimum(self.own.ghosts.low, self.after)
-
-    @cached_property
-    def high(self) -> Num:
-        """How far up it was since then."""
-        return maximum(self.own.ghosts.high, self.after)
-
-    @cached_property
     def unheard(self) -> Num:
         """What the end was told to have run since then, and what that may be wrong by."""
         return self.own.ghosts.unheard + self.size_nm + self.error_nm
@@ -225,9 +213,9 @@ class Passing:
 
     @cached_property
     def bridged_nm(self) -> Num:
-        """What a window over a place known by run, of an edge passed anywhere since an amplitude was told, can bridge."""
-        figures = 4 * self.own.config.edge_tolerance_mm + 1
-        return 2 * (self.own.ghosts.wrong + self.unheard) + figures * NM_PER_MM
+        """What a window of so much can bridge: two edges' tolerances on either side, and twice what both runs may be wrong by."""
+        edges = 4 * self.own.config.edge_tolerance_mm + 1
+        return 2 * (self.wrong + self.unheard) + edges * NM_PER_MM
 
     @cached_property
     def farthest_nm(self) -> int:
@@ -278,13 +266,15 @@ def _run_law(own: Parts, now: Passing) -> Law:
 
 
 def _edge_law(own: Parts, now: Passing) -> Law:
-    tolerance = own.config.edge_tolerance_mm * NM_PER_MM
-    near = (own.ghosts.spot >= now.low - tolerance) & (own.ghosts.spot <= now.high + tolerance)
+    off, tolerance = now.after - own.ghosts.spot, own.config.edge_tolerance_mm * NM_PER_MM
+    near = (off <= now.unheard + tolerance) & (-off <= now.unheard + tolerance)
+    anywhere = own.ghosts.unheard >= own.ghosts.unheard.high
     return Law(
-        now.edge.implies(near),
-        "Where the amplitude leaves normal, or is normal again, the end passed the edge of a section, or of a false change, "
-        "within the edge's tolerance, in that cycle or since the amplitude was last told; before it was ever told, anywhere.",
-        ("edge_tolerance_mm", "change_cdb", "return_cdb"),
+        now.edge.implies(anywhere | near),
+        "Where the amplitude leaves normal, or is normal again, the end passed the edge of a section, or of a false change: it "
+        "lies no farther from the end than the edge's tolerance and what was run since the amplitude was last told, at least "
+        "in that cycle. After more run than is tolerable, or before it was ever told, anywhere.",
+        ("edge_tolerance_mm", "change_cdb", "return_cdb", "tolerance_mm"),
         "[D] gauge, pulse and window; [S] 002 l. 160: 5 to 10 m",
         "supplier",
         "type test over sections surveyed; lengths read against the map",
@@ -293,13 +283,12 @@ def _edge_law(own: Parts, now: Passing) -> Law:
 
 def _entry_law(own: Parts, now: Passing) -> Law:
     off = own.ghosts.spot - exact_to(now.met.near, NM)
-    far = now.bridged_nm + now.farthest_nm
     return Law(
-        (now.enters & now.alike & now.followed).implies(off.eq(0) | (off > far) | (-off > far)),
+        (now.enters & now.alike & now.followed).implies(off.eq(0) | (off > now.bridged_nm) | (-off > now.bridged_nm)),
         "A change of the amplitude of the kind of the section that the map has next begins where that section begins; or it "
-        "is a false change, or another section's, and lies farther away than a window can bridge: the tolerances of both "
-        "edges and of the place, the run since an amplitude was told and of a cycle, and twice what the run since the last "
-        "edge may be wrong by. So while both runs are known within the tolerance.",
+        "is a false change, or another section's, and lies farther away than a window can bridge: twice the tolerances of two "
+        "edges, the run since an amplitude was told, and what the run since the last edge may be wrong by. So while both "
+        "runs are known within the tolerance.",
         ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
         "[D] layout: what looks like the section expected, where it is expected, cannot be told from it",
         "infrastructure",

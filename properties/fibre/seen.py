@@ -124,7 +124,7 @@ class Seen:
 
     def _within_edges(self, off: Num, figure_mm: int) -> Bool:
         """The same between two edges, the second of which was passed anywhere since the amplitude was last told."""
-        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.blind_nm + before(self.own.drift)
+        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.blind_nm + self.wrong_nm
 
     # -------------------------------------------------------------- the section that is passed
 
@@ -161,12 +161,11 @@ class Seen:
     @cached_property
     def expected(self) -> Bool:
         """The map has a section of this kind where the end may be, and a number for it."""
-        own, config = self.own, self.own.config
-        window = 2 * config.edge_tolerance_mm - (-config.max_speed_mm_s * config.period_ms // 1_000)
+        own, figure = self.own, 2 * self.own.config.edge_tolerance_mm
         known = ite(self.forwards, own.ahead.known, own.behind.known)
         raised = ite(self.forwards, own.ahead.rises, own.behind.rises)
         kind = (raised & self.rises) | (~raised & self.falls)
-        return known & kind & self._within(self.place - self.near, window) & ~self.full
+        return known & kind & self._within_edges(self.place - self.near, figure) & ~self.full
 
     @cached_property
     def one(self) -> Num:
@@ -193,7 +192,9 @@ class Seen:
             v.FALSE_SECTION: self.changes & ~self.expected,
             v.MISSED_SECTION: before(own.band).eq(v.NORMAL) & ~self.changes & self._missed,
             v.WRONG_LENGTH: self.returns & ~self.turned_back & ~fits,
-            v.NO_END_OF_SECTION: among & ~self._within_edges(self.run, longest),
+            v.NO_END_OF_SECTION: among
+            & ~self._within(self.run, longest)
+            & (~self.returns | ~self._within_edges(self.run, longest)),
             v.FLIGHT_DIFFERS: own.flight.present & self._off(own.flight.value, config.flight_threshold_mm),
             v.REFLECTION_DIFFERS: own.reflection.present
             & self._off(own.reflection.value, config.reflection_threshold_mm),

@@ -26,7 +26,7 @@ def made() -> tuple[Machine, list[Property]]:
     return model.machine, properties(model)
 
 
-def no_fall(cycle: Cycle, right: Num) -> Num:
+def no_fall(_cycle: Cycle, right: Num) -> Num:
     """A fall of the amplitude is never noticed."""
     return ite(right.eq(v.LOWERED), v.NORMAL, right)
 
@@ -59,7 +59,7 @@ def half_way(cycle: Cycle, _right: Bool) -> Bool:
     return abs_(cycle.inside) <= CONFIG.short_mm // 2
 
 
-def reads(cycle: Cycle, right: Bool, length: int) -> Bool:
+def reads(cycle: Cycle, _right: Bool, length: int) -> Bool:
     """The length of a section without what the run may be wrong by."""
     return abs_(cycle.inside - length) <= READ_MM
 
