@@ -61,7 +61,7 @@ def _error(model: FibreArea, end: str) -> Bool:
 
 def _truth(model: FibreArea) -> Iterator[Property]:
     of, verified = model.composition.of, model.verification
-    front, rear = (of(one.machine).num(one.own.truth) for one in (model.front, model.rear))
+    front, rear = (of(one.machine).num(one.own.ghosts.truth) for one in (model.front, model.rear))
     seen, report = of(verified.machine), model.report
     low, high = (verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
                  for sign, side in ((-1, "margin_below"), (1, "margin_above")))  # fmt: skip

@@ -40,10 +40,10 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
-from safeloc.language.world import World
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.cycle import Cycle
 from safeloc.models.fibre.variables import FibreConfig, Parts, parts
+from safeloc.models.fibre.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 __all__ = ["Fibre", "FibreConfig", "build", "machine", "parts"]
@@ -79,12 +79,7 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
         state=own.state(),
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, table)),
-        world=World(ghosts=own.ghosts(), choices=[own.step, own.next_base, own.next_count, own.next_real], moves={
-            own.truth: own.truth + own.step,
-            own.true_base: own.next_base,
-            own.true_count: own.next_count,
-            own.real: own.next_real,
-        }, clauses=_clauses(own, cycle, current, table), reads_machine="its clauses still assume what passes the machine's own checks"),
+        world=world(own),
         lemmas=_lemmas(own, current, table),
         definitions={
             "position signal So": cycle.enters, "normal again": cycle.leaves, "signal fits the map": cycle.fits,
@@ -94,10 +89,10 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
         mode_variable=current,
         doc=(
             "Place of one end of a train from localization sections in a fibre. Assumed of the detector: the run of a "
-            "cycle is true within rate and floor; an edge of a section that fits the map in kind and place was passed "
-            "there, within the edge's tolerance, in that cycle; a section's kind and length are read truly; a reference "
-            "and the map's answer to a word are true. Of the map's code: sections so near each other differ. Any section "
-            "may be missed, and false ones may come."
+            "cycle is true within rate and floor; where the amplitude changes an edge was passed, within the edge's "
+            "tolerance, since an amplitude was last told. Of the sections: those near each other in number differ, each is as "
+            "long as its kind says, and what looks like the one expected, and is not, lies farther away than a window "
+            "bridges. References and the map's answers are true. Any section may be missed, and false ones may come."
         ),
     )  # fmt: skip
     return Fibre(made, own, cycle)
@@ -118,7 +113,7 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     yield from _located(own, cycle, located, faulted)
     yield from _counting(own, cycle, waiting, counting, located)
     started = {**cycle.nowhere(), **cycle.enter(cycle.one), own.why: v.ONLY_COUNTING}
-    yield Transition("first signal", waiting, counting, cycle.enters, started, (*SEEN, *COUNTS), 3)
+    yield Transition("first signal", waiting, counting, cycle.enters & ~cycle.late, started, (*SEEN, *COUNTS), 3)
     yield Transition("no signal yet", waiting, waiting, set=cycle.heard(), requirements=SEEN, rank=6)
     yield Transition("error stays", faulted, faulted, set=cycle.heard(), requirements=CHECKED, rank=6)
 
@@ -195,66 +190,30 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     }
 
 
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-def _clauses(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """The detector's bounds, and the law of the code."""
-    located, after = current.eq(table[2]), own.truth + own.step
-    law = between(-cycle.charge, own.step - exact_to(ite(own.run.present, own.run.value, 0), NM), cycle.charge)
-    edge = cycle.enters | cycle.leaves
-    at_edge = abs_(after - own.next_base) <= own.config.edge_tolerance_mm * NM_PER_MM + cycle.fresh
-    _, near, _, _, _ = own.next_to(cycle.forwards)
-    by_map = ite(cycle.enters, near, ite(cycle.turned_back, own.base, own.far))
-    referred = own.reference & cycle.band.eq(v.NORMAL)
-    at_reference = abs_(after - exact_to(own.reference_place, NM)) <= own.config.edge_tolerance_mm * NM_PER_MM
-    found = current.eq(table[1]) & own.answer & (own.read >= own.config.window)
-    return {
-        "a measured run is true within its error": law,
-        "the vehicle stays on the line": between(own.truth.low, after, own.truth.high),
-        "an edge is seen near a section's end": edge.implies(at_edge),
-        "without an edge the section's end stays": (~edge).implies(own.next_base.eq(own.true_base)),
-        "an edge that fits the map is the map's": (located & edge & ~cycle.error).implies(
-            own.next_base.eq(exact_to(by_map, NM))
-        ),
-        "a reference is true": referred.implies(at_reference & own.next_count.eq(own.reference_count)),
-        "a word that is found is found where it lies": found.implies(
-            own.true_base.eq(exact_to(own.answer_place, NM)) & own.next_count.eq(own.answer_count)
-        ),
-        "sections follow the code": _code_law(own, cycle, current.eq(table[1]), located),
-    }
-
-
-def _code_law(own: Parts, cycle: Cycle, counting: Bool, located: Bool) -> Bool:
-    """A real section whose number is the count looks as the map has it; a near other one does not."""
-    ahead = own.true_count - own.count
-    other = ahead.ne(0) & (abs_(ahead) <= own.config.reach)
-    read_long = cycle.reads_long.iff(own.long)
-    passed = located & own.real & cycle.read
-    law = [(passed & other).implies(~read_long), (passed & ahead.eq(0)).implies(read_long)]
-    return all_of([*law, _true_count(own, cycle, counting | located)])
-
-
-def _true_count(own: Parts, cycle: Cycle, follows: Bool) -> Bool:
-    """Real sections are passed one at a time, seen or not; a false one is not passed; one left again was not either."""
-    entered = own.next_count - own.true_count
-    seen = ite(own.next_real, entered.eq(cycle.one), entered.eq(0))
-    back = entered.eq(ite(own.upwards, as_num(-1, COUNT), as_num(1, COUNT)))
-    left = follows & cycle.leaves & cycle.turned_back & own.real
-    unseen = (abs_(entered) <= 1) & own.next_real.iff(own.real)
-    return own.reference | own.answer | ite(cycle.enters, seen, ite(left, back, unseen))
+# ------------------------------------------------------------------ what helps to prove
 
 
 def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     counting, located = current.eq(table[1]), current.eq(table[2])
-    off = own.truth - own.true_base - exact_to(own.since, NM)
-    tolerance = own.config.edge_tolerance_mm * NM_PER_MM
-    within = between(-own.drift - tolerance, off, own.drift + tolerance)
-    inside = own.band.ne(v.NORMAL) & current.one_of(table[1], table[2])
+    seen, inside = own.ghosts, own.band.ne(v.NORMAL)
+    of_map = [seen.of_map, seen.alike, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
+    onwards = ite(own.upwards, own.base < own.far, own.far < own.base)
+    told = [own.long.iff(seen.long), seen.ahead_by.eq(seen.count - own.count), onwards]
     return {
-        "a section can be uncounted": inside.implies(abs_(_uncounted(own)) <= own.config.section_limit),
-        "the run since the last edge is true": counting.implies(within),
-        "the interval holds the truth": located.implies(
-            between(-own.drift - tolerance, own.truth - exact_to(own.base + own.since, NM), own.drift + tolerance)
+        "a section can be uncounted": (inside & (counting | located)).implies(
+            abs_(_uncounted(own)) <= own.config.section_limit
         ),
+        "the world hears what the machine hears": all_of(
+            [own.band.eq(seen.band), own.forwards.iff(seen.upwards), own.unheard.eq(seen.unheard)]
+        ),
+        "the run is charged what it may be wrong by": (counting | located).implies(own.drift.eq(seen.wrong)),
+        "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),
+        "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.base, NM))),
+        "the section entered is the map's": (located & inside).implies(all_of([*of_map, *told])),
     }
+
+
+def _within(own: Parts, ran: Num) -> Bool:
+    """The run since the last edge is that, within the edge's tolerance and what the run may be wrong by."""
+    most = own.drift + own.config.edge_tolerance_mm * NM_PER_MM
+    return between(-most, ran - exact_to(own.since, NM), most)

@@ -20,6 +20,7 @@ from safeloc.language.expr import (
     exact_to,
     floor_div,
     ite,
+    minimum,
 )
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PPM
 from safeloc.models.fibre import variables as v
@@ -88,9 +89,19 @@ class Cycle:
 
     @cached_property
     def fresh(self) -> Num:
-        """Where an edge was passed within the cycle: the run of the whole cycle is charged."""
+        """An edge was passed anywhere since the amplitude was last told: all of the run since then is charged."""
         own = self.own
-        return ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
+        return own.unheard + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.charge
+
+    @cached_property
+    def edge_slack(self) -> Num:
+        """What the run between the last edge and one that is seen in this cycle may be wrong by, mm rounded up."""
+        return ceil_to(self.drift + self.fresh, MM)
+
+    @cached_property
+    def late(self) -> Bool:
+        """The amplitude was not told for so long that an edge seen in this cycle has no place within the tolerance."""
+        return self.own.unheard > self._room
 
     @cached_property
     def place(self) -> Num:
@@ -105,9 +116,13 @@ class Cycle:
     @cached_property
     def too_wide(self) -> Bool:
         """The interval would pass the tolerance, or leave the world."""
-        config = self.own.config
-        margin = self.drift > (config.tolerance_mm - config.edge_tolerance_mm) * NM_PER_MM
-        return margin | (abs_(self.since) > config.position_limit_mm)
+        edge = (self.enters | self.leaves) & self.late
+        return (self.drift > self._room) | edge | (abs_(self.since) > self.own.config.position_limit_mm)
+
+    @property
+    def _room(self) -> int:
+        """What a run may be wrong by."""
+        return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * NM_PER_MM
 
     # -------------------------------------------------------------- the section being passed
 
@@ -117,7 +132,7 @@ class Cycle:
         return ite(self.own.upwards, self.since, -self.since)
 
     def _reads(self, length: int) -> Bool:
-        tolerance = self.own.config.read_tolerance_mm + self.slack
+        tolerance = self.own.config.read_tolerance_mm + self.edge_slack
         return abs_(self.inside - length) <= tolerance
 
     @cached_property
@@ -144,8 +159,9 @@ class Cycle:
     @cached_property
     def endless(self) -> Bool:
         """Changed for longer than any section."""
-        config = self.own.config
-        return self.own.band.ne(v.NORMAL) & (abs_(self.since) - self.slack > config.long_mm + config.read_tolerance_mm)
+        longest = self.own.config.long_mm + self.own.config.read_tolerance_mm
+        slack = ite(self.leaves, self.edge_slack, self.slack)
+        return self.own.band.ne(v.NORMAL) & (abs_(self.since) - slack > longest)
 
     # -------------------------------------------------------------- what does not agree
 
@@ -153,8 +169,7 @@ class Cycle:
     def fits(self) -> Bool:
         """The signal is that of the section that the map has next, of its kind and where it can be."""
         known, near, _, rises, _ = self.own.next_to(self.forwards)
-        config = self.own.config
-        window = config.read_tolerance_mm + config.max_step_mm + self.slack
+        window = self.own.config.read_tolerance_mm + self.edge_slack
         return known & rises.iff(self.band.eq(v.RAISED)) & (abs_(self.place - near) <= window) & ~self.full
 
     @cached_property
@@ -232,7 +247,9 @@ class Cycle:
         """Updates of every cycle."""
         own = self.own
         gap = ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
-        return {own.band: self.band, own.forwards: self.forwards, own.gap: gap, own.signal: v.NO_SIGNAL}
+        unheard = ite(own.amplitude.present, as_num(0, NM), minimum(self.fresh, own.unheard.high))
+        told: dict[Var, Expr] = {own.band: self.band, own.forwards: self.forwards, own.gap: gap}
+        return {**told, own.unheard: unheard, own.signal: v.NO_SIGNAL}
 
     def run_on(self) -> dict[Var, Expr]:
         """Updates of a cycle without an edge."""

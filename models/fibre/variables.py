@@ -22,8 +22,9 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.machine import ANY, Initial
+from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, MS_PER_S, NM, NM_PER_MM, Unit
+from safeloc.models.fibre.ghosts import Ghosts, ghosts
 
 CDB = Unit("cdB")
 BAND = members("amplitude_band", "NORMAL", "RAISED", "LOWERED")
@@ -83,6 +84,11 @@ class FibreConfig(Config):
         return 2 * self.edge_tolerance_mm
 
     @property
+    def unheard_limit_nm(self) -> int:
+        """More run without an amplitude is not told apart: what changed meanwhile changed anywhere."""
+        return self.tolerance_mm * NM_PER_MM
+
+    @property
     def max_step_mm(self) -> int:
         """The farthest run of one cycle, rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // MS_PER_S)
@@ -118,10 +124,10 @@ class Parts:
     band             amplitude: normal, or changed by a section; count: sections below the front, or signals so far
     counted          some signal was counted; forwards: the last direction of running
     base, since      place of the last edge (while located), and the run since; drift: what that run may be wrong by
+    unheard          the farthest that the end may have run since the amplitude was last told
     upwards, far, long   of the section being passed: entered upwards; its other edge; its length by the map
     word, read       the last symbols read, and how many of them
-    truth, true_base ghosts: where the end and the last edge are, nm
-    true_count, real ghosts: sections really below the end; the section being passed is a real one
+    ghosts           of the world
     """
 
     config: FibreConfig
@@ -145,6 +151,7 @@ class Parts:
     since: NumVar
     drift: NumVar
     gap: NumVar
+    unheard: NumVar
     upwards: BoolVar
     far: NumVar
     long: BoolVar
@@ -152,14 +159,7 @@ class Parts:
     read: NumVar
     signal: NumVar
     why: NumVar
-    truth: NumVar
-    step: NumVar
-    true_base: NumVar
-    next_base: NumVar
-    true_count: NumVar
-    next_count: NumVar
-    real: BoolVar
-    next_real: BoolVar
+    ghosts: Ghosts
 
     @property
     def inputs(self) -> list[Var | Optional]:
@@ -174,11 +174,8 @@ class Parts:
         numbers = (self.count, self.base, self.since, self.drift, self.gap, self.far, self.word, self.read)
         state: dict[Var, Initial] = dict.fromkeys(numbers, 0)
         state |= dict.fromkeys((self.counted, self.upwards, self.long), False)
+        state[self.unheard] = self.config.unheard_limit_nm
         return {**state, self.forwards: True, self.band: NORMAL, self.signal: NO_SIGNAL, self.why: NO_SIGNAL_YET}
-
-    def ghosts(self) -> dict[Var, Initial]:
-        """Variables of the world."""
-        return {self.truth: ANY, self.true_base: ANY, self.true_count: ANY, self.real: ANY}
 
     def next_to(self, forwards: Bool) -> tuple[Bool, Num, Num, Bool, Bool]:
         """The map's section that is met in this direction: known, near and far edge, rises, long."""
@@ -192,7 +189,7 @@ class Parts:
 def parts(config: FibreConfig) -> Parts:
     """Fresh variables for one end of a train."""
     limit, step = config.position_limit_mm, config.max_step_mm
-    far, drift = 2 * limit, 2 * config.tolerance_mm * NM_PER_MM
+    far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
     return Parts(
         config=config,
         amplitude=optional("amplitude_cdb", CDB, -10_000, 10_000),
@@ -215,6 +212,7 @@ def parts(config: FibreConfig) -> Parts:
         since=number("run_since_edge_mm", MM, -far, far),
         drift=number("drift_nm", NM, 0, drift),
         gap=number("silent_cycles", COUNT, 0, config.gap_limit_cycles),
+        unheard=number("run_unheard_nm", NM, 0, config.unheard_limit_nm),
         upwards=boolean("entered_upwards"),
         far=number("far_edge_mm", MM, -limit, limit),
         long=boolean("long_by_map"),
@@ -222,14 +220,7 @@ def parts(config: FibreConfig) -> Parts:
         read=number("symbols_read", COUNT, 0, config.window),
         signal=choice("event", enumeration(SIGNAL)),
         why=choice("why", enumeration(WHY)),
-        truth=number("truth_nm", NM, -4 * far * NM_PER_MM, 4 * far * NM_PER_MM),
-        step=number("true_run_nm", NM, -2 * step * NM_PER_MM, 2 * step * NM_PER_MM),
-        true_base=number("true_edge_nm", NM, -4 * far * NM_PER_MM, 4 * far * NM_PER_MM),
-        next_base=number("next_true_edge_nm", NM, -4 * far * NM_PER_MM, 4 * far * NM_PER_MM),
-        true_count=number("true_count", COUNT, -2 * config.section_limit, 2 * config.section_limit),
-        next_count=number("next_true_count", COUNT, -2 * config.section_limit, 2 * config.section_limit),
-        real=boolean("section_is_real"),
-        next_real=boolean("next_section_is_real"),
+        ghosts=ghosts(BAND, limit, step, config.section_limit, config.tolerance_mm),
     )
 
 

@@ -103,7 +103,7 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
     config = config or FibreAreaConfig()
     area_parts = area_model.parts(config.sections.area)
     front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
-    pattern_limit_um = front.own.truth.high // 1_000 + 1
+    pattern_limit_um = front.own.ghosts.truth.high // 1_000 + 1
     machines = (
         front,
         rear,
@@ -178,7 +178,7 @@ def _verification_wires(
         own.due: entry_.due,
         own.source: entry_.source,
         own.leaves: entry_.leaves,
-        own.next_truth: front.own.truth,
+        own.next_truth: front.own.ghosts.truth,
     }
     told = {own.place.value: position, own.place_above: above, own.place_below: below}
     told |= {own.ends_low.value: near, own.ends_high.value: far}
@@ -204,8 +204,8 @@ def _report_wires(
         own.high: _if(usable, high),
         own.upwards: verified.associated & run.present & (run.value > 0),
         own.downwards: verified.associated & run.present & (run.value < 0),
-        own.pattern_rear: floor_to(rear.own.truth, UM),
-        own.pattern_front: ceil_to(front.own.truth, UM),
+        own.pattern_rear: floor_to(rear.own.ghosts.truth, UM),
+        own.pattern_front: ceil_to(front.own.ghosts.truth, UM),
         own.has_all: known & verified.axles.eq(verified.kept_count),
     }
 

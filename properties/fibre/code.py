@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, Num, abs_, any_of, before, ite, minimum, was
+from safeloc.language.expr import Bool, Num, abs_, any_of, before, floor_div, ite, minimum, was
 from safeloc.language.spec import Property, always
 from safeloc.models.fibre import CODE, COUNTS, Fibre
 from safeloc.models.fibre import variables as v
 from safeloc.properties.fibre.place import LAW
-from safeloc.properties.fibre.seen import Seen
+from safeloc.properties.fibre.seen import MM_IN_NM, Seen
 
 SYMBOLS = 4
 
@@ -17,6 +17,7 @@ SYMBOLS = 4
 def properties(model: Fibre) -> Iterator[Property]:
     """Words and counts."""
     yield from _against_the_truth(model)
+    yield from _lengths(model)
     yield from _words(model)
 
 
@@ -24,8 +25,8 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
     mode, was_located = machine.mode, before(machine.mode).eq(located)
-    off = before(own.true_count) - before(own.count)
-    near = was(own.real) & (abs_(off) <= own.config.reach)
+    off = before(own.ghosts.count) - before(own.count)
+    near = was(own.ghosts.real) & (abs_(off) <= own.config.reach)
     passed = was_located & mode.eq(located) & own.signal.eq(v.PASSED) & ~own.reference
     yield always(
         "count agrees with the truth",
@@ -41,6 +42,40 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
         (was_located & near & read & off.ne(0)).implies(mode.ne(located) | own.reference),
         statement="a real section that is passed while the count is wrong ends the location in that cycle",
         requirements=(*CODE, *COUNTS),
+        assumption=LAW,
+    )
+
+
+def _lengths(model: Fibre) -> Iterator[Property]:
+    """What is taken for the length of a section that lies there."""
+    machine, own = model.machine, model.own
+    _, counting, located, _ = machine.modes
+    mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
+    long = abs_(ran) >= own.config.long_mm * MM_IN_NM
+    real = was(own.ghosts.real) & ~own.reference
+    counts = before(mode).eq(counting) & mode.eq(counting) & (own.read > 0)
+    stays = before(mode).eq(located) & mode.eq(located)
+    told_long = own.word.eq(floor_div(own.word, 2) * 2 + 1)
+    passed = own.signal.eq(v.PASSED) & real
+    yield always(
+        "a length that is read is the true one",
+        (counts & passed).implies(told_long.iff(long)),
+        statement="a section read as a long one is long, and one read as a short one is short, however fast it was left",
+        requirements=CODE,
+        assumption=LAW,
+    )
+    yield always(
+        "a section passed has the length of the map",
+        (stays & passed).implies(was(own.long).iff(long)),
+        statement="where the end stays located past a section, that is as long as the map has it",
+        requirements=CODE,
+        assumption=LAW,
+    )
+    yield always(
+        "a section left again was not passed",
+        (stays & own.signal.eq(v.TURNED_BACK) & ~own.reference).implies(ran.eq(0)),
+        statement="what is taken for a section left on the side it was entered was left there",
+        requirements=COUNTS,
         assumption=LAW,
     )
 

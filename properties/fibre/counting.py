@@ -9,7 +9,7 @@ from safeloc.language.spec import Property, always
 from safeloc.language.units import COUNT
 from safeloc.models.fibre import COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
-from safeloc.properties.fibre.seen import Seen
+from safeloc.properties.fibre.seen import Seen, followed
 
 
 def properties(model: Fibre) -> Iterator[Property]:
@@ -48,7 +48,7 @@ def _numbers(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     waiting, counting, located, _ = machine.modes
     mode = machine.mode
-    counts = mode.one_of(counting, located) & before(mode).one_of(located, counting) & ~own.reference
+    counts = followed(machine) & ~own.reference
     change = own.count - before(own.count)
     back = own.run.present & (own.run.value < 0)
     yield always(
@@ -102,10 +102,10 @@ def _numbers(model: Fibre) -> Iterator[Property]:
 def _amplitude(model: Fibre) -> Iterator[Property]:
     """The amplitude's band from the amplitude itself: a rise is a rise, and a fall is a fall."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, located, _ = machine.modes
-    kept, after = before(own.band), own.band
-    raised = seen.rises | (kept.eq(v.RAISED) & ~seen.returns)
-    lowered = seen.falls | (kept.eq(v.LOWERED) & ~seen.returns)
+    waiting, counting, _, faulted = machine.modes
+    was_told, after = before(own.band), own.band
+    raised = seen.rises | (was_told.eq(v.RAISED) & ~seen.returns)
+    lowered = seen.falls | (was_told.eq(v.LOWERED) & ~seen.returns)
     step = machine.stayed() | ~machine.stayed()
     yield always(
         "the band follows the amplitude",
@@ -114,12 +114,21 @@ def _amplitude(model: Fibre) -> Iterator[Property]:
         requirements=SEEN,
         unconditional=True,
     )
-    follows = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
-    hears = before(machine.mode).eq(waiting) | (before(machine.mode).one_of(counting, located) & follows)
+    kept = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
+    hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
     yield always(
         "a rise or a fall is a signal",
-        (hears & seen.changes & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
-        statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle",
+        (hears & seen.changes & ~seen.late & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
+        statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; unless "
+        "it was not told for so long, or never, that nobody knows where",
+        requirements=SEEN,
+        unconditional=True,
+    )
+    yield always(
+        "a change of long ago is no signal",
+        (before(machine.mode).one_of(waiting, counting) & seen.late).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        statement="what is found changed when the amplitude is told again after too long a run, or for the first time, is not "
+        "taken for a section entered in that cycle",
         requirements=SEEN,
         unconditional=True,
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, abs_, all_of, before, between, exact_to, ite, was, with_unit
+from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to, ite, minimum, was
 from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
 from safeloc.models.fibre import CODE, COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
-from safeloc.properties.fibre.seen import MM_IN_NM, Seen
+from safeloc.properties.fibre.seen import MM_IN_NM, Seen, followed
 
 LAW = "the detector's bounds, true references, and a code in which near sections differ"
 
@@ -25,7 +25,7 @@ def properties(model: Fibre) -> Iterator[Property]:
 def _interval(model: Fibre) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid, position, above = machine.flag("valid"), machine.output("position_mm"), machine.output("margin_above_mm")
-    off = own.truth - exact_to(position, NM)
+    off = own.ghosts.truth - exact_to(position, NM)
     yield always(
         "containment",
         valid.implies(between(-exact_to(above, NM), off, exact_to(above, NM))),
@@ -65,30 +65,33 @@ def _told(model: Fibre) -> Bool:
     return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
 
 
-def _follows(model: Fibre) -> Bool:
-    """The end was followed, and is."""
-    mode, (_, counting, located, _) = model.machine.mode, model.machine.modes
-    return mode.one_of(counting, located) & before(mode).one_of(located, counting) & ~model.own.reference
-
-
 def _charged(model: Fibre) -> Iterator[Property]:
     """What a run may be wrong by."""
     own, seen = model.own, Seen(model.own)
-    none = own.signal.eq(v.NO_SIGNAL)
+    none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
     yield always(
         "every run is charged",
-        (_follows(model) & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
+        (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
         "none came",
         requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
-    run = with_unit(ite(own.run.present, abs_(own.run.value), 0) * MM_IN_NM, NM)
-    edge = _follows(model) & ~none
+    edge = follows & ~none
     yield always(
         "an edge is charged the run of its cycle",
-        edge.implies((own.drift - run).eq(seen.charge_nm) & own.since.eq(0)),
-        statement="an edge may have been passed anywhere within its cycle: the run of the whole cycle is charged",
+        edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
+        statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before it: "
+        "the whole run since the amplitude was last told is charged",
+        requirements=("FWG-1", "FWG-11"),
+        unconditional=True,
+    )
+    most = own.config.tolerance_mm * MM_IN_NM
+    yield always(
+        "the run without an amplitude is kept",
+        own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
+        statement="in each cycle without an amplitude the run, and what it may be wrong by, come to what was run unheard; no "
+        "more than the tolerance is told apart",
         requirements=("FWG-1", "FWG-11"),
         unconditional=True,
     )
@@ -131,11 +134,12 @@ def _tied(model: Fibre) -> Iterator[Property]:
 def _kept(model: Fibre) -> Iterator[Property]:
     """When there is a place, and when there is none."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, located, _ = machine.modes
+    waiting, _, located, faulted = machine.modes
     mode, referred = machine.mode, own.reference & seen.normal
+    was_followed = before(mode).ne(waiting) & before(mode).ne(faulted)
     yield always(
         "a pattern that is lost has no place",
-        (before(mode).one_of(counting, located) & ~referred & seen.lost).implies(mode.eq(waiting)),
+        (was_followed & ~referred & seen.lost).implies(mode.eq(waiting)),
         statement="after too long a silence, or with an interval wider than tolerable, there is neither place nor count",
         requirements=SEEN,
         unconditional=True,

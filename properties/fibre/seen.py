@@ -9,12 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.language.expr import Bool, Lit, Num, abs_, any_of, before, ite, was, with_unit
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, before, ite, was, with_unit
+from safeloc.language.machine import Machine
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
 
 MM_IN_NM = 1_000_000
+
+
+def followed(machine: Machine) -> Bool:
+    """The end was followed in this cycle, and before: it neither waits for a signal nor is an error out."""
+    waiting, _, _, faulted = machine.modes
+    return all_of(mode.ne(idle) for mode in (machine.mode, before(machine.mode)) for idle in (waiting, faulted))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +85,25 @@ class Seen:
         return before(self.own.drift) + self.charge_nm
 
     @cached_property
+    def blind_nm(self) -> Num:
+        """How far the end may have run since the amplitude was last told, this cycle among it."""
+        measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * MM_IN_NM, NM)
+        return measured + before(self.own.unheard) + self.charge_nm
+
+    @cached_property
+    def late(self) -> Bool:
+        """The amplitude was not told for so long that a change of it has no place within the tolerance."""
+        return before(self.own.unheard) > self._room_nm
+
+    @property
+    def _room_nm(self) -> int:
+        return (self.own.config.tolerance_mm - self.own.config.edge_tolerance_mm) * MM_IN_NM
+
+    @cached_property
     def run(self) -> Num:
         """Run since the last edge."""
-        return before(self.own.since) + ite(self.own.run.present, self.own.run.value, 0)
+        kept = before(self.own.since)
+        return ite(self.own.run.present, kept + self.own.run.value, kept)
 
     @cached_property
     def place(self) -> Num:
@@ -89,15 +112,19 @@ class Seen:
 
     @cached_property
     def lost(self) -> Bool:
-        """The pattern was not heard for too long, or the place is no longer known to the tolerance."""
+        """The pattern was not heard for too long, or the place, or that of an edge, is no longer known to the tolerance."""
         own, config = self.own, self.own.config
-        silent = ~own.run.present & (before(own.gap) >= config.gap_limit_cycles)
-        room = (config.tolerance_mm - config.edge_tolerance_mm) * MM_IN_NM
-        return any_of([silent, self.wrong_nm > room, abs_(self.run) > config.position_limit_mm])
+        heard = own.run.present | (before(own.gap) < config.gap_limit_cycles)
+        edge = (self.changes | self.returns) & self.late
+        return any_of([~heard, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
 
     def _within(self, off: Num, figure_mm: int) -> Bool:
         """No farther off than the figure and what the run may be wrong by."""
         return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.wrong_nm
+
+    def _within_edges(self, off: Num, figure_mm: int) -> Bool:
+        """The same between two edges, the second of which was passed anywhere since the amplitude was last told."""
+        return with_unit((abs_(off) - figure_mm - 1) * MM_IN_NM, NM) < self.blind_nm + self.wrong_nm
 
     # -------------------------------------------------------------- the section that is passed
 
@@ -106,7 +133,7 @@ class Seen:
         return ite(was(self.own.upwards), self.run, -self.run)
 
     def _like(self, length_mm: int) -> Bool:
-        return self._within(self._inside - length_mm, 2 * self.own.config.edge_tolerance_mm)
+        return self._within_edges(self._inside - length_mm, 2 * self.own.config.edge_tolerance_mm)
 
     @cached_property
     def turned_back(self) -> Bool:
@@ -134,12 +161,11 @@ class Seen:
     @cached_property
     def expected(self) -> Bool:
         """The map has a section of this kind where the end may be, and a number for it."""
-        own, config = self.own, self.own.config
-        window = 2 * config.edge_tolerance_mm - (-config.max_speed_mm_s * config.period_ms // 1_000)
+        own, figure = self.own, 2 * self.own.config.edge_tolerance_mm
         known = ite(self.forwards, own.ahead.known, own.behind.known)
         raised = ite(self.forwards, own.ahead.rises, own.behind.rises)
         kind = (raised & self.rises) | (~raised & self.falls)
-        return known & kind & self._within(self.place - self.near, window) & ~self.full
+        return known & kind & self._within_edges(self.place - self.near, figure) & ~self.full
 
     @cached_property
     def one(self) -> Num:
@@ -166,7 +192,9 @@ class Seen:
             v.FALSE_SECTION: self.changes & ~self.expected,
             v.MISSED_SECTION: before(own.band).eq(v.NORMAL) & ~self.changes & self._missed,
             v.WRONG_LENGTH: self.returns & ~self.turned_back & ~fits,
-            v.NO_END_OF_SECTION: among & ~self._within(self.run, longest),
+            v.NO_END_OF_SECTION: among
+            & ~self._within(self.run, longest)
+            & (~self.returns | ~self._within_edges(self.run, longest)),
             v.FLIGHT_DIFFERS: own.flight.present & self._off(own.flight.value, config.flight_threshold_mm),
             v.REFLECTION_DIFFERS: own.reflection.present
             & self._off(own.reflection.value, config.reflection_threshold_mm),

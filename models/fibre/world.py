@@ -1,0 +1,399 @@
+"""The world of the fibre machine: where the end of the train is, which sections it passes, and what ties inputs to that.
+
+The world knows the inputs and the configuration. Of the machine it knows one thing, which is reported: the number of the
+section that the map is asked for.
+
+    the detector  tells runs within rate and floor, and amplitudes; a changed one was met where a section begins or ends,
+                  since an amplitude was last told
+    the map       has a section where it really lies, or it lies so far from there that no window bridges it
+    a section     is as long as its kind says, and looks unlike the sections near it in number
+    the train     may pass sections unseen, and meet changes that are no sections
+
+What was told of the amplitude is followed here anew, from the inputs alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    minimum,
+    with_unit,
+)
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.fibre import variables as v
+from safeloc.models.fibre.variables import Parts
+
+ASKED = "which section the map is asked for: the count that the machine reports"
+
+
+def world(own: Parts) -> World:
+    """The true place, the section that is really passed, and what the detector and the map told."""
+    seen, now = own.ghosts, Passing(own)
+    return World(
+        ghosts=_first(own),
+        choices=[seen.step, seen.spot, seen.next_count, seen.next_real],
+        moves={
+            seen.truth: now.after,
+            seen.edge: ite(now.edge, seen.spot, seen.edge),
+            seen.count: seen.next_count,
+            seen.real: seen.next_real,
+            seen.band: now.band,
+            seen.upwards: now.upwards,
+            seen.unheard: ite(own.amplitude.present, as_num(0, NM), minimum(now.unheard, seen.unheard.high)),
+            seen.wrong: now.wrong_after,
+            **_entered(own, now),
+        },
+        clauses=_laws(own, now),
+        reads_machine=ASKED,
+    )
+
+
+def _first(own: Parts) -> dict[Var, Initial]:
+    """Nothing was told: whatever is changed when the amplitude is first told may have been met anywhere."""
+    seen = own.ghosts
+    unknown: dict[Var, Initial] = dict.fromkeys((seen.truth, seen.edge, seen.count, seen.real), ANY)
+    told: dict[Var, Initial] = {seen.band: v.NORMAL, seen.upwards: True}
+    told |= {seen.unheard: seen.unheard.high, seen.wrong: seen.wrong.high}
+    return {**unknown, **told, seen.alike: False, seen.of_map: False, seen.far: 0, seen.long: False, seen.ahead_by: 0}
+
+
+def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
+    """What is kept of a section from its entry on: how the map told the one that is met in this direction."""
+    seen, met = own.ghosts, now.met
+    kept: dict[Var, Expr] = {
+        seen.alike: ite(now.enters, now.alike, seen.alike),
+        seen.of_map: ite(now.enters, now.alike & seen.spot.eq(exact_to(met.near, NM)), seen.of_map),
+        seen.far: ite(now.enters, met.far, seen.far),
+        seen.long: ite(now.enters, met.long, seen.long),
+    }
+    return {**kept, seen.ahead_by: ite(now.enters, seen.count - own.count, seen.ahead_by)}
+
+
+# ------------------------------------------------------------------ one cycle of the world
+
+
+@dataclass(frozen=True, eq=False)
+class Met:
+    """The section of the map that is met in the direction of the run."""
+
+    known: Bool
+    near: Num
+    far: Num
+    rises: Bool
+    long: Bool
+
+
+@dataclass(frozen=True, eq=False)
+class Passing:
+    """What happens to the end of the train in a cycle, and what is told of it."""
+
+    own: Parts
+
+    @cached_property
+    def after(self) -> Num:
+        """Where the end is at the end of the cycle, nm."""
+        return self.own.ghosts.truth + self.own.ghosts.step
+
+    # -------------------------------------------------------------- the amplitude
+
+    @cached_property
+    def band(self) -> Num:
+        """What the amplitude tells: beside sections, or in one; what it told last where it is not told."""
+        told, was = self.own.amplitude, self.own.ghosts.band
+        return ite(told.present, ite(was.eq(v.NORMAL), self._from_beside, self._from_within), was)
+
+    @cached_property
+    def _from_beside(self) -> Num:
+        told, least = self.own.amplitude.value, self.own.config.change_cdb
+        return ite(told + least <= 0, v.LOWERED, ite(told < least, v.NORMAL, v.RAISED))
+
+    @cached_property
+    def _from_within(self) -> Num:
+        told, most, was = self.own.amplitude.value, self.own.config.return_cdb, self.own.ghosts.band
+        beside = ite(was.eq(v.RAISED), told <= most, told + most >= 0)
+        return ite(beside, v.NORMAL, was)
+
+    @cached_property
+    def enters(self) -> Bool:
+        """A changed amplitude is told, and the last one was normal."""
+        return self.own.ghosts.band.eq(v.NORMAL) & self.band.ne(v.NORMAL)
+
+    @cached_property
+    def leaves(self) -> Bool:
+        """A normal amplitude is told, and the last one was changed."""
+        return self.own.ghosts.band.ne(v.NORMAL) & self.band.eq(v.NORMAL)
+
+    @cached_property
+    def edge(self) -> Bool:
+        """An edge is seen."""
+        return self.enters | self.leaves
+
+    # -------------------------------------------------------------- the run
+
+    @cached_property
+    def run(self) -> Num:
+        """The run that is told, mm; none where it is not."""
+        return self.own.run.value_or(as_num(0, MM))
+
+    @cached_property
+    def size_nm(self) -> Num:
+        """How far it is, either way, nm."""
+        return exact_to(maximum(self.run, -self.run), NM)
+
+    @cached_property
+    def error_nm(self) -> Num:
+        """What the run of this cycle may be wrong by: a run of n mm at a rate of 1 ppm by n nm."""
+        config, run = self.own.config, self.own.run
+        moved = with_unit(maximum(run.value * config.rate_ppm, run.value * -config.rate_ppm), NM)
+        told = ite(run.value.eq(0), as_num(0, NM), moved + config.floor_mm * NM_PER_MM)
+        return ite(run.present, told, Lit(self.farthest_nm, NM))
+
+    @cached_property
+    def upwards(self) -> Bool:
+        """The way it runs; where it stands, or nothing is told, the way it ran last."""
+        up, down = self.run > 0, self.run < 0
+        return up | (self.own.ghosts.upwards & ~down)
+
+    @cached_property
+    def unheard(self) -> Num:
+        """What the end was told to have run since then, and what that may be wrong by."""
+        return self.own.ghosts.unheard + self.size_nm + self.error_nm
+
+    @cached_property
+    def wrong(self) -> Num:
+        """What the run since the last edge may be wrong by, at the end of the cycle."""
+        return self.own.ghosts.wrong + self.error_nm
+
+    @cached_property
+    def wrong_after(self) -> Num:
+        """The same with what this cycle brings: an edge that may lie anywhere since an amplitude was told, or a reference."""
+        told = ite(self.edge, self.unheard, self.wrong)
+        referred = self.own.reference & self.band.eq(v.NORMAL)
+        return minimum(ite(referred, as_num(0, NM), told), self.own.ghosts.wrong.high)
+
+    # -------------------------------------------------------------- the map
+
+    @cached_property
+    def met(self) -> Met:
+        """The section that the map has next in the direction of the run."""
+        up, down = self.own.ahead, self.own.behind
+        return Met(
+            self._met(up.known, down.known), ite(self.upwards, up.near, down.near), ite(self.upwards, up.far, down.far),
+            self._met(up.rises, down.rises), self._met(up.long, down.long),
+        )  # fmt: skip
+
+    def _met(self, up: Bool, down: Bool) -> Bool:
+        return (self.upwards & up) | (~self.upwards & down)
+
+    @cached_property
+    def alike(self) -> Bool:
+        """The map has a section there, and it raises or lowers the amplitude as the one that is entered."""
+        met = self.met
+        return met.known & ((met.rises & self.band.eq(v.RAISED)) | (~met.rises & self.band.eq(v.LOWERED)))
+
+    @cached_property
+    def followed(self) -> Bool:
+        """The run since the last edge, and since an amplitude was told, is known within the tolerance."""
+        most = self.own.config.tolerance_mm * NM_PER_MM
+        return (self.wrong <= most) & (self.own.ghosts.unheard < most)
+
+    @cached_property
+    def bridged_nm(self) -> Num:
+        """What a window of so much can bridge: two edges' tolerances on either side, and twice what both runs may be wrong by."""
+        edges = 4 * self.own.config.edge_tolerance_mm + 1
+        return 2 * (self.wrong + self.unheard) + edges * NM_PER_MM
+
+    @cached_property
+    def farthest_nm(self) -> int:
+        """The farthest run of a cycle, in whole mm upwards."""
+        return self.own.config.max_step_mm * NM_PER_MM
+
+    @cached_property
+    def off_entry(self) -> Num:
+        """How far the edge seen in this cycle lies from the one that was passed last, nm."""
+        apart = self.own.ghosts.spot - self.own.ghosts.edge
+        return maximum(apart, -apart)
+
+
+# ------------------------------------------------------------------ the laws
+
+
+def _laws(own: Parts, now: Passing) -> dict[str, Bool | Law]:
+    on_line = between(own.ghosts.truth.low, now.after, own.ghosts.truth.high)
+    return {
+        "a measured run is true within its error": _run_law(own, now),
+        "the vehicle stays on the line": Law(
+            on_line, "The coordinates of the line do not end before the train does.", ("position_limit_mm",),
+            "[D] 1 000 km of line", "infrastructure", "when the map is made",
+        ),
+        "a changed amplitude is met at an edge": _edge_law(own, now),
+        "the map has the section that is entered, or it is far away": _entry_law(own, now),
+        "the map has the ends of a section": _map_law(own, now),
+        "the section that was entered is left at one of its ends": _exit_law(own, now),
+        "a section is as long as its kind says": _length_law(own, now),
+        "sections near each other in number look different": _code_law(own, now),
+        "sections are passed one at a time": _count_law(own, now),
+        "a reference is true": _reference_law(own, now),
+        "a word that is found is found where it lies": _word_law(own),
+    }  # fmt: skip
+
+
+def _run_law(own: Parts, now: Passing) -> Law:
+    off = own.ghosts.step - exact_to(now.run, NM)
+    return Law(
+        (off <= now.error_nm) & (-off <= now.error_nm),
+        "The run told of a cycle is wrong by no more than its rate and a floor; a run of nothing is told only where the end "
+        "stands; where no run is told the train keeps to its highest speed.",
+        ("rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms"),
+        "[D] measured over simulation (docs/fibre.md)",
+        "supplier",
+        "run between two sections against the map",
+    )
+
+
+def _edge_law(own: Parts, now: Passing) -> Law:
+    off, tolerance = now.after - own.ghosts.spot, own.config.edge_tolerance_mm * NM_PER_MM
+    near = (off <= now.unheard + tolerance) & (-off <= now.unheard + tolerance)
+    anywhere = own.ghosts.unheard >= own.ghosts.unheard.high
+    return Law(
+        now.edge.implies(anywhere | near),
+        "Where the amplitude leaves normal, or is normal again, the end passed the edge of a section, or of a false change: it "
+        "lies no farther from the end than the edge's tolerance and what was run since the amplitude was last told, at least "
+        "in that cycle. After more run than is tolerable, or before it was ever told, anywhere.",
+        ("edge_tolerance_mm", "change_cdb", "return_cdb", "tolerance_mm"),
+        "[D] gauge, pulse and window; [S] 002 l. 160: 5 to 10 m",
+        "supplier",
+        "type test over sections surveyed; lengths read against the map",
+    )
+
+
+def _entry_law(own: Parts, now: Passing) -> Law:
+    off = own.ghosts.spot - exact_to(now.met.near, NM)
+    return Law(
+        (now.enters & now.alike & now.followed).implies(off.eq(0) | (off > now.bridged_nm) | (-off > now.bridged_nm)),
+        "A change of the amplitude of the kind of the section that the map has next begins where that section begins; or it "
+        "is a false change, or another section's, and lies farther away than a window can bridge: twice the tolerances of two "
+        "edges, the run since an amplitude was told, and what the run since the last edge may be wrong by. So while both "
+        "runs are known within the tolerance.",
+        ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
+        "[D] layout: what looks like the section expected, where it is expected, cannot be told from it",
+        "infrastructure",
+        "audit of the line's sections; places of changes that no section explains are reported",
+    )
+
+
+def _map_law(own: Parts, now: Passing) -> Law:
+    met = now.met
+    onwards = ite(now.upwards, met.near < met.far, met.far < met.near)
+    there = now.enters & now.alike & own.ghosts.spot.eq(exact_to(met.near, NM))
+    return Law(
+        there.implies(own.ghosts.next_real & onwards),
+        "Where the map has the near edge of a section, there is one, and its far edge lies beyond.",
+        (),
+        "[M] survey when the sections are made",
+        "infrastructure",
+        "audit of the line's map; survey",
+    )
+
+
+def _exit_law(own: Parts, now: Passing) -> Law:
+    seen = own.ghosts
+    far = now.bridged_nm + own.config.long_mm * NM_PER_MM
+    ends = seen.spot.eq(seen.edge) | seen.spot.eq(exact_to(seen.far, NM))
+    return Law(
+        (now.leaves & seen.of_map & now.followed).implies(ends | (now.off_entry > far)),
+        "A section of the map is left where it was entered, or at its other edge; where the amplitude was not told in "
+        "between, perhaps out of another section, that lies farther away than the longest section and what a window bridges. So "
+        "while both runs are known within the tolerance.",
+        ("long_mm", "edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
+        "[D] layout",
+        "infrastructure",
+        "audit of the line's sections",
+    )
+
+
+def _length_law(own: Parts, now: Passing) -> Law:
+    long, short = (length * NM_PER_MM for length in (own.config.long_mm, own.config.short_mm))
+    lengths = now.off_entry.eq(0) | now.off_entry.eq(short) | (now.off_entry >= long)
+    return Law(
+        (now.leaves & own.ghosts.real).implies(lengths),
+        "A section is short or long: a short one has its length, a long one at least its length.",
+        ("short_mm", "long_mm"),
+        "[D] as the sections are made",
+        "infrastructure",
+        "audit of the line's sections; lengths read against the map",
+    )
+
+
+def _code_law(own: Parts, now: Passing) -> Law:
+    seen = own.ghosts
+    near = between(-own.config.reach, seen.ahead_by, own.config.reach)
+    was_long = now.off_entry >= own.config.long_mm * NM_PER_MM
+    as_told = (was_long & seen.long) | (~was_long & ~seen.long)
+    passed = now.leaves & seen.real & seen.alike & (now.off_entry > 0)
+    return Law(
+        (passed & near).implies(ite(seen.ahead_by.eq(0), as_told, ~as_told)),
+        "The section that bears the number asked for is as long as the map tells; another one, whose number is no farther off "
+        "than the reach of the code, and that is of the same kind, is not.",
+        ("reach",),
+        "[D] the code's law, kept by `make_code` and checked by `PositionCode`",
+        "infrastructure",
+        "audit of the line's sections",
+    )
+
+
+def _count_law(own: Parts, now: Passing) -> Law:
+    seen = own.ghosts
+    more, one = seen.next_count - seen.count, ite(now.upwards, as_num(1, COUNT), as_num(-1, COUNT))
+    entered = ite(seen.next_real, more.eq(one), more.eq(0))
+    unseen = between(-1, more, 1) & seen.next_real.iff(seen.real)
+    within = seen.band.ne(v.NORMAL) & now.band.ne(v.NORMAL) & seen.real
+    return Law(
+        ite(now.enters, entered, unseen & within.implies(more.eq(0))),
+        "Sections are passed one at a time, seen or not, and none while another one is passed; a false change is none of "
+        "them.",
+        (),
+        "[D] as the sections are laid",
+        "infrastructure",
+        "audit of the line's sections",
+    )
+
+
+def _reference_law(own: Parts, now: Passing) -> Law:
+    off, tolerance = now.after - exact_to(own.reference_place, NM), own.config.edge_tolerance_mm * NM_PER_MM
+    place = (off <= tolerance) & (-off <= tolerance)
+    return Law(
+        own.reference.implies(place & own.ghosts.next_count.eq(own.reference_count)),
+        "An accepted reference tells the end's place within the tolerance of an edge, and how many sections lie below.",
+        ("edge_tolerance_mm",),
+        "[D] an axle counter at a known place",
+        "operator",
+        "the place by the sections passed next",
+    )
+
+
+def _word_law(own: Parts) -> Law:
+    at_edge = own.ghosts.edge.eq(exact_to(own.answer_place, NM))
+    return Law(
+        own.answer.implies(at_edge & own.ghosts.count.eq(own.answer_count)),
+        "Where the map finds the word that was read, the edge passed last is the one that it tells, and so is the number of "
+        "sections below.",
+        ("window", "reach"),
+        "[D] a code in which no window with one error among its symbols is another one (fibre.code, strict)",
+        "infrastructure",
+        "audit of the line's sections",
+    )
