@@ -35,7 +35,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 from safeloc.models.arbitration.cycle import Cycle
 from safeloc.models.arbitration.variables import SOURCES, ArbitrationConfig, Parts, Source, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
@@ -183,10 +183,17 @@ def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:
     return named | {f"{source.name} leads now": cycle.leads(source) for source in own.sources}
 
 
-def _sources_hold_the_truth(own: Parts) -> dict[str, Bool]:
+def _sources_hold_the_truth(own: Parts) -> dict[str, Law]:
     """What a source states, where it states anything, holds the truth."""
     return {
-        f"{source.name} holds the truth": source.valid.implies(source.holds(own.next_truth)) for source in own.sources
+        f"{source.name} holds the truth": Law(
+            source.valid.implies(source.holds(own.next_truth)),
+            f"The interval that {source.name} states as valid holds the true position.",
+            source="[D] containment of that way of locating, whose own proof it is",
+            owner="supplier",
+            check="every two sources that exclude each other are noticed and counted",
+        )
+        for source in own.sources
     }
 
 

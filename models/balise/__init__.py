@@ -38,7 +38,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, PPM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.judgement import Judged
 from safeloc.models.balise.reckoning import as_reckoned
@@ -253,16 +253,34 @@ def _odometer_law(own: Parts) -> Bool:
     return between(-odometer.growth, error, odometer.growth)
 
 
-def _clauses(own: Parts, cycle: Judged) -> dict[str, Bool]:
+def _clauses(own: Parts, cycle: Judged) -> dict[str, Law]:
     """The truth of telegrams that can be believed, the odometer, and the vehicle staying on the line."""
     world = own.world
     after = world.truth + world.true_step
     return {
-        "a telegram that can be believed was read where the map says": believable(cycle).implies(
-            _read_truly(own, cycle, after)
+        "a telegram that can be believed was read where the map says": Law(
+            believable(cycle).implies(_read_truly(own, cycle, after)),
+            "A group that agrees with map, linking and orientation was read where the map has it, within the accuracies of map and "
+            "antenna; since then the vehicle ran no farther than it is charged.",
+            source="[S] SUBSET-036 detection accuracy of a balise; SUBSET-026 location accuracy of linking",
+            owner="infrastructure",
+            check="every rejected group is counted and reported with its reason",
         ),
-        "the vehicle stays on the line": between(world.truth.low, after, world.truth.high),
-        ODOMETER: _odometer_law(own),
+        "the vehicle stays on the line": Law(
+            between(world.truth.low, after, world.truth.high),
+            "The vehicle does not leave the coordinates of the line.",
+            ("position_limit_mm",),
+            "[D] 1 000 km of line",
+            "operator",
+            "route setting",
+        ),
+        ODOMETER: Law(
+            _odometer_law(own),
+            "What the odometer measures in an admitted cycle is wrong by no more than its rate and floor allow.",
+            source="[S] SUBSET-041: 5 m + 5 % of every measured distance",
+            owner="supplier",
+            check="type test; in operation the run between two groups against the map",
+        ),
     }
 
 

@@ -11,7 +11,7 @@ from safeloc.config import Config, quantity
 from safeloc.language.expr import Bool, Expr, NumVar, Var, between, boolean, choice, enumeration, exact_to, ite, number
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, NM_PER_MM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, REASON, TOLERANCE
 
@@ -75,7 +75,13 @@ def machine(config: DelocalizedConfig | None = None) -> Machine:
             choices=[next_truth],
             moves={truth: next_truth},
             clauses={
-                "a valid position holds the truth": valid.implies(_holds(seen, seen_below, seen_above, next_truth))
+                "a valid position holds the truth": Law(
+                    valid.implies(_holds(seen, seen_below, seen_above, next_truth)),
+                    "While the way of locating behind it reports a valid position, its interval holds the true position.",
+                    source="[D] containment of that machine, whose own proof it is",
+                    owner="supplier",
+                    check="replayed recordings with a known true position",
+                )
             },
         ),
         lemmas={

@@ -35,7 +35,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, MS, UM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 from safeloc.models.area.slot import Reach
 
 TRACE = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
@@ -180,22 +180,48 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("may be in parts", table, neither, TRUE, untold, TRACE, 2)
 
 
-def _clauses(own: Parts) -> dict[str, Bool]:
+def _clauses(own: Parts) -> dict[str, Law]:
     """The pattern is part of the train: all of it if it has all axles; and its leading end is the train's."""
-    ran = with_unit(own.age * own.reach.max_speed_mm_s, UM)
+    up, down = own.upwards & ~own.downwards, own.downwards & ~own.upwards
     return {
-        "a pattern with all axles is the whole train": own.has_all.implies(own.next_rear_is & own.next_front_is),
-        "the leading high end stays the train's": (own.front_is & own.upwards & ~own.downwards).implies(
-            own.next_front_is
+        "a pattern with all axles is the whole train": Law(
+            own.has_all.implies(own.next_rear_is & own.next_front_is),
+            "A pattern in which as many axles are seen as the axle counter counted is the whole train.",
+            source="[S] FVA-3: the axle count does not change during the stay",
+            owner="infrastructure",
+            check="the count is compared at every further axle counter",
         ),
-        "the leading low end stays the train's": (own.rear_is & own.downwards & ~own.upwards).implies(own.next_rear_is),
-        "the train's high end is near the pattern's": own.next_front_is.implies(
-            _near(own.next_front, own.pattern_front, ran)
+        "the leading high end stays the train's": _stays(own.front_is & up, own.next_front_is, "high"),
+        "the leading low end stays the train's": _stays(own.rear_is & down, own.next_rear_is, "low"),
+        "the train's high end is near the pattern's": _read(
+            own, own.next_front_is, own.next_front, own.pattern_front, "high"
         ),
-        "the train's low end is near the pattern's": own.next_rear_is.implies(
-            _near(own.next_rear, own.pattern_rear, ran)
+        "the train's low end is near the pattern's": _read(
+            own, own.next_rear_is, own.next_rear, own.pattern_rear, "low"
         ),
     }
+
+
+def _stays(leads: Bool, next_is: Bool, end: str) -> Law:
+    return Law(
+        leads.implies(next_is),
+        f"While the train runs towards its {end} end, it loses no vehicle there, and the direction of running is told truly.",
+        source="[D] a coupling parts under traction or brake; what leads is not left behind",
+        owner="operator",
+        check="train integrity monitoring",
+    )
+
+
+def _read(own: Parts, known: Bool, place: Num, read: Num, end: str) -> Law:
+    ran = with_unit(own.age * own.reach.max_speed_mm_s, UM)
+    return Law(
+        known.implies(_near(place, read, ran)),
+        f"In the age of a reading the train's {end} end runs no farther than at the line's highest speed.",
+        ("max_speed_mm_s",),
+        "[D] line speed",
+        "operator",
+        "speed supervision",
+    )
 
 
 def _near(place: Num, read: Num, ran: Num) -> Bool:

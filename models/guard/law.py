@@ -8,17 +8,33 @@ from __future__ import annotations
 
 from safeloc.language.expr import Bool, Expr, Lit, Var, abs_, all_of, as_num, between, exact_to, ite
 from safeloc.language.units import MS, NM, UM_S
+from safeloc.language.world import Law
 from safeloc.models.guard.box import due_now, half_nm
 from safeloc.models.guard.judgement import Judged
 from safeloc.models.guard.variables import Parts
 
 
-def clauses(own: Parts, cycle: Judged, holding: Bool, recovering: Bool) -> dict[str, Bool]:
+def clauses(own: Parts, cycle: Judged, holding: Bool, recovering: Bool) -> dict[str, Law]:
     """The vehicle moves as its figures say while something is held; a confirmed fix is true within its bound."""
     confirmed = ((holding & cycle.agrees) | (recovering & cycle.agrees)) & cycle.confirmed
     return {
-        "the vehicle moves within its figures": holding.implies(_motion(own)),
-        "a confirmed fix is true within its bound": confirmed.implies(_true(own)),
+        "the vehicle moves within its figures": Law(
+            holding.implies(_motion(own)),
+            "The vehicle changes its speed by no more than acceleration and brake allow, and the way follows from the speed.",
+            ("acceleration_mm_s2", "brake_mm_s2", "period_ms"),
+            "[D] acceleration of passenger trains; [M] the strongest brake",
+            "operator",
+            "the rates of the vehicle class, emergency brake included, against the recorded speed",
+        ),
+        "a confirmed fix is true within its bound": Law(
+            confirmed.implies(_true(own)),
+            "A fix that agrees with map and motion, after as many agreeing ones as are asked for, lies no farther from the vehicle "
+            "than it is charged; nor does its speed.",
+            ("fix_error_mm", "offset_charge_permille", "speed_error_mm_s", "confirmations"),
+            "[M] errors of a receiver along the track",
+            "supplier",
+            "the receiver's fixes against marks of known place",
+        ),
     }
 
 

@@ -37,7 +37,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, NM_PER_MM, UM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 from safeloc.models.area.slot import Slot
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
@@ -198,15 +198,40 @@ def _behind(own: Parts, front: Num, far: Num) -> Bool:
     return (own.upwards & (far <= front)) | (~own.upwards & (front <= far))
 
 
-def _clauses(own: Parts) -> dict[str, Bool]:
+def _clauses(own: Parts) -> dict[str, Law]:
     most = own.world.most_nm
     length, slack = own.config.length_mm * NM_PER_MM, own.config.length_tolerance_mm * NM_PER_MM
     extent = ite(own.upwards, own.next_truth - own.next_far, own.next_far - own.next_truth)
     return {
-        "the far end lies behind the near one": extent >= 0,
-        "a whole train has its length": own.whole.implies(between(length - slack, extent, length + slack)),
-        "the far end keeps to the highest speed": between(-most, own.next_far - own.far, most),
-        SENT: _sent_truly(own),
+        "the far end lies behind the near one": Law(
+            extent >= 0,
+            "Nothing of the train is ahead of its front end; it faces the same way all the time.",
+            source="[D] the localizer locates the front end",
+            owner="operator",
+            check="train data entry: which end is the front",
+        ),
+        "a whole train has its length": Law(
+            own.whole.implies(between(length - slack, extent, length + slack)),
+            "A train that integrity monitoring confirms as whole is as long as its data say, within their tolerance.",
+            ("length_mm", "length_tolerance_mm"),
+            "[D] passenger train of eight coaches; couplers and train data",
+            "operator",
+            "train data entry; on-board integrity monitoring",
+        ),
+        "the far end keeps to the highest speed": Law(
+            between(-most, own.next_far - own.far, most),
+            "No part of the train runs faster than the line's highest speed.",
+            source="[D] line speed",
+            owner="operator",
+            check="speed supervision",
+        ),
+        SENT: Law(
+            _sent_truly(own),
+            "The interval of the front end that is passed on as valid holds the true front end.",
+            source="[D] containment of the localizer, whose own proof it is",
+            owner="supplier",
+            check="replayed recordings with a known true position",
+        ),
     }
 
 

@@ -27,8 +27,8 @@ def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
         seen.next_told.eq(own.wander_after + _uncharged(seen, check.apart_after)),
         "The one-off error of what is told is that of the lawful unit, and where that is the check unit, also what the two "
         "differ by and the machine has not charged. A definition: it excludes nothing.",
-        (),
-        "[D]",
+        source="[D] a definition",
+        owner="nobody",
     )
     return replace(
         world,

@@ -80,4 +80,5 @@ def _squared(own: Parts) -> Law:
         rising.implies(product(speed, speed) <= product(fastest, fastest)),
         "Of two speeds that are not negative, the higher one has the greater square.",
         source="[D] true of all whole numbers; no assumption",
+        owner="nobody",
     )

@@ -35,7 +35,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 TRACE = ("FVA-9", "FVA-18", "RFL-14")
@@ -222,8 +222,21 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
             choices=[own.next_truth],
             moves={own.truth: own.next_truth},
             clauses={
-                "a position that is sent holds the truth": _sent_truly(own),
-                "the vehicle keeps to its highest speed": _moves(own),
+                "a position that is sent holds the truth": Law(
+                    _sent_truly(own),
+                    "An interval that is sent as valid holds the true position of the cycle in which it is sent.",
+                    source="[D] containment of the sender, whose own proof it is",
+                    owner="supplier",
+                    check="replayed recordings with a known true position",
+                ),
+                "the vehicle keeps to its highest speed": Law(
+                    _moves(own),
+                    "The vehicle runs no faster than its highest speed, either way.",
+                    ("max_speed_mm_s", "period_ms"),
+                    "[D] 160 km/h",
+                    "operator",
+                    "speed supervision",
+                ),
             },
         ),
         lemmas=_lemmas(own, held),

@@ -62,7 +62,9 @@ def _one_course(own: Parts) -> Law:
     return Law(
         own.next_true.ne(UNDECIDED),
         "At a switch a vehicle runs straight on, to the left or to the right.",
-        source="[D]",
+        source="[D] a switch has two legs, a three-way switch three",
+        owner="infrastructure",
+        check="the interlocking's supervision of switch blades",
     )
 
 

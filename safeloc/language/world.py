@@ -16,7 +16,7 @@ from safeloc.language.expr import Bool, Expr, Var, all_of
 if TYPE_CHECKING:
     from safeloc.language.machine import Initial
 
-Owner = Literal["", "supplier", "infrastructure", "operator"]
+Owner = Literal["", "supplier", "infrastructure", "operator", "nobody"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,8 @@ class Law:
     statement  the law in one sentence
     figures    names of the configured figures in it, such as "marker_accuracy_mm": value, unit and source stand there
     source     the origin of the law: "[S] ..." read, "[D] ..." derived, "[M] ..." from memory
-    owner      the party that ensures it: the supplier of the device, the infrastructure manager, or the operator
+    owner      the party that ensures it: the supplier of the device, the infrastructure manager, or the operator; nobody where
+               it excludes nothing: a definition, or arithmetic that solvers find slowly by themselves
     check      how it can be checked in operation: a monitor, maintenance, a type test
     """
 
