@@ -262,7 +262,7 @@ def _clauses(own: Parts, cycle: Judged) -> dict[str, Law]:
             believable(cycle).implies(_read_truly(own, cycle, after)),
             "A group that agrees with map, linking and orientation was read where the map has it, within the accuracies of map and "
             "antenna; since then the vehicle ran no farther than it is charged.",
-            source="[S] SUBSET-036 detection accuracy of a balise; SUBSET-026 location accuracy of linking",
+            source="[S] openETCS: location accuracy of linking and 1 m; [M] the 1 m is the detection accuracy of SUBSET-036",
             owner="infrastructure",
             check="every rejected group is counted and reported with its reason",
         ),

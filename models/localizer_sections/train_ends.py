@@ -153,7 +153,8 @@ def build(own: Parts) -> TrainEnds:
                 train.true_rear: next_rear,
                 train.true_front: next_front,
             },
-            clauses=_clauses(own), reads_machine="the far end lies behind where the machine faces"),
+            clauses=_clauses(own),
+        ),
         initially=_behind(own, own.world.truth, own.far) & train.true_rear.eq(rear) & train.true_front.eq(front),
         lemmas={
             "the far end is inside": both.implies(between(exact_to(low, NM), own.far, exact_to(high, NM))),

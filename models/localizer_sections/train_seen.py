@@ -36,7 +36,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.units import MM, MS, NM
-from safeloc.language.world import World
+from safeloc.language.world import Law, World
 
 TRACE = ("FVA-9", "FVA-18")
 
@@ -162,8 +162,8 @@ def build(own: Parts) -> TrainSeen:
             choices=[front.next_truth, far.next_truth],
             moves={front.truth: front.next_truth, far.truth: far.next_truth},
             clauses={
-                "a near end that comes holds the truth": front.holds(),
-                "a far end that comes holds the truth": far.holds(),
+                "a near end that comes holds the truth": _told_truly(front.holds(), "near"),
+                "a far end that comes holds the truth": _told_truly(far.holds(), "far"),
             },
         ),
         lemmas=_lemmas(own, current, table),
@@ -174,6 +174,16 @@ def build(own: Parts) -> TrainSeen:
         ),
     )
     return TrainSeen(machine, own)
+
+
+def _told_truly(holds: Bool, end: str) -> Law:
+    return Law(
+        holds,
+        f"The interval of the {end} end that the radio link gives out holds that end.",
+        source="[D] containment of the link, whose own proof it is",
+        owner="supplier",
+        check="replayed recordings with a known true position",
+    )
 
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
