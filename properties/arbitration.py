@@ -93,7 +93,7 @@ def _fail_safe(model: Arbitration) -> Iterator[Property]:
             (clash & named).implies(both & all_of(excluded)),
             "a contradiction names two sources, and these two exclude each other",
         )
-    referred = any_of(source.valid & source.reference for source in own.sources)
+    referred = ~all_of(source.valid.implies(~source.reference) for source in own.sources)
     yield _free(
         "no resurrection",
         (given & ~earlier_bool(given)).implies(referred),
