@@ -37,7 +37,9 @@ class LocalizerConfig(Config):
     odometry: OdometryConfig = OdometryConfig(single_fault_safe=True, tolerance_mm=45_000)
     balise: BaliseConfig = BaliseConfig(odometer=CHECKED.told, told_distance=True, tolerance_mm=45_000)
     reflector: ReflectorConfig = ReflectorConfig(odometer=CHECKED.told, told_distance=True)
-    satellite: SatelliteConfig = SatelliteConfig(period_ms=100, coast_limit_cycles=20)
+    satellite: SatelliteConfig = SatelliteConfig(
+        period_ms=100, coast_limit_cycles=20, max_acceleration_mm_s2=CHECKED.max_acceleration_mm_s2
+    )
     fibre: VerificationConfig = VerificationConfig(
         period_ms=100, margin_limit_mm=300_000, reference_age_limit_cycles=20, currency_cycles=50
     )
@@ -70,6 +72,7 @@ class LocalizerConfig(Config):
             "period_ms": self.motion.period_ms,
             "position_limit_mm": self.motion.position_limit_mm,
             "max_speed_mm_s": self.motion.max_speed_mm_s,
+            "max_acceleration_mm_s2": self.motion.max_acceleration_mm_s2,
             "odometer": self.motion.told,
             "told_distance": checked,
             "first_unit": self.motion.odometer,
