@@ -196,7 +196,7 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
 def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     counting, located = current.eq(table[1]), current.eq(table[2])
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
-    of_map = [seen.of_map, seen.alike, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
+    of_map = [seen.of_map, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
     onwards = ite(own.upwards, own.base < own.far, own.far < own.base)
     told = [own.long.iff(seen.long), seen.ahead_by.eq(seen.count - own.count), onwards]
     return {

@@ -20,7 +20,7 @@ class Ghosts:
     upwards        the last run that was told and was not zero was upwards
     unheard        what the end was told to have run since the amplitude was last told, and what that may be wrong by, nm
     wrong          what the run told since the last edge, or a reference, may be wrong by, nm
-    alike, of_map  the section being passed is of the kind that the map told; and entered where the map has its edge
+    of_map         the section being passed is of the kind that the map told, and was entered where the map has its edge
     far, long      where the map has its other edge, and whether it is a long one by the map
     ahead_by       by how many the sections really below were more than those that the map was asked with, at its entry
     """
@@ -37,7 +37,6 @@ class Ghosts:
     upwards: BoolVar
     unheard: NumVar
     wrong: NumVar
-    alike: BoolVar
     of_map: BoolVar
     far: NumVar
     long: BoolVar
@@ -60,7 +59,6 @@ def ghosts(bands: tuple[Lit, ...], places_mm: int, farthest_mm: int, sections: i
         upwards=boolean("ran_upwards"),
         unheard=number("told_unheard_nm", NM, 0, tolerance_mm * NM_PER_MM),
         wrong=number("told_run_error_nm", NM, 0, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM),
-        alike=boolean("section_is_alike"),
         of_map=boolean("section_is_the_maps"),
         far=number("told_far_mm", MM, -places_mm, places_mm),
         long=boolean("told_long"),

@@ -23,11 +23,11 @@ from safeloc.language.expr import (
     Lit,
     Num,
     Var,
+    any_of,
     as_num,
     between,
     exact_to,
     ite,
-    maximum,
     minimum,
     with_unit,
 )
@@ -68,14 +68,13 @@ def _first(own: Parts) -> dict[Var, Initial]:
     unknown: dict[Var, Initial] = dict.fromkeys((seen.truth, seen.edge, seen.count, seen.real), ANY)
     told: dict[Var, Initial] = {seen.band: v.NORMAL, seen.upwards: True}
     told |= {seen.unheard: seen.unheard.high, seen.wrong: seen.wrong.high}
-    return {**unknown, **told, seen.alike: False, seen.of_map: False, seen.far: 0, seen.long: False, seen.ahead_by: 0}
+    return {**unknown, **told, seen.of_map: False, seen.far: 0, seen.long: False, seen.ahead_by: 0}
 
 
 def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
     """What is kept of a section from its entry on: how the map told the one that is met in this direction."""
     seen, met = own.ghosts, now.met
     kept: dict[Var, Expr] = {
-        seen.alike: ite(now.enters, now.alike, seen.alike),
         seen.of_map: ite(now.enters, now.alike & seen.spot.eq(exact_to(met.near, NM)), seen.of_map),
         seen.far: ite(now.enters, met.far, seen.far),
         seen.long: ite(now.enters, met.long, seen.long),
@@ -152,15 +151,15 @@ class Passing:
     @cached_property
     def size_nm(self) -> Num:
         """How far it is, either way, nm."""
-        return exact_to(maximum(self.run, -self.run), NM)
+        return exact_to(ite(self.run < 0, -self.run, self.run), NM)
 
     @cached_property
     def error_nm(self) -> Num:
         """What the run of this cycle may be wrong by: a run of n mm at a rate of 1 ppm by n nm."""
-        config, run = self.own.config, self.own.run
-        moved = with_unit(maximum(run.value * config.rate_ppm, run.value * -config.rate_ppm), NM)
-        told = ite(run.value.eq(0), as_num(0, NM), moved + config.floor_mm * NM_PER_MM)
-        return ite(run.present, told, Lit(self.farthest_nm, NM))
+        config, told = self.own.config, self.own.run
+        rate, floor = with_unit(told.value * config.rate_ppm, NM), config.floor_mm * NM_PER_MM
+        moved = ite(told.value < 0, floor - rate, ite(told.value > 0, floor + rate, as_num(0, NM)))
+        return ite(told.present, moved, Lit(self.farthest_nm, NM))
 
     @cached_property
     def upwards(self) -> Bool:
@@ -223,10 +222,13 @@ class Passing:
         return self.own.config.max_step_mm * NM_PER_MM
 
     @cached_property
-    def off_entry(self) -> Num:
-        """How far the edge seen in this cycle lies from the one that was passed last, nm."""
-        apart = self.own.ghosts.spot - self.own.ghosts.edge
-        return maximum(apart, -apart)
+    def along(self) -> Num:
+        """How far up the line the edge seen in this cycle lies from the one that was passed last, nm."""
+        return self.own.ghosts.spot - self.own.ghosts.edge
+
+    def beyond(self, far: Num | int) -> Bool:
+        """It lies farther away than that, on either side."""
+        return (self.along > far) | (self.along < -far)
 
 
 # ------------------------------------------------------------------ the laws
@@ -315,7 +317,7 @@ def _exit_law(own: Parts, now: Passing) -> Law:
     far = now.bridged_nm + own.config.long_mm * NM_PER_MM
     ends = seen.spot.eq(seen.edge) | seen.spot.eq(exact_to(seen.far, NM))
     return Law(
-        (now.leaves & seen.of_map & now.followed).implies(ends | (now.off_entry > far)),
+        (now.leaves & seen.of_map & now.followed).implies(ends | now.beyond(far)),
         "A section of the map is left where it was entered, or at its other edge; where the amplitude was not told in "
         "between, perhaps out of another section, that lies farther away than the longest section and what a window bridges. So "
         "while both runs are known within the tolerance.",
@@ -328,9 +330,9 @@ def _exit_law(own: Parts, now: Passing) -> Law:
 
 def _length_law(own: Parts, now: Passing) -> Law:
     long, short = (length * NM_PER_MM for length in (own.config.long_mm, own.config.short_mm))
-    lengths = now.off_entry.eq(0) | now.off_entry.eq(short) | (now.off_entry >= long)
+    made = any_of(now.along.eq(ran) for ran in (0, short, -short))
     return Law(
-        (now.leaves & own.ghosts.real).implies(lengths),
+        (now.leaves & own.ghosts.real).implies(made | now.beyond(long - 1)),
         "A section is short or long: a short one has its length, a long one at least its length.",
         ("short_mm", "long_mm"),
         "[D] as the sections are made",
@@ -342,13 +344,13 @@ def _length_law(own: Parts, now: Passing) -> Law:
 def _code_law(own: Parts, now: Passing) -> Law:
     seen = own.ghosts
     near = between(-own.config.reach, seen.ahead_by, own.config.reach)
-    was_long = now.off_entry >= own.config.long_mm * NM_PER_MM
+    was_long = now.beyond(own.config.long_mm * NM_PER_MM - 1)
     as_told = (was_long & seen.long) | (~was_long & ~seen.long)
-    passed = now.leaves & seen.real & seen.alike & (now.off_entry > 0)
+    passed = now.leaves & seen.real & seen.of_map & now.along.ne(0)
     return Law(
         (passed & near).implies(ite(seen.ahead_by.eq(0), as_told, ~as_told)),
-        "The section that bears the number asked for is as long as the map tells; another one, whose number is no farther off "
-        "than the reach of the code, and that is of the same kind, is not.",
+        "A section that is entered where the map has the one asked for is as long as the map tells, if it bears that number; one "
+        "of another number, no farther off than the reach of the code, is not.",
         ("reach",),
         "[D] the code's law, kept by `make_code` and checked by `PositionCode`",
         "infrastructure",
