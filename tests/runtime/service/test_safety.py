@@ -50,7 +50,7 @@ def swapped(lines: list[bytes], at: int, chance: random.Random) -> None:
 
 def cut(lines: list[bytes], at: int, chance: random.Random) -> None:
     """Or in part."""
-    lines[at] = lines[at][: chance.randrange(len(lines[at]))]
+    lines[at] = lines[at][: chance.randrange(len(lines[at]) or 1)]
 
 
 def joined(lines: list[bytes], at: int, chance: random.Random) -> None:
@@ -64,9 +64,17 @@ def garbled(lines: list[bytes], at: int, chance: random.Random) -> None:
     lines[at] = lines[at].replace(chance.choice([b'"step_mm"', b"1200", b'"kind"', b'"time_ms"']), b"NaN", 1)
 
 
+def _fields(line: bytes) -> dict[str, Any]:
+    """What the line says; nothing where it was spoilt before."""
+    try:
+        return dict(json.loads(line))
+    except (ValueError, TypeError):
+        return {}
+
+
 def ahead(lines: list[bytes], at: int, chance: random.Random) -> None:
     """Or with a time up to two minutes ahead, if it is no marker's."""
-    fields = json.loads(lines[at]) if lines[at].startswith(b"{") and lines[at].endswith(b"}") else {}
+    fields = _fields(lines[at])
     if type(fields.get("time_ms")) is int and fields.get("kind") in ("distance", "cycle"):
         lines[at] = json.dumps({**fields, "time_ms": fields["time_ms"] + chance.randrange(1_100, 120_000)}).encode()
 
@@ -117,6 +125,12 @@ def said(way: str) -> list[bytes]:
     return [json.dumps(one).encode() for one in counted]
 
 
+def _number(text: bytes) -> int:
+    """The digits that a killing begins with: it may have been cut, or joined with lines that are lost with it."""
+    digits = len(text) - len(text.lstrip(b"0123456789"))
+    return int(text[:digits] or b"0")
+
+
 class Run:
     """A fleet that is told lines, killed and left; its reports have to hold the truth."""
 
@@ -136,7 +150,7 @@ class Run:
             self.origin += 1
             return []
         if line.text.startswith(KILLED):
-            self._go_on(int(line.text[len(KILLED) :]))
+            self._go_on(_number(line.text[len(KILLED) :]))
             return []
         told = self.fleet.heed(str(self.origin), line, whole=False)
         self.snapshots.append(json.dumps(self.fleet.freeze()()))
