@@ -15,9 +15,8 @@ from safeloc.language.expr import (
     NumVar,
     Optional,
     Var,
-    all_of,
+    abs_,
     as_num,
-    between,
     ite,
     maximum,
     minimum,
@@ -70,12 +69,10 @@ class Measuring:
     @property
     def can_be_run(self) -> Bool:
         """A distance was delivered, and a vehicle can have run it: by its speed, and since the last such distance."""
-        step, change, most = self.step.value, self.physics.change_mm, self.physics.farthest_mm
-        since = with_unit((self.silent + 1) * change, MM)
-        unheard = self.silent > self.physics.gap_limit_cycles
-        return all_of(
-            [self.step.present, between(-most, step, most), unheard | between(-since, step - self.heard, since)]
-        )
+        step, change = self.step.value, with_unit((self.silent + 1) * self.physics.change_mm, MM)
+        too_far = abs_(step) > self.physics.farthest_mm
+        changed_too_fast = (self.silent <= self.physics.gap_limit_cycles) & (abs_(step - self.heard) > change)
+        return self.step.present & ~too_far & ~changed_too_fast
 
     def first(self) -> dict[Var, Initial]:
         """Ghosts with initial values: nothing was delivered yet."""
