@@ -198,7 +198,7 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
     of_map = [seen.of_map, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
     onwards = ite(own.upwards, own.base < own.far, own.far < own.base)
-    told = [own.long.iff(seen.long), seen.ahead_by.eq(seen.count - own.count), onwards]
+    told = [own.long.iff(seen.long), onwards]
     return {
         "a section can be uncounted": (inside & (counting | located)).implies(
             abs_(_uncounted(own)) <= own.config.section_limit
@@ -210,6 +210,7 @@ def _lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bo
         "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),
         "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.base, NM))),
         "the section entered is the map's": (located & inside).implies(all_of([*of_map, *told])),
+        "its number is kept": (located & inside).implies(seen.ahead_by.eq(seen.count - own.count)),
     }
 
 

@@ -84,11 +84,12 @@ def test_a_verified_journey() -> None:
 
 def test_the_code_locates_and_a_late_record_trusts() -> None:
     """Without a counter's reference both ends find themselves by the code; the record was missing, then it comes."""
-    journey = Journey(cycles=295, record=290, referred=False, area_mm=(0, 8_000_000), cuts_mm=((3_000_000, 4_000_000),))
+    slow, line, cut = ((0, 30_000),), (0, 8_000_000), (3_000_000, 4_000_000)
+    journey = Journey(cycles=385, record=380, speeds_mm_s=slow, referred=False, area_mm=line, cuts_mm=(cut,))
     trace = travelled(journey)
-    assert [mode(trace, "entry", cycle) for cycle in (240, 241, 289, 290)] == ["AWAITED", "MISSING", "MISSING", "TOLD"]
+    assert [mode(trace, "entry", cycle) for cycle in (240, 241, 379, 380)] == ["AWAITED", "MISSING", "MISSING", "TOLD"]
     assert labels(trace, "verification.reason")[241] == "REFERENCE_LOST"
-    assert [mode(trace, "verification", cycle) for cycle in (240, 241, 294)] == ["NO_REFERENCE", "UNTRUSTED", "TRUSTED"]
+    assert [mode(trace, "verification", cycle) for cycle in (240, 241, 384)] == ["NO_REFERENCE", "UNTRUSTED", "TRUSTED"]
 
 
 @pytest.mark.parametrize(
