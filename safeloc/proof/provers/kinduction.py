@@ -35,7 +35,7 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
         name = f"{goal.original.name} {goal.prop.name} of every state"
         implied = Query(name, given_facts(goal, known), {"good": goal.good}, head)
         if not unproved(implied, ends.left, limits.seed):
-            return _proved(goal, known, 1, (implied,), limits.seconds)
+            return _proved(goal, known, 1, (implied,), limits.recheck_seconds)
     starts: list[Query[str]] = []
     for k in range(1, limits.induction + 1):
         start, later = queries(goal, known, k)
@@ -45,7 +45,7 @@ def kinduction(goal: Goal, limits: Limits) -> Verdict:
             return Unknown(f"k = {k}, start: {next(iter(failed.values()))}", k - 2)
         failed = unproved(later, ends.left, limits.seed)
         if not failed:
-            return _proved(goal, known, k, (*starts, later), limits.seconds)
+            return _proved(goal, known, k, (*starts, later), limits.recheck_seconds)
         undecided = [str(why) for why in failed.values() if isinstance(why, Undecided)]
         if undecided:
             return Unknown(f"k = {k}: {undecided[0]}", k - 1)

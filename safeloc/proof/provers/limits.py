@@ -20,6 +20,7 @@ CLOCK = 6.0
 class Limits:
     """Bounds on one property: steps for bounded search, k for induction, seconds of effort, and the solver's seed.
 
+    confirming  seconds for the re-check of a proof, where an engine that finds one has only a share of the time; None: as many
     InputError for a negative depth, a k below 1, and a time that is no positive finite number.
     """
 
@@ -27,6 +28,12 @@ class Limits:
     induction: int = 3
     seconds: float = 30.0
     seed: int = 0
+    confirming: float | None = None
+
+    @property
+    def recheck_seconds(self) -> float:
+        """Return seconds of effort for the re-check of a proof."""
+        return self.seconds if self.confirming is None else self.confirming
 
     def __post_init__(self) -> None:
         if self.depth < 0 or self.induction < 1:

@@ -49,7 +49,7 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
         return _reach(goal, limits)
     ends, said, depth = deadline(limits.seconds), list[str](), -1
     for name, engine, share in _ENGINES:
-        verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share)))
+        verdict = engine(goal, replace(limits, seconds=max(0.001, ends.left * share), confirming=limits.seconds))
         if isinstance(verdict, Proved):
             return further_assumption_lasts(goal, verdict, limits)
         if not isinstance(verdict, Unknown):
