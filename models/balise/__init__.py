@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from safeloc.language.expr import (
     FALSE,
@@ -25,28 +26,26 @@ from safeloc.language.expr import (
     Bool,
     Expr,
     Lit,
-    Num,
     NumVar,
     Var,
-    abs_,
     all_of,
     between,
     ceil_to,
-    exact_to,
     floor_to,
     ite,
 )
-from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
-from safeloc.language.units import MM, NM, PPM
-from safeloc.language.world import Law, World
+from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.units import MM
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.judgement import Judged
 from safeloc.models.balise.reckoning import as_reckoned
-from safeloc.models.balise.telegram import LINKED
 from safeloc.models.balise.variables import BaliseConfig, Parts, parts
+from safeloc.models.balise.world import ODOMETER, is_doubted, world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
+
+__all__ = ["ODOMETER", "Balise", "build", "machine"]
 
 
 def machine(config: BaliseConfig | None = None) -> Machine:
@@ -70,7 +69,6 @@ def build(own: Parts) -> Balise:
     current = current_mode(mode)
     located = current.eq(mode[-1])
     judged = Judged(own, located, current.eq(mode[1]) if waits else FALSE)
-    ghosts, moves, choices = _world(own)
     made = Machine(
         name="balise",
         modes=mode,
@@ -78,24 +76,14 @@ def build(own: Parts) -> Balise:
         state=own.state(),
         outputs=_outputs(own, located),
         transitions=[*_located(own, judged, mode), *_unlocated(own, judged, mode)],
-        world=World(
-            ghosts=ghosts,
-            choices=choices,
-            moves=moves,
-            clauses=_clauses(own, judged),
-            reads_machine="its clauses still assume what passes the machine's own checks",
-        ),
+        world=world(own),
         lemmas=_lemmas(own, current, mode),
         definitions=_definitions(judged),
         mode_variable=current,
         doc=(
-            "Position of the front end from balise groups and an odometer between them. Assumed: admitted distances obey "
-            "the odometer's error law; no cycle runs farther than the highest speed allows; a group that the map "
-            "announces, read whole, undamaged, recent, in the announced orientation and inside its window, lies where "
-            "the map has it within its location accuracy and the antenna's detection accuracy, and since it was read "
-            "the vehicle has run no farther than its highest speed, or the latched counter, allows. The same is assumed "
-            "of a group that confirms a candidate. Nothing is assumed of any other telegram: corrupted, incomplete, "
-            "foreign, displaced or passed the wrong way."
+            "Position of the front end from balise groups and an odometer between them. What is assumed of odometer, antenna and "
+            "map stands in the laws of its world. Nothing is assumed of a telegram that is corrupted or incomplete, or of a group "
+            "passed the wrong way; a group that is not where the map has it is far off."
         ),
     )
     return Balise(made, own, judged)
@@ -224,106 +212,7 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
     }
 
 
-# ------------------------------------------------------------------ the environment, and what helps to prove
-
-
-def _world(own: Parts) -> tuple[dict[Var, Initial], dict[Var, Expr], list[Var]]:
-    world = own.world
-    moves: dict[Var, Expr] = {world.truth: world.truth + world.true_step, world.wander: _wander_after(own)}
-    choices: list[Var] = [
-        world.true_step, world.next_wander, world.place_error, world.true_since, world.reading_wander
-    ]  # fmt: skip
-    return {world.truth: ANY, world.wander: ANY}, moves, choices
-
-
-def _wander_after(own: Parts) -> Num:
-    """Of a distance that comes judged it may move in every cycle: whatever it does is charged."""
-    told = TRUE if own.config.told_distance else own.odometer.admitted
-    return ite(told, own.world.next_wander, own.world.wander)
-
-
-ODOMETER = "the odometer keeps its law"
-"""The clause that an earlier machine can be made to keep, if it judges the distance."""
-
-
-def _odometer_law(own: Parts) -> Bool:
-    """What a cycle is charged covers what its distance misses."""
-    world, odometer = own.world, own.odometer
-    error = world.true_step - exact_to(odometer.distance, NM) - (_wander_after(own) - world.wander)
-    return between(-odometer.growth, error, odometer.growth)
-
-
-def _clauses(own: Parts, cycle: Judged) -> dict[str, Law]:
-    """The truth of telegrams that can be believed, the odometer, and the vehicle staying on the line."""
-    world = own.world
-    after = world.truth + world.true_step
-    return {
-        "a telegram that can be believed was read where the map says": Law(
-            believable(cycle).implies(_read_truly(own, cycle, after)),
-            "A group that agrees with map, linking and orientation was read where the map has it, within the accuracies of map and "
-            "antenna; since then the vehicle ran no farther than it is charged.",
-            source="[S] openETCS: location accuracy of linking and 1 m; [M] the 1 m is the detection accuracy of SUBSET-036",
-            owner="infrastructure",
-            check="every rejected group is counted and reported with its reason",
-        ),
-        "the vehicle stays on the line": Law(
-            between(world.truth.low, after, world.truth.high),
-            "The vehicle does not leave the coordinates of the line.",
-            ("position_limit_mm",),
-            "[D] 1 000 km of line",
-            "operator",
-            "route setting",
-        ),
-        ODOMETER: Law(
-            _odometer_law(own),
-            "What the odometer measures in an admitted cycle is wrong by no more than its rate and floor allow.",
-            source="[S] SUBSET-041: 5 m + 5 % of every measured distance",
-            owner="supplier",
-            check="type test; in operation the run between two groups against the map",
-        ),
-    }
-
-
-def believable(cycle: Judged) -> Bool:
-    """The telegrams of which something is assumed, in terms of what was read; no matter what the machine makes of them."""
-    read = cycle.own.read
-    whole = cycle.credible & read.complete & ~read.against(cycle.orientation)
-    placed = read.place.present & (read.link.value.eq(LINKED) | read.total.value.ne(1))
-    linked = cycle.announced & cycle.inside & cycle.matches
-    confirming = cycle.candidate & placed & read.group.value.ne(cycle.own.memory.group)
-    agreeing = cycle.agrees & (linked | confirming | (cycle.free & placed))
-    if not cycle.own.config.trust_first_group:
-        return whole & agreeing
-    first = ~cycle.located & ~cycle.candidate & placed
-    return whole & (agreeing | first)
-
-
-def _read_truly(own: Parts, cycle: Judged, after: Num) -> Bool:
-    """The front end is where the group's place, the antenna, the errors and the run since the reading put it."""
-    world, read, reader = own.world, own.read, own.config.reader
-    front = exact_to(cycle.place + reader.antenna_mm, NM) + world.place_error + world.true_since
-    spread = exact_to(cycle.accuracy + reader.detection_mm, NM)
-    return all_of(
-        [
-            after.eq(front),
-            between(-spread, world.place_error, spread),
-            ite(read.since.present, _since_by_counter(own), _since_by_age(own)),
-        ]
-    )
-
-
-def _since_by_counter(own: Parts) -> Bool:
-    """What the latched counter says, with the odometer's law."""
-    world, since = own.world, own.read.since.value
-    error = world.true_since - exact_to(since, NM) - (_wander_after(own) - world.reading_wander)
-    most = abs_(since) * Lit(own.config.odometer.rate_ppm, PPM)
-    return between(-most, error, most)
-
-
-def _since_by_age(own: Parts) -> Bool:
-    """No farther than the age at the highest speed, in the direction that the cycle was measured in."""
-    back, forth = own.config.reader.run_since(own.read, own.odometer.distance, own.odometer.admitted)
-    return between(-back, own.world.true_since, forth)
+# ------------------------------------------------------------------ what helps to prove
 
 
 def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Bool]:
@@ -334,8 +223,31 @@ def _lemmas(own: Parts, current: NumVar, mode: tuple[Lit, ...]) -> dict[str, Boo
     inside = between(half - interval.below, off, interval.above - half)
     usable = interval.usable(own.config.tolerance_mm, own.config.position_limit_mm)
     return {
+        **_alike(own),
         "the interval holds the truth": current.eq(located).implies(inside),
+        "a candidate holds the truth, or it is the false one": current.eq(lost)
+        | inside
+        | is_doubted(own, own.memory.group),
         "an interval is usable wherever there is one": current.ne(lost).implies(usable),
         "the margin is at most what the audit reckons": as_reckoned(own),
         "nothing is announced while nothing is reported": current.ne(located).implies(own.linking.slots[0].group.eq(0)),
+        "no group is held behind an empty place": all_of(
+            farther.group.eq(0) | nearer.group.ne(0) for nearer, farther in pairwise(own.linking.slots)
+        ),
     }
+
+
+def _alike(own: Parts) -> dict[str, Bool]:
+    """What the machine keeps of inputs is what the world knows of them."""
+    seen, told, odometer = own.world, own.national, own.odometer
+    found = {
+        "the national accuracy is the one received": seen.national.eq(
+            ite(told.known, told.kept, own.config.default_accuracy_mm)
+        ),
+        "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
+        & own.heading.rolled.eq(seen.rolled),
+    }
+    if not own.config.told_distance:
+        gated = odometer.gap.eq(seen.silent) & odometer.last.eq(seen.heard)
+        found["the odometer is gated as the world would"] = gated
+    return found

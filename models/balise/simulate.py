@@ -26,7 +26,8 @@ from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.sensors import Distances, Law, measure
 
-DISPLACED_MM = 100_000
+DISPLACED_MM = 40_000
+"""How far beyond both margins and twice its accuracy a displaced group lies."""
 Steps = list[dict[str, Cell]]
 KINDS = Kinds(
     "a balise group",
@@ -35,7 +36,7 @@ KINDS = Kinds(
         "other identity",
     ),
 )  # fmt: skip
-"""By identity of the group, for good. `early` and `late` displace the group by `DISPLACED_MM`."""
+"""By identity of the group, for good. `early` and `late` displace the group farther than any interval reaches."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,12 @@ class RouteSet:
 
 @dataclass(frozen=True)
 class Passage:
-    """The antenna over one group: when balise 1 was passed (ms since the start), and where the front end was (nm)."""
+    """The antenna over one group: when balise 1 was passed (ms since the start), where the front end was, and balise 1 (nm)."""
 
     group: Group
     time_ms: float
     front_nm: int
+    spot_nm: int
     fault: str = ""
 
 
@@ -143,14 +145,16 @@ def _spots(
 ) -> list[Passage]:
     """Where the front end really is when each group is read: off by up to nine tenths of all accuracies."""
     kinds = {fault.where: fault.kind for fault in faults}
-    shifts = {"early": -DISPLACED_MM, "late": DISPLACED_MM}
+    signs = {"early": -1, "late": 1}
     spots = []
     for group in groups:
         fault = kinds.get(group.identity, "")
         accuracy = national_mm if group.accuracy_mm is None else min(national_mm, group.accuracy_mm)
-        error = rng.uniform(-0.9, 0.9) * accuracy + rng.uniform(-0.9, 0.9) * config.detection_mm
-        place = group.place_mm + config.antenna_mm + shifts.get(fault, 0)
-        spots.append(Passage(group, 0.0, int((place + error) * NM_PER_MM), fault))
+        error, detection = rng.uniform(-0.9, 0.9) * accuracy, rng.uniform(-0.9, 0.9) * config.detection_mm
+        shift = signs.get(fault, 0) * (2 * config.tolerance_mm + DISPLACED_MM + 2 * max(national_mm, group.accuracy_mm or 0))
+        spot = int((group.place_mm + shift + error) * NM_PER_MM)
+        front = spot + int((config.antenna_mm + detection) * NM_PER_MM)
+        spots.append(Passage(group, 0.0, front, spot, fault))
     return spots
 
 
@@ -242,7 +246,6 @@ class _Run:
 
     def _telegram(self, number: int) -> tuple[dict[str, Cell], dict[str, Cell]]:
         """The oldest telegram that has not been handed over, one a cycle, and what is true of it."""
-        quiet: dict[str, Cell] = {"place_error_nm": 0, "true_since_nm": 0, "reading_wander_nm": 0}
         while self._waiting:
             passage = self._waiting.pop(0)
             if passage.fault == "missed":
@@ -250,8 +253,9 @@ class _Run:
             if passage.fault == "duplicate":
                 self._waiting.append(replace(passage, fault=""))
             read, true = self._read(passage, number)
-            displaced = passage.fault in ("early", "late")
-            return _with_fault(read, passage.fault), quiet if displaced else true
+            return _with_fault(read, passage.fault), true
+        here = int(self._motion.position_nm[number]) - self._config.antenna_mm * NM_PER_MM
+        quiet: dict[str, Cell] = {"read_place_nm": here, "true_since_nm": 0, "reading_wander_nm": 0}
         if self._rng.random() < self._foreign:
             return self._cross_talk(number), quiet
         return {}, quiet
@@ -267,9 +271,8 @@ class _Run:
         front = int(self._motion.position_nm[number])
         run = front - passage.front_nm
         age = int(np.ceil((number + 1) * self._config.period_ms - passage.time_ms))
-        nominal = (passage.group.place_mm + self._config.antenna_mm) * NM_PER_MM
         ghosts: dict[str, Cell] = {
-            "place_error_nm": passage.front_nm - nominal, "true_since_nm": run, "reading_wander_nm": 0
+            "read_place_nm": passage.spot_nm, "true_since_nm": run, "reading_wander_nm": 0
         }  # fmt: skip
         read = telegram(passage.group, age_ms=age, place=passage.group.identity in self._placed)
         half = self._config.odometer.wander_nm

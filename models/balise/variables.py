@@ -220,8 +220,12 @@ class World:
     """The environment: where the front end really is, and what the errors really are; nm.
 
     truth, true_step        the front end, and how far it runs in the cycle
-    wander, next_wander     the one-off part of the odometer's error, before the cycle and after it
-    place_error             how far from the announced place the group is found: location and detection accuracy
+    wander, next_wander     the one-off part of the odometer's error, before the cycle and, freely chosen, after it
+    heard, silent           the last distance that the odometer delivered and that can have been run, mm, and the cycles since
+    backwards, rolled       which way the vehicle runs as measured, and how far it has run against that without a break, mm
+    national                the national location accuracy, as last received, mm
+    doubted                 the identity of the last group that was not where it was to be, while no other one served; 0: none
+    spot                    where balise 1 of the group that is read really lies
     true_since              how far the vehicle has really run since the reading
     reading_wander          the one-off part of the odometer's error at the reading
     """
@@ -230,7 +234,13 @@ class World:
     true_step: NumVar
     wander: NumVar
     next_wander: NumVar
-    place_error: NumVar
+    heard: NumVar
+    silent: NumVar
+    backwards: BoolVar
+    rolled: NumVar
+    national: NumVar
+    doubted: NumVar
+    spot: NumVar
     true_since: NumVar
     reading_wander: NumVar
 
@@ -333,14 +343,20 @@ def _ahead(name: str, config: BaliseConfig) -> Ahead:
 def _world(config: BaliseConfig) -> World:
     limits, half = config.limits, config.odometer.wander_nm
     line = (config.position_limit_mm + 2 * config.tolerance_mm) * NM_PER_MM
-    spread = (LARGEST_ACCURACY_MM + config.detection_mm) * NM_PER_MM
     since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
+    apart = line + since + (config.antenna_mm + config.detection_mm) * NM_PER_MM
     return World(
         number("truth_nm", NM, -line, line),
         number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
         number("odometer_wander_nm", NM, -half, half),
         number("odometer_next_wander_nm", NM, -half, half),
-        number("place_error_nm", NM, -spread, spread),
+        number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm),
+        number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1),
+        boolean("truly_backwards"),
+        number("truly_rolled_mm", MM, 0, config.reversal_mm),
+        number("national_accuracy_told_mm", MM, 0, LARGEST_ACCURACY_MM),
+        number("doubted_group", COUNT, 0, config.last_group_identity),
+        number("read_place_nm", NM, -apart, apart),
         number("true_since_nm", NM, -since, since),
         number("reading_wander_nm", NM, -half, half),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from safeloc.language.expr import (
@@ -342,7 +343,8 @@ def _sensors(model: Balise) -> Iterator[Property]:
     )
     limits, gap = own.config.limits, earlier_num(odometer.gap)
     change = odometer.step.value - earlier_num(odometer.last)
-    allowed = with_unit((gap + 1) * limits.max_step_change_mm, MM)
+    most = _change_mm(own.config)
+    allowed = with_unit(gap * most, MM) + most
     possible = between(-limits.max_step_mm, odometer.step.value, limits.max_step_mm)
     gate = possible & ((gap > limits.gap_limit) | between(-allowed, change, allowed))
     yield always(
@@ -353,3 +355,9 @@ def _sensors(model: Balise) -> Iterator[Property]:
         requirements=("RFL-D4",),
         unconditional=True,
     )
+
+
+def _change_mm(config: v.BaliseConfig) -> int:
+    """The most by which distances of successive cycles differ, in whole mm: acceleration, and a measuring step at either end."""
+    millionths = config.max_acceleration_mm_s2 * config.period_ms * config.period_ms
+    return math.ceil(millionths / 1_000_000) + config.measuring_step_mm * 2

@@ -4,18 +4,55 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, Num, all_of, ite, minimum
+from safeloc.language.expr import Bool, Num, all_of, any_of, ite, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.models.balise import Balise
 from safeloc.models.balise import variables as v
-from safeloc.models.balise.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW
+from safeloc.models.balise.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW, Record
 from safeloc.properties.balise.step import Step
 
 
 def linking_properties(model: Balise) -> Iterator[Property]:
     """Every property of linking."""
+    yield from _kept(model)
     yield from _windows(model)
     yield from _reactions(model)
+
+
+def _kept(model: Balise) -> Iterator[Property]:
+    """What the map announced is kept as it was announced: the world's law of the map leans on that."""
+    slots = model.own.linking.slots
+    for number, slot in enumerate(slots, 1):
+        was = [_as_it_was(slot, before) for before in slots[number - 1 :]]
+        yield always(
+            f"announced group {number} is kept as announced",
+            slot.group.eq(0) | any_of([_as_announced(model, slot), *was]),
+            statement="a group that is held is one that was held before, as it was and no nearer than it was, or the one "
+            "announced in this very step: its place, accuracy, orientation and linking reaction",
+            requirements=("RFL-D4",),
+            unconditional=True,
+        )
+
+
+def _as_it_was(slot: Record, before: Record) -> Bool:
+    pairs = zip(_figures(slot), _figures(before), strict=True)
+    accurate = slot.accurate.iff(earlier_bool(before.accurate))
+    return all_of([accurate, *(now.eq(earlier_num(then)) for now, then in pairs)])
+
+
+def _as_announced(model: Balise, slot: Record) -> Bool:
+    offered = model.own.linking.offered
+    told = (offered.group, offered.place, offered.reaction, offered.orientation)
+    kept = (slot.group, slot.place, slot.reaction, slot.orientation)
+    accuracy = ite(
+        slot.accurate, offered.accuracy.present & slot.accuracy.eq(offered.accuracy.value), ~offered.accuracy.present
+    )
+    same = [one.present & now.eq(one.value) for one, now in zip(told, kept, strict=True)]
+    return all_of([offered.order.present, offered.order.value.ne(WITHDRAW), accuracy, *same])
+
+
+def _figures(slot: Record) -> tuple[Num, ...]:
+    return (slot.group, slot.place, slot.accuracy, slot.reaction, slot.orientation)
 
 
 def _windows(model: Balise) -> Iterator[Property]:

@@ -20,8 +20,8 @@ from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.measured import ADMITTED
 
 LAW = (
-    "admitted distances obey the odometer's law; an announced group that is read whole, undamaged, recent, in the announced "
-    "orientation and inside its window lies where the map has it within its accuracies; top speed"
+    "distances that can be run obey the odometer's law; the antenna stood over a group that is read whole and undamaged, as long "
+    "ago as counter or age say; the map has it within its accuracy, or it is far off, and that rarely"
 )
 
 

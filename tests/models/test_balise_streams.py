@@ -17,12 +17,13 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.verdict import Held
 from safeloc.models import balise
+from safeloc.models.balise.recordings import FOLDER, RUNS, recorded
 from safeloc.models.balise.simulate import RouteSet, line, simulate
 from safeloc.models.balise.variables import BaliseConfig, parts
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.properties.balise import properties
 from safeloc.runtime.streams.gzipped import name_of
-from safeloc.runtime.streams.steps import Cell
+from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
@@ -112,7 +113,7 @@ def test_simulation_refuses_faults_of_unknown_groups() -> None:
         simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[Fault("missed", 9)])
 
 
-@pytest.mark.parametrize("name", ["balise-service", "balise-faulty-groups", "balise-two-missed"])
+@pytest.mark.parametrize("name", [f"balise-{run}" for run in RUNS])
 def test_shipped_streams_hold(name: str) -> None:
     """Every property, and the truth beside it, holds on the shipped streams."""
     target = load_target("balise")
@@ -120,6 +121,12 @@ def test_shipped_streams_hold(name: str) -> None:
     _, findings = replay_stream(target, Path(path))
     assert len(findings) == len([prop for prop in target.properties if prop.kind != "reachable"]) + 1
     assert [finding.id for finding in findings if not isinstance(finding.result, Held)] == []
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_shipped_recordings_come_out_the_same(name: str) -> None:
+    """The recording is what its run gives."""
+    assert recorded(RUNS[name]) == list(read_steps(FOLDER / f"balise-{name}.jsonl.gz").steps)
 
 
 def test_compiled_machine_follows_the_interpreter() -> None:

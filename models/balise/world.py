@@ -1,0 +1,377 @@
+"""The world of the balise machine: where the front end really is, over which group its antenna stood, and what the map has of it.
+
+    the odometer  delivers a distance that keeps its error law, or one that no vehicle can have run, or nothing
+    the antenna   stood over the group whose telegram is read, within its detection accuracy, and time and counter say how
+                  long ago
+    the map       has a group within its location accuracy of where it lies, or so far off that no interval reaches there:
+                  cross-talk, and groups that were moved
+    false groups  of those that come with a place of their own, two do not follow each other
+
+Nothing is said of a telegram whose check bits are wrong, of a group that was not read whole, and of one that was passed in the
+other orientation than the map has it. What the map announced is read where the machine keeps it; that it is kept as announced
+is a claim.
+"""
+
+from __future__ import annotations
+
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Num,
+    Var,
+    all_of,
+    any_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
+from safeloc.language.machine import ANY, Initial
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.language.world import Law, World
+from safeloc.models.balise.telegram import LINKED, NOMINAL, PASSED, REVERSE, UNKNOWN
+from safeloc.models.balise.variables import BaliseConfig, Parts
+from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+
+ODOMETER = "the odometer keeps its law"
+"""The clause that an earlier machine can be made to keep, if it judges the distance."""
+KEPT = "the groups that the map announced are read where the machine keeps them; a claim shows that it keeps them as announced"
+
+
+def world(own: Parts) -> World:
+    """The true position, the odometer's error, and what is true of the group that is read."""
+    seen = own.world
+    first: dict[Var, Initial] = {
+        seen.truth: ANY, seen.wander: ANY, seen.national: own.config.default_accuracy_mm, seen.doubted: 0,
+        seen.backwards: False, seen.rolled: 0,
+    }  # fmt: skip
+    moves: dict[Var, Expr] = {
+        seen.truth: after(own),
+        seen.wander: wander_after(own),
+        seen.national: national(own),
+        seen.doubted: _doubted(own),
+        **_rolling(own),
+    }
+    if not own.config.told_distance:
+        first |= measuring(own).first()
+        moves |= measuring(own).moves()
+    choices: list[Var] = [seen.true_step, seen.next_wander, seen.spot, seen.true_since, seen.reading_wander]
+    return World(first, choices, moves, _laws(own), KEPT)
+
+
+def _laws(own: Parts) -> dict[str, Bool | Law]:
+    return {
+        ODOMETER: _odometer_law(own),
+        "the vehicle stays on the line": _line_law(own),
+        "the antenna stood over the group that is read": _antenna_law(own),
+        "the counter tells the run since the reading": _counter_law(own),
+        "the age tells the run since the reading": _age_law(own),
+        "the map has an announced group, or is far off": _announced_law(own),
+        "a group's own place is right, or far off": _own_place_law(own),
+        "groups that are far off do not follow each other": _rare_law(own),
+    }
+
+
+def after(own: Parts) -> Num:
+    """Where the front end is at the end of the cycle, nm."""
+    return own.world.truth + own.world.true_step
+
+
+# ------------------------------------------------------------------ the vehicle and its odometer
+
+
+def physics(config: BaliseConfig) -> Physics:
+    """What the vehicle can run, and how finely it is measured."""
+    return Physics(
+        config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
+        config.gap_limit_cycles, config.gap_limit_cycles + 1,
+    )  # fmt: skip
+
+
+def measuring(own: Parts) -> Measuring:
+    """The odometer as the world has it, where it is heard itself."""
+    return Measuring(own.odometer.law, own.odometer.step, own.world.heard, own.world.silent, physics(own.config))
+
+
+def can_be_run(own: Parts) -> Bool:
+    """A distance was delivered, and a vehicle can have run it; of one that comes judged, only its size is asked."""
+    if not own.config.told_distance:
+        return measuring(own).can_be_run
+    most = physics(own.config).farthest_mm
+    return own.odometer.step.present & between(-most, own.odometer.step.value, most)
+
+
+def wander_after(own: Parts) -> Num:
+    """Of a distance that comes judged it may move in every cycle: whatever it does is told."""
+    counts = TRUE if own.config.told_distance else can_be_run(own)
+    return ite(counts, own.world.next_wander, own.world.wander)
+
+
+def _told_more(own: Parts) -> Num:
+    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
+
+
+def _odometer_law(own: Parts) -> Law:
+    seen, counts, config = own.world, can_be_run(own), own.config
+    counted = ite(counts, exact_to(own.odometer.step.value, NM), as_num(0, NM))
+    error = seen.true_step - counted - (wander_after(own) - seen.wander)
+    blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
+    most = ite(counts, _lawful_thousandths(own), blind) + _told_more(own) * THOUSAND
+    return Law(
+        (error * THOUSAND <= most) & (-error * THOUSAND <= most),
+        "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, by the change of a one-off "
+        "part within half its constant, and by what a checking unit tells beyond that; or it is a distance that no vehicle can "
+        "have run. The rate is that of the MEASURED distance. The vehicle runs no faster than its highest speed.",
+        ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s", "max_acceleration_mm_s2"),
+        "[S] SUBSET-041: 5 m + 5 % of every measured distance",
+        "supplier",
+        "type test; in operation the run between two groups against the map",
+    )
+
+
+def _lawful_thousandths(own: Parts) -> Num:
+    """Rate and floor of a cycle, thousandths of a nm: the rate counts what lies above the knee."""
+    law, period = own.config.odometer, own.config.period_ms
+    measured, knee = own.odometer.step.value * THOUSAND, law.knee_mm_s * period
+    above = maximum(maximum(measured - knee, -measured - knee), 0)
+    return with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period * THOUSAND**2
+
+
+def _line_law(own: Parts) -> Law:
+    truth = own.world.truth
+    return Law(
+        between(truth.low, after(own), truth.high),
+        "The coordinates of the map do not end before the vehicle does.",
+        ("position_limit_mm", "tolerance_mm"),
+        "[D] 1 000 km of line",
+        "infrastructure",
+        "when the map is made",
+    )
+
+
+def _rolling(own: Parts) -> dict[Var, Expr]:
+    """The vehicle has turned once it ran farther than D_NVROLL against its direction without a break, as measured."""
+    seen = own.world
+    ran = ite(can_be_run(own), own.odometer.step.value, as_num(0, MM))
+    against = maximum(seen.rolled + ite(seen.backwards, ran, 0 - ran), 0)
+    turns = own.config.reversal_mm < against
+    return {seen.rolled: ite(turns, as_num(0, MM), against), seen.backwards: _other(seen.backwards, turns)}
+
+
+def _other(was: Bool, turns: Bool) -> Bool:
+    return (was & ~turns) | (turns & ~was)
+
+
+def _runs_back(own: Parts) -> Bool:
+    """The vehicle runs backwards at the end of the cycle."""
+    term = _rolling(own)[own.world.backwards]
+    assert isinstance(term, Bool)
+    return term
+
+
+# ------------------------------------------------------------------ the antenna
+
+
+def read_rightly(own: Parts) -> Bool:
+    """A whole group was read with right check bits."""
+    read = own.read
+    parts = (read.check, read.group, read.link, read.read, read.total, read.last, read.first, read.age)
+    return all_of([*(one.present for one in parts), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
+
+
+def _against(own: Parts, mapped: Num) -> Bool:
+    """It was passed in the other orientation than the map has it."""
+    first, last = own.read.first.value, own.read.last.value
+    return ((last > first) & mapped.eq(REVERSE)) | ((first > last) & mapped.eq(NOMINAL))
+
+
+def _antenna_law(own: Parts) -> Law:
+    seen, config = own.world, own.config
+    off = after(own) - seen.true_since - config.antenna_mm * NM_PER_MM - seen.spot
+    most = config.detection_mm * NM_PER_MM
+    return Law(
+        read_rightly(own).implies(between(-most, off, most)),
+        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
+        "accuracy; the antenna is so far behind the front end as configured.",
+        ("antenna_mm", "detection_mm"),
+        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
+        "supplier",
+        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
+    )
+
+
+def _counter_law(own: Parts) -> Law:
+    seen, since = own.world, own.read.since
+    error = seen.true_since - exact_to(since.value, NM) - (wander_after(own) - seen.reading_wander)
+    return Law(
+        (read_rightly(own) & since.present).implies(between(-_counted_wrong(own), error, _counted_wrong(own))),
+        "What the latched counter tells as run since the reading is wrong by no more than the odometer's rate, and by the change "
+        "of its one-off part since then.",
+        ("rate_ppm", "constant_mm"),
+        "[D] the same wheel counts",
+        "supplier",
+        "type test; the run between two groups against the map",
+    )
+
+
+def _counted_wrong(own: Parts) -> Num:
+    since = own.read.since.value
+    return with_unit(maximum(since, 0 - since) * own.config.odometer.rate_ppm, NM)
+
+
+def _age_law(own: Parts) -> Law:
+    step, ran = own.odometer.step.value, own.world.true_since
+    farthest, least = _in_age(own), as_num(own.config.measuring_step_mm * NM_PER_MM, NM)
+    fresh = can_be_run(own) & (own.read.age.value < own.config.period_ms + 1)
+    back = least + ite(fresh & (step > -1), as_num(0, NM), farthest)
+    forth = least + ite(fresh & (step < 1), as_num(0, NM), farthest)
+    return Law(
+        (read_rightly(own) & ~own.read.since.present).implies(between(-back, ran, forth)),
+        "Since the reading the vehicle ran no farther than at its highest speed, and one measuring step; where that was in this "
+        "cycle, it ran in the direction that the cycle was measured in.",
+        ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
+        "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
+        "supplier",
+        "type test of reader and time stamp",
+    )
+
+
+def _in_age(own: Parts) -> Num:
+    """What the vehicle runs at its highest speed in the age of the reading; mm/s x ms x 1000 = nm."""
+    return with_unit(own.read.age.value * (own.config.max_speed_mm_s * THOUSAND), NM)
+
+
+# ------------------------------------------------------------------ the map
+
+
+def national(own: Parts) -> Num:
+    """The location accuracy in force where linking gives none, mm."""
+    received = own.national.received
+    return ite(~received.present, own.world.national, received.value)
+
+
+def _far_nm(own: Parts, accuracy: Num) -> Num:
+    """How far off a group lies, at least, that is not where the map has it: where no interval and no reading reach, nm."""
+    config = own.config
+    fixed = 2 * config.tolerance_mm + 2 * config.detection_mm + config.odometer.constant_mm
+    cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
+    timed = _in_age(own) + config.measuring_step_mm * NM_PER_MM
+    since = ite(own.read.since.present, _counted_wrong(own), timed)
+    return exact_to(accuracy + fixed, NM) + (since + _told_more(own) + cycle) * 2
+
+
+def _off(own: Parts, place: Num) -> Num:
+    """By how much the group lies beyond where the map has it, nm."""
+    return own.world.spot - exact_to(place, NM)
+
+
+def _near_or_far(own: Parts, place: Num, accuracy: Num) -> Bool:
+    off, near = _off(own, place), exact_to(accuracy, NM)
+    return between(-near, off, near) | _is_far(own, place, accuracy)
+
+
+def _is_far(own: Parts, place: Num, accuracy: Num) -> Bool:
+    off, far = _off(own, place), _far_nm(own, accuracy)
+    return (off > far) | (off < 0 - far)
+
+
+def _announced_law(own: Parts) -> Law:
+    kept = []
+    for slot in own.linking.slots:
+        accuracy = ite(~slot.accurate, national(own), slot.accuracy)
+        named = slot.group.ne(0) & own.read.group.value.eq(slot.group) & ~_against(own, slot.orientation)
+        kept.append((read_rightly(own) & named).implies(_near_or_far(own, slot.place, accuracy)))
+    return Law(
+        all_of(kept),
+        "A group that the map announced lies within its location accuracy of where the map has it: that of linking, else the "
+        "national one, else the default. Or what is read is not that group (cross-talk), or it was moved: then the antenna "
+        "stood farther away than both margins, all accuracies and all that is run since the reading together.",
+        ("default_accuracy_mm", "tolerance_mm", "detection_mm"),
+        "[M] Q_NVLOCACC 12 m; SUBSET-026 3.6.4.2.3; the distance of false groups [D] from the tolerance",
+        "infrastructure",
+        "survey; every group refused is reported with its reason",
+    )
+
+
+def _placed(own: Parts) -> Bool:
+    """A whole group was read that comes with a place of its own, passed as it is to be."""
+    orientation = own.read.orientation
+    mapped = ite(~orientation.present, UNKNOWN, orientation.value)
+    return all_of([read_rightly(own), own.read.place.present, ~_against(own, mapped)])
+
+
+def far_off(own: Parts) -> Bool:
+    """It is far from the place that it comes with."""
+    return _placed(own) & _is_far(own, own.read.place.value, national(own))
+
+
+def _own_place_law(own: Parts) -> Law:
+    return Law(
+        _placed(own).implies(_near_or_far(own, own.read.place.value, national(own))),
+        "A group lies within the national location accuracy of the place that comes with its telegram, or that the map has of "
+        "it; or so far off as a false announced one.",
+        ("default_accuracy_mm", "tolerance_mm", "detection_mm"),
+        "[M] Q_NVLOCACC 12 m; the distance of false groups [D] from the tolerance",
+        "infrastructure",
+        "survey; every group refused is reported with its reason",
+    )
+
+
+def _rare_law(own: Parts) -> Law:
+    false = far_off(own)
+    if own.config.trust_first_group:
+        term, statement = (
+            ~false,
+            "No group is far from the place it comes with: a first one is believed (trust_first_group).",
+        )
+    else:
+        term = (~own.world.doubted.eq(0)).implies(~false)
+        statement = (
+            "After a group that is far from the place it comes with, no other such one is read before a group of another "
+            "identity that is where it is to be, and that a vehicle without a position can take for its first."
+        )
+    return Law(
+        term, statement, ("trust_first_group",), "[D] cross-talk is rare; the candidate rule withstands one at a time",
+        "infrastructure", "every candidate that is not confirmed is reported",
+    )  # fmt: skip
+
+
+def _doubted(own: Parts) -> Num:
+    """The identity of the false group, until another one serves; 0: none."""
+    group, was = own.read.group.value, own.world.doubted
+    clears = _serves(own) & group.ne(was)
+    return ite(far_off(own), group, ite(clears, as_num(0, COUNT), was))
+
+
+def _serves(own: Parts) -> Bool:
+    """A vehicle without a position can take the group that was read for its first."""
+    read, config = own.read, own.config
+    several = any_of([read.link.value.eq(LINKED), read.total.value > 1])
+    numbered = all_of(
+        [
+            read.total.value >= maximum(read.first.value, read.last.value),
+            read.first.value.ne(read.last.value).iff(read.read.value > 1),
+        ]
+    )
+    recent = read.age.value < config.telegram_age_limit_ms + 1
+    return all_of([_placed(own), several, numbered, recent, ~_runs_back(own), _fine_enough(own)])
+
+
+def _fine_enough(own: Parts) -> Bool:
+    """What it says is no coarser than the tolerance, and on the line."""
+    config, read = own.config, own.read
+    since = ite(read.since.present, read.since.value, as_num(0, MM))
+    slack = ite(read.since.present, _counted_wrong(own), _in_age(own) + config.measuring_step_mm * NM_PER_MM)
+    known = exact_to(national(own) + (config.detection_mm + config.odometer.constant_mm + 1), NM)
+    front = read.place.value + since + config.antenna_mm
+    on_line = between(-config.position_limit_mm, front, config.position_limit_mm)
+    return (known + slack <= config.tolerance_mm * NM_PER_MM) & on_line
+
+
+def is_doubted(own: Parts, group: Num) -> Bool:
+    """The group is the one that was false."""
+    return FALSE if own.config.trust_first_group else own.world.doubted.ne(0) & own.world.doubted.eq(group)
