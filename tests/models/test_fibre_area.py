@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
@@ -25,6 +26,7 @@ from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry, entry
+from safeloc.models.fibre_area.recordings import FOLDER, LATE_RECORD, NAME, write
 from safeloc.models.fibre_area.simulate import REMARK, Journey, first_state, simulate_journey
 from safeloc.models.sections import SectionsConfig, section
 from safeloc.models.verification import Verification, VerificationConfig
@@ -84,12 +86,16 @@ def test_a_verified_journey() -> None:
 
 def test_the_code_locates_and_a_late_record_trusts() -> None:
     """Without a counter's reference both ends find themselves by the code; the record was missing, then it comes."""
-    slow, line, cut = ((0, 30_000),), (0, 8_000_000), (3_000_000, 4_000_000)
-    journey = Journey(cycles=385, record=380, speeds_mm_s=slow, referred=False, area_mm=line, cuts_mm=(cut,))
-    trace = travelled(journey)
+    trace = travelled(LATE_RECORD)
     assert [mode(trace, "entry", cycle) for cycle in (240, 241, 379, 380)] == ["AWAITED", "MISSING", "MISSING", "TOLD"]
     assert labels(trace, "verification.reason")[241] == "REFERENCE_LOST"
     assert [mode(trace, "verification", cycle) for cycle in (240, 241, 384)] == ["NO_REFERENCE", "UNTRUSTED", "TRUSTED"]
+
+
+def test_the_late_record_comes_out_the_same(tmp_path: Path) -> None:
+    """What ships is what the journey makes."""
+    write(tmp_path)
+    assert (tmp_path / NAME).read_bytes() == (FOLDER / NAME).read_bytes()
 
 
 @pytest.mark.parametrize(
