@@ -151,13 +151,16 @@ def _spots(
         fault = kinds.get(group.identity, "")
         accuracy = national_mm if group.accuracy_mm is None else min(national_mm, group.accuracy_mm)
         error, detection = rng.uniform(-0.9, 0.9) * accuracy, rng.uniform(-0.9, 0.9) * config.detection_mm
-        shift = signs.get(fault, 0) * (
-            2 * config.tolerance_mm + DISPLACED_MM + 2 * max(national_mm, group.accuracy_mm or 0)
-        )
+        shift = signs.get(fault, 0) * _displaced_mm(config, group, national_mm)
         spot = int((group.place_mm + shift + error) * NM_PER_MM)
         front = spot + int((config.antenna_mm + detection) * NM_PER_MM)
         spots.append(Passage(group, 0.0, front, spot, fault))
     return spots
+
+
+def _displaced_mm(config: BaliseConfig, group: Group, national_mm: int) -> int:
+    """How far off a displaced group lies."""
+    return 2 * (config.tolerance_mm + max(national_mm, group.accuracy_mm or 0)) + DISPLACED_MM
 
 
 def _passages(

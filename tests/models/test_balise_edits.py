@@ -98,3 +98,15 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(made(), claim)
+
+
+ON_THE_LINE = "the vehicle stays on the line"
+"""Only the range of the truth needs it."""
+
+
+@pytest.mark.parametrize("law", [name for name in made()[0].world.clauses if name != ON_THE_LINE])
+def test_every_law_is_needed(law: str) -> None:
+    """Without any one law of the world containment does not follow."""
+    machine, claims = made()
+    left = {name: one for name, one in machine.world.clauses.items() if name != law}
+    assert not keeps((replace(machine, world=replace(machine.world, clauses=left)), claims), "containment")
