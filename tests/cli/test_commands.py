@@ -35,8 +35,8 @@ def test_list_shared_terms(call: Call) -> None:
     data = json.loads(call("list", "shared", "--machine", DOOR, "--json").out)
     assert {"shared": [], "reads_machine": []} == data
     assert 2 == call("list", "shared", "--text", "x").code
-    lines = call("list", "shared", "--machine", "balise").out.splitlines()
-    assert lines[0].startswith("balise  ") and lines[0].endswith(" ...")
+    lines = call("list", "shared", "--machine", "guard").out.splitlines()
+    assert lines[0].startswith("guard  ") and lines[0].endswith(" ...")
     assert lines[1].startswith("    computed for  ") and lines[1].endswith(" more")
     assert lines[2].startswith("    shared by     ")
     assert 2 == call("list", "lines", "--machine", "x").code
