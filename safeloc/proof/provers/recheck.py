@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic
@@ -21,7 +22,7 @@ ENGINE = f"cvc5 {cvc5.__version__}"
 OPTIONS = {"incremental": "true", "ext-rew-prep": "use"}  # the second one: measured, three times faster on our terms
 ALONE = {"decision": "justification"}  # for what is left: equalities of two copies take 0.5 s so, over 15 s together
 FIRST_SECONDS = 10.0  # for each goal among the others, before it is tried alone: most take 1 s, and 15 s alone
-SINGLE_SHARE = 2 / 3  # of the limit, where there is one goal only; the rest is for the other way
+ALONE_SECONDS = 5.0  # alone with the other options: what they are good for takes 0.5 s; then the first ones again
 
 
 LONGEST_NAME = 150
@@ -49,8 +50,7 @@ def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ())
     if proved_before("cvc5", text):
         return Certificate(file, text, ())
     ends = deadline(seconds)
-    first = min(seconds, FIRST_SECONDS) if len(query.goals) > 1 else seconds * SINGLE_SHARE
-    answers = recheck(file, text, len(query.goals), seconds=seconds, each=first)
+    answers = recheck(file, text, len(query.goals), seconds=seconds, each=min(seconds, FIRST_SECONDS))
     left = [goal for goal, answer in zip(query.goals, answers, strict=True) if answer != "unsat"]
     open_ = tuple(goal for goal in left if not _confirmed_alone(query, goal, ends))
     if not open_:
@@ -59,12 +59,15 @@ def certify(query: Query[Key], *, seconds: float, relies_on: Sequence[str] = ())
 
 
 def _confirmed_alone(query: Query[Key], goal: Key, ends: Deadline) -> bool:
-    """Return whether cvc5 confirms one goal from the same hypotheses in the remaining time."""
-    if ends.passed:
-        return False
-    one = Query(query.name, query.hypotheses, {goal: query.goals[goal]})
-    [answer] = recheck(query.name, to_smtlib(one), 1, seconds=ends.left, options=ALONE)
-    return answer == "unsat"
+    """Return whether cvc5 confirms one goal from the same hypotheses in the remaining time: one way first, then the other."""
+    text = to_smtlib(Query(query.name, query.hypotheses, {goal: query.goals[goal]}))
+    for options, seconds in ((ALONE, ALONE_SECONDS), (OPTIONS, math.inf)):
+        if ends.passed:
+            return False
+        [answer] = recheck(query.name, text, 1, seconds=min(seconds, ends.left), options=options)
+        if answer == "unsat":
+            return True
+    return False
 
 
 def file_name(name: str, text: str) -> str:
