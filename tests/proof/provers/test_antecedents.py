@@ -150,7 +150,7 @@ def test_all_cases_are_one_obligation() -> None:
     """Proved where all occur; vacuous with those that never do; undecided with those neither found nor excluded."""
     good, bad = always("good", IN_B.implies(N >= 1)), always("bad", IN_C.implies(N >= 1))
     open_ = always("open", N.eq(500).implies(GATE.mode.ne(C)))
-    for props, verdict, seconds in (([good], Proved, 10), ([good, bad], Vacuous, 10), ([good, bad, open_], Unknown, 3)):
+    for props, verdict, seconds in (([good], Proved, 10), ([good, bad], Vacuous, 10), ([good, bad, open_], Unknown, 1)):
         system = lower(GATE)
         finding = obligation(obligations(system, Limits(depth=4, seconds=seconds), properties=props))
         assert finding is not None
