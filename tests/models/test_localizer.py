@@ -81,7 +81,9 @@ def _half(whole: Localizer) -> Mapping[str, Expr]:
     return {"reference_accuracy_mm": minimum(first.stated.below, whole.config.satellite.tolerance_mm)}
 
 
-@pytest.mark.parametrize("wrong", [_no_error, _untrusted, _half])
+@pytest.mark.parametrize(
+    "wrong", [_untrusted, *(pytest.param(one, marks=pytest.mark.slow) for one in (_no_error, _half))]
+)
 def test_a_wrong_wire_is_not_proved(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
     """No accuracy, a reference that is not trusted, the margin of one side alone: owed, and not kept."""
     whole = referring()

@@ -382,7 +382,10 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
     ("name", "broken", "noticed"),
     [
         ("predicted", _at_constant_speed, "the prediction is the state before"),
-        ("predicted", lambda right: lambda own: replace(right(own), fastest=own.fastest), "containment"),
+        pytest.param(
+            "predicted", lambda right: lambda own: replace(right(own), fastest=own.fastest), "containment",
+            marks=pytest.mark.slow,
+        ),
         ("_become", _with("change", as_num(0, UM_S)), "the prediction goes on with the change of speed"),
         ("_at_reference", _beside, "a position begins with nothing of what was before"),
         ("referred", lambda right: lambda own: replace(right(own), low=right(own).low - 1), "a reference bounds the position"),
