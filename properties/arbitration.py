@@ -15,7 +15,7 @@ from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED
 from safeloc.properties.no_interval import no_interval
 
 SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
-TRACE = ("RFL-13", "RFL-14")
+REQUIREMENTS = ("RFL-13", "RFL-14")
 
 
 def properties(model: Arbitration) -> list[Property]:
@@ -26,7 +26,7 @@ def properties(model: Arbitration) -> list[Property]:
 
 def _free(name: str, term: Bool, statement: str) -> Property:
     """A property that needs no assumption."""
-    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _safety(model: Arbitration) -> Iterator[Property]:
@@ -36,7 +36,7 @@ def _safety(model: Arbitration) -> Iterator[Property]:
         "containment",
         given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         statement="what is given out holds the true position of the front end",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=SOURCES_ARE_TRUE,
     )
     most = own.config.tolerance_mm
@@ -123,6 +123,8 @@ def _leading(model: Arbitration) -> Iterator[Property]:
             leads.implies(others),
             f"{source.name} leads only while no valid source has a smaller margin",
         )
+        if len(own.sources) == 1:
+            continue
         changed = leads & earlier_bool(given) & before(machine.mode).ne(mode)
         better = [
             before(machine.mode).eq(other).implies(~one.valid | (source.margin < one.margin))
@@ -144,7 +146,7 @@ def _front(model: Arbitration) -> Iterator[Property]:
         "min safe front end",
         given.implies(exact_to(front, NM) <= own.truth) & (front <= low),
         statement="the front end is never behind the min safe front end that is given out",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=SOURCES_ARE_TRUE,
     )
     kept = given & earlier_bool(given)

@@ -15,7 +15,7 @@ from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 
-TRACE = ("FVA-3", "FVA-5")
+REQUIREMENTS = ("FVA-3", "FVA-5")
 LAW = (
     "heads without a fault tell every axle and true bounds of its speed; trains keep to their traction and brakes, and follow "
     "each other at the headway; a passage is told to be over only when it is"
@@ -29,12 +29,12 @@ def properties(model: AxleCounter) -> list[Property]:
 
 def _held(name: str, term: Bool, statement: str) -> Property:
     """A claim for all inputs in range."""
-    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _lawful(name: str, term: Bool, statement: str) -> Property:
     """A claim that rests on the world's clauses."""
-    return always(name, term, statement=statement, requirements=TRACE, assumption=LAW)
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def _ahead(model: AxleCounter, along: Num) -> Num:
@@ -209,4 +209,6 @@ def _records(model: AxleCounter) -> Iterator[Property]:
         (mode.eq(passing) & own.axle.eq(NO_AXLE)).implies(own.past_low <= gap),
         "the record comes in the cycle in which the train has surely run farther than two axles are apart",
     )
-    yield reachable("record", sound & (own.count > 1), statement="a train gives a sound record", requirements=TRACE)
+    yield reachable(
+        "record", sound & (own.count > 1), statement="a train gives a sound record", requirements=REQUIREMENTS
+    )

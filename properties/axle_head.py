@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, NumVar, before, was
 from safeloc.language.spec import Property, always, previous, reachable, since
 from safeloc.models.axle_head import AxleHead
 from safeloc.models.axle_head.variables import DOWN, NO_AXLE, UP, Parts
 
-TRACE = ("FVA-4", "FVA-5")
+REQUIREMENTS = ("FVA-4", "FVA-5")
 LAW = "one wheel at a time, sampled often enough, and no false damping"
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: AxleHead) -> list[Property]:
@@ -20,7 +22,7 @@ def properties(model: AxleHead) -> list[Property]:
 
 def _held(name: str, term: Bool, statement: str) -> Property:
     """A claim for all samples."""
-    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _end_um(own: Parts) -> int:
@@ -44,26 +46,20 @@ def _wheels(model: AxleHead) -> Iterator[Property]:
     machine, own = model.machine, model.own
     on, above, below = _on(own, before(own.wheel)), own.wheel >= _end_um(own), own.wheel < 0
     through_up, through_down = on & above & was(own.from_low), on & below & ~was(own.from_low)
-    yield always(
+    yield under_assumption(
         "every axle is counted",
         own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down),
         statement="an axle is counted upwards in exactly the sample in which a wheel from below left above; and downwards",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "no disturbance by wheels",
         _hears_the_wheel(own).implies(~machine.flag("disturbed")),
         statement="wheels alone, also those that turn back on the head, never disturb it",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "damped is a wheel on the head",
         machine.flag("damped").iff(_on(own, own.wheel)),
         statement="the head says that it is damped exactly while a wheel is on it",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
@@ -115,9 +111,18 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
         (was_disturbed | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),
         "while disturbed, and in the sample in which that ends, no axle is counted",
     )
+    some_wheel = own.a | own.b | is_disturbed
+    yield _held(
+        "damped unless free and sound",
+        machine.flag("damped").iff(some_wheel),
+        "the head says that it is damped exactly while a channel is damped or the head is disturbed: where it cannot tell, "
+        "a wheel may stand on it",
+    )
 
 
 def _reached(model: AxleHead) -> Iterator[Property]:
     own = model.own
-    yield reachable("axle upwards", own.axle.eq(UP), statement="axles are counted upwards", requirements=TRACE)
-    yield reachable("axle downwards", own.axle.eq(DOWN), statement="axles are counted downwards", requirements=TRACE)
+    yield reachable("axle upwards", own.axle.eq(UP), statement="axles are counted upwards", requirements=REQUIREMENTS)
+    yield reachable(
+        "axle downwards", own.axle.eq(DOWN), statement="axles are counted downwards", requirements=REQUIREMENTS
+    )

@@ -22,7 +22,7 @@ from safeloc.models.axle_section.variables import (
     Parts,
 )
 
-TRACE = ("FVA-4", "FVA-5")
+REQUIREMENTS = ("FVA-4", "FVA-5")
 LAW = (
     "heads without a fault count truly; who reports a sweep ran it after the reset was asked for, on sight, has left, and met "
     "nothing where he ran through"
@@ -36,12 +36,12 @@ def properties(model: AxleSection) -> list[Property]:
 
 def _held(name: str, term: Bool, statement: str) -> Property:
     """A claim for all inputs in range."""
-    return always(name, term, statement=statement, requirements=TRACE, unconditional=True)
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
 
 
 def _lawful(name: str, term: Bool, statement: str) -> Property:
     """A claim that rests on the world's clauses."""
-    return always(name, term, statement=statement, requirements=TRACE, assumption=LAW)
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
 
 
 # ------------------------------------------------------------------ terms from what is told
@@ -251,4 +251,4 @@ def _frees(model: AxleSection) -> Iterator[Property]:
         (before_.eq(sweeping) & swept & calm).implies(mode.eq(clear)),
         "a sweep that ran through, was counted in and out and reports the section free clears it",
     )
-    yield reachable("clear", is_clear, statement="a section can become clear", requirements=TRACE)
+    yield reachable("clear", is_clear, statement="a section can become clear", requirements=REQUIREMENTS)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
+
 from safeloc.language.absence import while_there
 from safeloc.language.expr import BoolVar, NumVar, all_of, before, between, exact_to
 from safeloc.language.machine import Machine
@@ -12,77 +15,82 @@ from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.no_interval import no_interval
 
 SOURCE_IS_TRUE = "a valid source interval holds the truth"
+for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(machine: Machine, config: DelocalizedConfig | None = None) -> list[Property]:
     """Containment, restrictive state, latched reason, and no resurrection without a checked reference."""
-    config = config or DelocalizedConfig()
+    return [*_interval(machine, config or DelocalizedConfig()), *_restriction(machine), *_state(machine)]
+
+
+def _interval(machine: Machine, config: DelocalizedConfig) -> Iterator[Property]:
+    """What is reported: the source's interval, or nothing."""
     delocalized, localized = machine.modes
-    is_lost, mode = machine.mode.eq(delocalized), machine.mode
-    inputs = {var.name: var for var in machine.inputs if isinstance(var, BoolVar)}
-    reference, valid = inputs["reference_accepted"], inputs["source_valid"]
+    mode = machine.mode
     position, above, below = (machine.output(f"{name}_mm") for name in ("position", "margin_above", "margin_below"))
     truth = next(iter(machine.world.ghosts))
-    reason = machine.output("reason")
-    assert isinstance(reason, NumVar) and isinstance(truth, NumVar)
+    assert isinstance(truth, NumVar)
     centre = exact_to(position, NM)
-    was_lost = before(mode).eq(delocalized)
-    return [
-        always(
-            "containment",
-            mode.eq(localized).implies(between(centre - exact_to(below, NM), truth, centre + exact_to(above, NM))),
-            statement="a position that is passed on holds the truth",
-            requirements=("MRK-D1",),
-            assumption=SOURCE_IS_TRUE,
-        ),
-        always(
-            "tolerance",
-            mode.eq(localized).implies((above <= config.tolerance_mm) & (below <= config.tolerance_mm)),
-            statement="a position that is passed on is never wider than the tolerance",
-            requirements=("MRK-D1",),
-            unconditional=True,
-        ),
-        always(
-            "nothing reported",
-            is_lost.implies(no_interval(machine) & all_of(while_there(one).eq(0) for one in (position, above, below))),
-            statement="a delocalized vehicle reports no position, and keeps none",
-            requirements=("MRK-D1", "MRK-D2"),
-            unconditional=True,
-        ),
-        always(
-            "restrictive",
-            machine.flag("restrictive").iff(is_lost),
-            statement="the host is told to be restrictive exactly while delocalized",
-            requirements=("MRK-D2",),
-            unconditional=True,
-        ),
-        always(
-            "same step",
-            (~valid).implies(is_lost),
-            statement="the step in which the source loses its position is the step in which the vehicle is delocalized",
-            requirements=("MRK-D1",),
-            unconditional=True,
-        ),
-        always(
-            "no resurrection",
-            (was_lost & mode.eq(localized)).implies(reference & valid),
-            statement="the delocalized state is left only with a valid source and a checked absolute reference",
-            requirements=("MRK-D1",),
-            unconditional=True,
-        ),
-        always(
-            "reason latched",
-            (was_lost & is_lost).implies(reason.eq(before(reason))),
-            statement="the first reason stays until the state is left",
-            requirements=("MRK-D1",),
-            unconditional=True,
-        ),
-        always(
-            "reason stated",
-            is_lost.implies(reason.ne(LOCATED)),
-            statement="a delocalized vehicle always states a reason",
-            requirements=("MRK-D1",),
-            unconditional=True,
-        ),
-        reachable("localized", mode.eq(localized), statement="the vehicle can be localized", requirements=("MRK-D1",)),
-    ]
+    yield always(
+        "containment",
+        mode.eq(localized).implies(between(centre - exact_to(below, NM), truth, centre + exact_to(above, NM))),
+        statement="a position that is passed on holds the truth",
+        requirements=("MRK-D1",),
+        assumption=SOURCE_IS_TRUE,
+    )
+    yield for_all_inputs(
+        "tolerance",
+        mode.eq(localized).implies((above <= config.tolerance_mm) & (below <= config.tolerance_mm)),
+        statement="a position that is passed on is never wider than the tolerance",
+    )
+    nothing = no_interval(machine) & all_of(while_there(one).eq(0) for one in (position, above, below))
+    yield for_all_inputs(
+        "nothing reported",
+        mode.eq(delocalized).implies(nothing),
+        statement="a delocalized vehicle reports no position, and keeps none",
+        requirements=("MRK-D1", "MRK-D2"),
+    )
+
+
+def _restriction(machine: Machine) -> Iterator[Property]:
+    """What the host is told."""
+    delocalized, localized = machine.modes
+    yield for_all_inputs(
+        "restrictive",
+        machine.flag("restrictive").iff(machine.mode.eq(delocalized)),
+        statement="the host is told to be restrictive exactly while delocalized",
+        requirements=("MRK-D2",),
+    )
+    yield reachable(
+        "localized", machine.mode.eq(localized), statement="the vehicle can be localized", requirements=("MRK-D1",)
+    )
+
+
+def _state(machine: Machine) -> Iterator[Property]:
+    """How the delocalized state is entered and left, and the reason that is kept in it."""
+    delocalized, localized = machine.modes
+    mode, is_lost, was_lost = machine.mode, machine.mode.eq(delocalized), before(machine.mode).eq(delocalized)
+    inputs = {var.name: var for var in machine.inputs if isinstance(var, BoolVar)}
+    reference, valid = inputs["reference_accepted"], inputs["source_valid"]
+    reason = machine.output("reason")
+    assert isinstance(reason, NumVar)
+    yield for_all_inputs(
+        "same step",
+        (~valid).implies(is_lost),
+        statement="the step in which the source loses its position is the step in which the vehicle is delocalized",
+    )
+    yield for_all_inputs(
+        "no resurrection",
+        (was_lost & mode.eq(localized)).implies(reference & valid),
+        statement="the delocalized state is left only with a valid source and a checked absolute reference",
+    )
+    yield for_all_inputs(
+        "reason latched",
+        (was_lost & is_lost).implies(reason.eq(before(reason))),
+        statement="the first reason stays until the state is left",
+    )
+    yield for_all_inputs(
+        "reason stated",
+        is_lost.implies(reason.ne(LOCATED)),
+        statement="a delocalized vehicle always states a reason",
+    )

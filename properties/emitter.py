@@ -6,6 +6,7 @@ When the emitter is to send is a fact of the world: its ghosts `silent` and `may
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, as_num, before, ite
 from safeloc.language.spec import Property, always, earlier_num, reachable, within
@@ -13,8 +14,10 @@ from safeloc.language.units import COUNT
 from safeloc.models.emitter import Emitter
 from safeloc.models.emitter.variables import ELSEWHERE, FOREIGN, NO_PLACE, NOT_DUE, NOTHING, PASSED, Parts
 
-TRACE = ("FVA-8", "FVA-17")
+REQUIREMENTS = ("FVA-8", "FVA-17")
 LAW = "nothing else makes this pattern at this place while the emitter is to send"
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: Emitter) -> list[Property]:
@@ -32,7 +35,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         own.works | ~works,
         statement="a chain that works no longer is not said to be tested when its due time and one cycle are over, "
         "counted from the last pattern",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
         helper=lambda waited: works.implies(waited <= own.since),
     )
@@ -42,7 +45,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         ~own.pattern.present,
         own.pattern.present | ~works,
         statement="when nothing is heard at all, the chain is not said to be tested beyond its due time and one cycle",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         unconditional=True,
         helper=lambda waited: works.implies(waited <= own.since),
     )
@@ -52,7 +55,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         own.requested & works,
         ~works | own.judged.eq(PASSED),
         statement="an unanswered request ends the tested state within its time and one cycle",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         unconditional=True,
         helper=lambda waited: works.implies(waited <= own.asked),
     )
@@ -63,39 +66,34 @@ def _tested(model: Emitter) -> Iterator[Property]:
     machine, own = model.machine, model.own
     untested, tested, failed = machine.modes
     mode, works, passed = machine.mode, machine.flag("chain_tested"), own.judged.eq(PASSED)
-    yield always(
+    yield for_all_inputs(
         "only the own pattern passes",
         passed.implies(_ours(own) & own.place.present & ~_off_place(own)),
         statement="a pattern passes only if every bit is that of this emitter and it comes from where the emitter stands",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "tested rests on a pattern",
         (works & before(mode).ne(tested)).implies(passed),
         statement="the chain is said to be tested again only in a cycle in which a pattern passed",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "foreign patterns do not pass",
         own.judged.one_of(FOREIGN, NOT_DUE, NO_PLACE).implies(
             ~machine.fired("pattern passes", "first pattern passes", "enough patterns pass")
         ),
         statement="another emitter's pattern, and the own one when it is not due or without its place, renew nothing",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "untested is the start only",
         mode.eq(untested).implies(before(mode).eq(untested)),
         statement="a chain that was tested or failed is never untested again",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield reachable("chain is tested", mode.eq(tested), statement="a chain can be tested", requirements=TRACE)
+    yield reachable("chain is tested", mode.eq(tested), statement="a chain can be tested", requirements=REQUIREMENTS)
     yield reachable(
-        "chain fails", mode.eq(failed), statement="a chain that was tested can be found to fail", requirements=TRACE
+        "chain fails",
+        mode.eq(failed),
+        statement="a chain that was tested can be found to fail",
+        requirements=REQUIREMENTS,
     )
 
 
@@ -120,29 +118,23 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     own, config, told = model.own, model.own.config, model.own.judged
     ours, off_place = _ours(own), _off_place(own)
     here = ours & own.place.present & ~off_place
-    yield always(
+    yield under_assumption(
         "what passes came through the chain",
         told.eq(PASSED).implies(own.works),
         statement="in the cycle in which a pattern passes the whole chain works",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "a pattern passes when the emitter is to send, and only then",
         told.eq(PASSED).iff(here & _to_send(own)) & told.eq(NOT_DUE).iff(here & ~_to_send(own)),
         statement="the own pattern from its own place passes at the emitter's regular time or while a request is open, and "
         "is told to be not due at any other time",
-        requirements=TRACE,
-        assumption=LAW,
     )
     meanings = {NOTHING: ~own.pattern.present, FOREIGN: own.pattern.present & own.pattern.value.ne(config.pattern)}
     meanings |= {NO_PLACE: ours & ~own.place.present, ELSEWHERE: ours & own.place.present & off_place}
-    yield always(
+    yield for_all_inputs(
         "a pattern that does not pass is told as what it is",
         all_of(told.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
         statement="nothing heard, another emitter's pattern, the own one without a place and from elsewhere are told apart",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -151,12 +143,10 @@ def _times(model: Emitter) -> Iterator[Property]:
     machine, own, config = model.machine, model.own, model.own.config
     left, awaited = machine.output("next_due_in_cycles"), _awaited(model)
     one_less = ite(awaited > 0, awaited - 1, as_num(0, COUNT))
-    yield always(
+    yield for_all_inputs(
         "the time to the next pattern counts down",
         ite(own.judged.eq(PASSED), left.eq(config.due_cycles), left.eq(one_less)),
         statement="the next pattern is awaited for the due time after one that passed, and one cycle less in each other cycle",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -166,27 +156,21 @@ def _failures(model: Emitter) -> Iterator[Property]:
     _, tested, failed = machine.modes
     mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
     in_time = _awaited(model).ne(0) & before(own.may_answer).ne(1)
-    yield always(
+    yield for_all_inputs(
         "own pattern from elsewhere fails",
         elsewhere.implies(mode.eq(failed)),
         statement="the own pattern from another place ends the tested state in the same cycle",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield under_assumption(
         "a chain fails for a reason",
         ite(before(mode).eq(failed), (~passed).implies(mode.eq(failed)), mode.eq(failed).iff(~in_time | elsewhere)),
         statement="a chain fails when a pattern or an answer is overdue or comes from elsewhere, and for no other reason; "
         "without a pattern that passes it does not recover",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "a pattern in time shows a tested chain",
         (passed & in_time & before(mode).ne(failed)).implies(mode.eq(tested)),
         statement="the first pattern, and every further one that comes in time, shows that the chain works",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
@@ -197,26 +181,20 @@ def _recovery(model: Emitter) -> Iterator[Property]:
     mode, passed, elsewhere = machine.mode, own.judged.eq(PASSED), own.judged.eq(ELSEWHERE)
     so_far = ite(before(mode).eq(failed) & (_awaited(model) > 0), before(own.passes), as_num(0, COUNT))
     nothing_counts = mode.ne(failed) | before(mode).ne(failed) | elsewhere
-    yield always(
+    yield for_all_inputs(
         "failure is not forgotten",
         (before(mode).eq(failed) & machine.flag("chain_tested")).implies(machine.fired("enough patterns pass")),
         statement="after a failure the chain is tested only when enough patterns passed one after the other",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "patterns count one after the other",
         ite(nothing_counts, own.passes.eq(0), own.passes.eq(ite(passed, so_far + 1, so_far))),
         statement="after a failure each pattern that passes counts, and none counts any longer when the next one is missed",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "as many patterns as asked for recover",
         (before(mode).eq(failed) & passed).implies(mode.eq(tested).iff(so_far + 1 >= config.passes_to_recover)),
         statement="a failed chain is tested again with the last of the patterns asked for, not before and not later",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 

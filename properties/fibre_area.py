@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from safeloc.language.checks.machine import input_variables
 from safeloc.language.expr import Bool, BoolVar, Num, all_of, between, exact_to
@@ -35,6 +36,8 @@ COUNTS = ("FVA-3", "FVA-12", "FVA-D1", "FWG-9", "FWG-10")
 ERROR = ("FWG-7", "FVA-6", "FVA-15")
 EMITTER = ("FVA-8", "FVA-17")
 CLEAR = ("FVA-9", "FVA-18")
+for_all_inputs = partial(always, requirements=CLAIM, unconditional=True)
+under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 
 def properties(model: FibreArea) -> list[Property]:
@@ -65,51 +68,41 @@ def _truth(model: FibreArea) -> Iterator[Property]:
     seen, report = of(verified.machine), model.report
     low, high = (verified.machine.output("position_mm") + sign * verified.machine.output(f"{side}_mm")
                  for sign, side in ((-1, "margin_below"), (1, "margin_above")))  # fmt: skip
-    yield always(
+    yield under_assumption(
         "containment",
         _trusted(model).implies(between(seen.num(exact_to(low, NM)), front, seen.num(exact_to(high, NM)))),
         statement="the position that is given out holds the front of the train that the fibre follows",
-        requirements=CLAIM,
-        assumption=LAW,
     )
     told = of(report.machine)
     low, high = told.num(report.own.told_low), told.num(report.own.told_high)
-    yield always(
+    yield under_assumption(
         "the pattern lies between its ends",
         _told(model).implies((exact_to(low, NM) <= rear) & (front <= exact_to(high, NM))),
         statement="from min safe rear to max safe front, what is told to the area holds both ends of the pattern",
         requirements=(*CLAIM, *CLEAR),
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "the area is told the truth",
         _report_law(model),
         statement="what the area assumes of a train's report is kept by the machines before it",
         requirements=CLEAR,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "the verification is told the truth",
         seen.bool(place_law(verified.own)),
         statement="what the verification assumes of the front's interval is kept by the fibre machines",
-        requirements=CLAIM,
-        assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "wires are in range",
         _wired_in_range(model),
         statement="whatever a machine is told by an earlier one lies in its input's range: nothing is clipped",
-        requirements=CLAIM,
-        unconditional=True,
     )
     tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
     above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         _trusted(model).implies((above <= tolerance) & (below <= tolerance)),
         statement="a position that is given out is never wider than the tolerable error and the run of an edge's cycle",
-        requirements=CLAIM,
-        unconditional=True,
     )
 
 
@@ -136,12 +129,11 @@ def _wired_in_range(model: FibreArea) -> Bool:
 def _withdrawal(model: FibreArea) -> Iterator[Property]:
     nothing = ~_trusted(model) & ~_told(model) & _of_slot(model).bool(model.area.own.slots[0].judged.ne(ACCEPTED))
     for name, (wrong, what, trace) in _wrong(model).items():
-        yield always(
+        yield for_all_inputs(
             f"{name} withholds",
             wrong.implies(nothing),
             statement=f"{what} withholds the position, and tells the sections nothing, in the same cycle",
             requirements=trace,
-            unconditional=True,
         )
 
 
@@ -210,35 +202,31 @@ def _latch(model: FibreArea) -> Iterator[Property]:
     was_known = earlier_bool(seen.bool(verified.machine.mode.one_of(withheld, trusted)))
     due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
     for end in ("front", "rear"):
-        yield always(
+        yield for_all_inputs(
             f"error F of the {end} is latched",
             (was_known & _error(model, end) & ~leaves).implies(mode.eq(untrusted)),
             statement=f"F of the {end}, with a reference stored, makes the train untrusted until another accepted record",
             requirements=ERROR,
-            unconditional=True,
         )
     was_untrusted = earlier_bool(seen.bool(verified.machine.mode.eq(untrusted)))
-    yield always(
+    yield for_all_inputs(
         "a mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(leaves | (due & seen.bool(verified.own.sound))),
         statement="an untrusted train becomes anything else only by a sound record in its own cycle, or by leaving",
         requirements=(*CLAIM, *STAY),
-        unconditional=True,
     )
     given = earlier_bool(_trusted(model))
-    yield always(
+    yield for_all_inputs(
         "what was given out is revoked",
         (given & mode.eq(untrusted)).implies(seen.bool(verified.machine.flag("revoked"))),
         statement="a position that was given out is revoked in the cycle in which the train becomes untrusted",
         requirements=(*CLAIM, *ERROR),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no train without a reference",
         (earlier_bool(seen.bool(verified.machine.mode.eq(none))) & mode.ne(none)).implies(due),
         statement="nothing is verified before a reference came for this train",
         requirements=(*CLAIM, *STAY),
-        unconditional=True,
     )
 
 
@@ -255,29 +243,26 @@ def _sections(model: FibreArea) -> Iterator[Property]:
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
     verified, seen = model.verification.own, model.composition.of(model.verification.machine)
     counted = seen.bool(verified.associated & verified.seen_count.present)
-    yield always(
+    yield for_all_inputs(
         "only a trusted train narrows",
         judged.implies(_trusted(model) & _told(model) & (age <= limit)),
         statement="the area narrows where a train may be only on a report that is trusted and fresh in that very cycle",
         requirements=CLEAR,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "only a count makes whole",
         (integer & _told(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
-        unconditional=True,
     )
     low, high = of.num(slot.low), of.num(slot.high)
     present, edge = of.bool(slot.present), model.config.sections.area.limit_mm
     stays = earlier_bool(present) & present & ~of.bool(slot.enters) & ~_trusted(model)
-    yield always(
+    yield for_all_inputs(
         "an untrusted train only grows",
         stays.implies(((low <= earlier_num(low)) | low.eq(-edge)) & ((high >= earlier_num(high)) | high.eq(edge))),
         statement="while the train is not trusted, neither end of where it may be comes nearer to the other",
         requirements=CLEAR,
-        unconditional=True,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, between, exact_to
 from safeloc.language.spec import Property, always, reachable
@@ -14,11 +15,13 @@ from safeloc.properties.verification import LAW
 BORDER = ("FVA-D1",)
 CLAIM = ("FVA-1", "FVA-10", "FVA-D1")
 STAY = ("FVA-2", "FVA-11", "FVA-D1")
+for_all_inputs = partial(always, requirements=STAY, unconditional=True)
+under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 
 def properties(model: FibreHandover) -> list[Property]:
     """The truth on both sides, never both where the place is not shared, and a lost handover."""
-    return [*_truth(model), *_both(model), *_record(model), *_reached(model)]
+    return [*_truth(model), *_both(model), *_record(model), *_sent(model), *_reached(model)]
 
 
 def _truth(model: FibreHandover) -> Iterator[Property]:
@@ -26,31 +29,26 @@ def _truth(model: FibreHandover) -> Iterator[Property]:
     truth = of(model.giving.machine).num(model.giving.own.truth)
     for side, verified in (("giving", model.giving), ("taking", model.taking)):
         here, (low, high) = of(verified.machine), interval(verified)
-        yield always(
+        yield under_assumption(
             f"containment in the {side} area",
             here.bool(verified.machine.flag("trusted")).implies(
                 between(here.num(exact_to(low, NM)), truth, here.num(exact_to(high, NM)))
             ),
             statement=f"a position that the {side} area trusts holds the train's front",
-            requirements=CLAIM,
-            assumption=LAW,
         )
     voice = of(model.speaker.machine)
     low, high = voice.num(model.speaker.low), voice.num(model.speaker.high)
     given = voice.bool(model.speaker.machine.flag("given"))
-    yield always(
+    yield under_assumption(
         "containment",
         given.implies(between(exact_to(low, NM), truth, exact_to(high, NM))),
         statement="the position that is given out holds the train's front, whichever area it comes from",
-        requirements=CLAIM,
-        assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "nobody trusts, nothing is given out",
         (~_trusted(model, model.giving) & ~_trusted(model, model.taking)).implies(~given & low.eq(0) & high.eq(0)),
         statement="where neither area trusts the train, no position is given out",
         requirements=CLAIM,
-        unconditional=True,
     )
 
 
@@ -60,20 +58,18 @@ def _both(model: FibreHandover) -> Iterator[Property]:
     mode = of(voice.machine).num(voice.machine.mode)
     truth = of(model.giving.machine).num(model.giving.own.truth)
     begins, ends = (of(model.border.machine).num(var) for var in (model.border.own.begins, model.border.own.ends))
-    yield always(
+    yield under_assumption(
         "both only where the place is shared",
         mode.eq(both).implies(between(exact_to(begins, NM), truth, exact_to(ends, NM))),
         statement="both areas give the position of a train out only while it is in the stretch that they share",
         requirements=BORDER,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "each speaks of its own stretch",
         (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
         & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
         statement="the giving area never speaks of a train beyond the shared stretch, nor the taking one of one before it",
         requirements=BORDER,
-        assumption=LAW,
     )
 
 
@@ -86,57 +82,61 @@ def _record(model: FibreHandover) -> Iterator[Property]:
     before, offered, _, lost = border.modes
     gone = of(border).bool(model.border.own.gone)
     arrives = of(border).bool(border.fired("record arrives"))
-    yield always(
+    yield for_all_inputs(
         "a lost handover is untrusted",
         of(border).bool(border.fired("record lost on the way", "trust lost on the way")).implies(mode.eq(untrusted)),
         statement="a record that did not arrive in time makes the train untrusted in the taking area in the same cycle",
-        requirements=STAY,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "and stays so",
         on_the_way.eq(lost).implies(mode.eq(untrusted)),
         statement="after a lost handover the taking area does not trust the train before it is gone",
-        requirements=STAY,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "nothing is trusted before the record arrived",
         on_the_way.one_of(before, offered).implies(mode.eq(none)),
         statement="the taking area verifies nothing, and trusts nothing, before the record arrived",
         requirements=CLAIM,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "only a trusted train goes over",
         arrives.implies(_trusted(model, giving)),
         statement="a record arrives only in a cycle in which the giving area trusts the train",
-        requirements=STAY,
-        unconditional=True,
     )
     kept = [(one.kept_count, one.kept_low, one.kept_high) for one in (taking.own, giving.own)]
     same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in zip(*kept, strict=True))
-    yield always(
+    yield for_all_inputs(
         "the same record on both sides",
         (arrives & mode.one_of(withheld, trusted)).implies(same),
         statement="the taking area verifies against the very record that the giving area verified against",
-        requirements=STAY,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "gone is gone",
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
         statement="of a train that is gone nothing is kept for the next one",
-        requirements=STAY,
-        unconditional=True,
     )
     counted = taking.own.associated & taking.own.seen_count.present
-    yield always(
+    yield for_all_inputs(
         "another train is not taken over",
         here.bool(counted & taking.own.seen_count.value.ne(taking.own.kept_count)).implies(~_trusted(model, taking)),
         statement="a train with another number of axles than the record is not trusted in the taking area",
         requirements=CLAIM,
-        unconditional=True,
+    )
+
+
+def _sent(model: FibreHandover) -> Iterator[Property]:
+    """From when on a record goes over."""
+    of, giving, border = model.composition.of, model.giving, model.border.machine
+    on_the_way, (before, *_) = of(border).num(border.mode), border.modes
+    gone = of(border).bool(model.border.own.gone)
+    near = of(giving.machine).num(interval(giving)[1]) >= of(border).num(model.border.own.begins)
+    may_be_here = _trusted(model, giving) & near
+    sent = of(border).bool(border.fired("record is sent", "record arrives"))
+    yield for_all_inputs(
+        "a record goes over from the shared stretch on",
+        sent.implies(may_be_here) & (may_be_here & ~gone).implies(on_the_way.ne(before)),
+        statement="a record is sent first, or arrives, only while the giving area trusts the train and its front may have come "
+        "to the shared stretch; and from then on it is sent",
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, NumVar, all_of, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool, within
@@ -18,7 +19,9 @@ from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.arbitration import properties as arbitrated
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
-TRACE = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
+REQUIREMENTS = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: Localizer) -> list[Property]:
@@ -30,12 +33,10 @@ def properties(whole: Localizer) -> list[Property]:
 def _host(whole: Localizer) -> Iterator[Property]:
     (_, below, above), tolerance = _passed(whole), whole.config.tolerance_mm
     yield _of_the_guard(whole)
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         _restrictive(whole) | ((below <= tolerance) & (above <= tolerance)),
         statement="the position that the host gets is never wider than the tolerable error",
-        requirements=TRACE,
-        unconditional=True,
     )
     yield _of_the_front(whole)
 
@@ -45,12 +46,10 @@ def _of_the_guard(whole: Localizer) -> Property:
     guard, truth = whole.guard, next(iter(whole.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
     position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
-    own = always(
+    own = under_assumption(
         "containment",
         guard.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
         statement="the position that the host gets holds the true position of the front end",
-        requirements=TRACE,
-        assumption=LAW,
     )
     return replace(whole.composition.inherited(guard, own), name=own.name)
 
@@ -58,12 +57,10 @@ def _of_the_guard(whole: Localizer) -> Property:
 def _of_the_front(whole: Localizer) -> Property:
     """The min safe front end is behind the front end: arbitration keeps that, being owed that its sources are true."""
     counts, truth = whole.arbitration.machine, whole.arbitration.own.next_truth
-    own = always(
+    own = under_assumption(
         "min safe front end",
         counts.flag("valid").implies(exact_to(counts.output("min_safe_front_mm"), NM) <= truth),
         statement="the front end is never behind the min safe front end",
-        requirements=TRACE,
-        assumption=LAW,
     )
     return replace(whole.composition.inherited(counts, own), name=own.name)
 
@@ -91,37 +88,29 @@ def _responses(whole: Localizer) -> Iterator[Property]:
     restrictive = _restrictive(whole)
     counts = whole.composition.of(whole.arbitration.machine)
     valid = counts.bool(whole.arbitration.machine.flag("valid"))
-    yield always(
+    yield for_all_inputs(
         "same-step entry",
         (~valid).implies(restrictive),
         statement="the step in which arbitration withholds is the step in which the vehicle is restrictive",
-        requirements=TRACE,
-        unconditional=True,
     )
     stated = _stated(whole)
-    yield always(
+    yield for_all_inputs(
         "every source withdrawn",
         all_of(~one for one in stated.values()).implies(restrictive),
         statement="the step in which the last source withdraws is the step in which the vehicle is restrictive",
-        requirements=TRACE,
-        unconditional=True,
     )
     referred = counts.bool(whole.arbitration.machine.flag("reference_accepted"))
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (earlier_bool(restrictive) & ~restrictive).implies(referred & valid),
         statement="the restrictive state is left only in a step in which a source accepted an absolute reference and all "
         "sources that state a position agree",
-        requirements=TRACE,
-        unconditional=True,
     )
     guard = whole.composition.of(whole.guard)
-    yield always(
+    yield for_all_inputs(
         "reason stated",
         guard.num(whole.guard.output("reason")).eq(LOCATED).iff(~restrictive),
         statement="a reason is stated exactly while the vehicle is restrictive",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -131,14 +120,12 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
     position, below, above = (
         seen.num(machine.output(f"{name}_mm")) for name in ("position", "margin_below", "margin_above")
     )
-    yield always(
+    yield under_assumption(
         "trackside containment",
         valid.implies(
             between(exact_to(position - below, NM), whole.motion.own.ghosts.truth, exact_to(position + above, NM))
         ),
         statement="the position that the trackside sees, its age charged, holds the true position of the front end",
-        requirements=TRACE,
-        assumption=LAW,
     )
     limit = whole.config.uplink.age_limit_cycles
     arrives = machine.fired("report arrives")
@@ -148,7 +135,7 @@ def _trackside(whole: Localizer) -> Iterator[Property]:
         earlier_bool(valid) & ~seen.bool(arrives),
         ~valid | seen.bool(arrives),
         statement="a vehicle that is not heard of any more is known to the trackside for no longer than the age limit",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(~valid | (seen.num(whole.uplink.own.held.age) >= waited)),
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from safeloc.language.absence import heard
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, maximum, minimum
@@ -24,11 +25,13 @@ LAW = (
     "each source's own law; a train confirmed to be whole has its length, and nothing of it is ahead of its front end; "
     "undisturbed counters count every vehicle; reports of other trains are true; top speed; no vehicle passes another"
 )
-TRACE = ("RFL-14", "FVA-9", "FVA-18")
+REQUIREMENTS = ("RFL-14", "FVA-9", "FVA-18")
 
 
 SENT = {"position": "position_mm", "below": "margin_below_mm", "above": "margin_above_mm"}
 """What is sent of an interval: its name in the link -> the output that it comes from."""
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: LocalizerSections) -> list[Property]:
@@ -64,26 +67,22 @@ def _by_radio(whole: LocalizerSections) -> tuple[Bool, Num, Num]:
 
 def _one_truth(whole: LocalizerSections) -> Iterator[Property]:
     (here, low, high), (there, seen_low, seen_high) = _on_board(whole), _by_radio(whole)
-    yield always(
+    yield under_assumption(
         "both views agree",
         (here & there).implies((low <= seen_high) & (seen_low <= high)),
         statement="where the vehicle passes on a position and the trackside sees one, both intervals have the true place in common",
-        requirements=TRACE,
-        assumption=LAW,
     )
     machine, own = whole.far_uplink.machine, whole.far_uplink.own
     of = whole.composition.of(machine)
     position, below, above = (
         of.num(machine.output(f"{what}_mm")) for what in ("position", "margin_below", "margin_above")
     )
-    yield always(
+    yield under_assumption(
         "the far end is held",
         of.bool(machine.flag("valid")).implies(
             between(exact_to(position - below, NM), of.num(own.truth), exact_to(position + above, NM))
         ),
         statement="what the trackside is told of the train's far end holds it, its age charged",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
@@ -104,19 +103,15 @@ def _radio(whole: LocalizerSections) -> Iterator[Property]:
         kept.append((valid & ~landed).implies(of.num(arrived).eq(earlier_num(of.num(arrived)))))
     for what in ("below", "above"):
         widened.append(valid.implies(of.num(uplink.machine.output(SENT[what])) >= of.num(getattr(held, what))))
-    yield always(
+    yield for_all_inputs(
         "the trackside's view is never the narrower one",
         all_of([*alike, *kept, *widened]),
         statement="what is sent is what is passed on on board; it arrives as it was sent, and is given out no narrower",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a report counts once",
         _counted_once(whole),
         statement="the area is told of a train only in a cycle in which a report arrives: one that is held says nothing more",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -139,22 +134,18 @@ def _this_train(whole: LocalizerSections, one: Section) -> Iterator[Property]:
     )
     start, end = exact_to(of.num(one.start), NM), exact_to(of.num(one.end), NM)
     inside = (minimum(truth, far) <= end) & (maximum(truth, far) >= start)
-    yield always(
+    yield under_assumption(
         f"{name} is never clear with this train in it",
         (free & there.bool(slots[0].there)).implies(~inside),
         statement="no part of the train that the localizer locates, counted into the area, is in a section that is reported clear",
-        requirements=TRACE,
-        assumption=LAW,
     )
     link = whole.localizer.uplink.machine
     landed = whole.composition.of(link).bool(link.fired("report arrives"))
     others = all_of(there.bool(train.judged.ne(ACCEPTED)) for train in slots[1:])
     counted = all_of(~there.bool(train.leaves) for train in slots)
     swept = there.bool(whole.area.machine.fired("counters are clear", "everything loose is pushed out"))
-    yield always(
+    yield for_all_inputs(
         f"{name} is not cleared by a silent uplink",
         (~landed & others & counted & ~swept & ~earlier_bool(free)).implies(~free),
         statement="while no report of this train arrives, nothing but what counters and other trains tell makes a section clear",
-        requirements=TRACE,
-        unconditional=True,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, Optional, all_of, any_of, as_num, before, between, ite, minimum
 from safeloc.language.spec import Property, always, reachable
@@ -22,6 +23,7 @@ from safeloc.models.satellite_selection.variables import (
 
 LAW = "differences are the signal's error plus the prediction's, less the clock's"
 BOUNDED = "the prediction's error makes no more of the difference than configured, nor does the clock's"
+for_all_inputs = partial(always, requirements=("SAT-1", "SAT-D1"), unconditional=True)
 
 
 def properties(model: Selection) -> list[Property]:
@@ -34,27 +36,23 @@ def properties(model: Selection) -> list[Property]:
 def _kept_out(model: Selection, one: Channel) -> Iterator[Property]:
     """What no usable satellite is."""
     config, name, usable = model.own.config, f"channel {one.number}", one.standing.eq(USABLE)
-    yield always(
+    yield for_all_inputs(
         f"{name}: a violation is not usable",
         usable.implies(~violated(one, config, config.removal)),
         statement="a satellite that violates the criterion in this cycle is not in the list of usable ones in this cycle",
         requirements=("SAT-1", "SAT-3", "SAT-4"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         f"{name}: no expired data",
         usable.implies(one.ephemeris & one.identity.present),
         statement="no satellite without valid ephemeris, or not in view, is usable",
-        requirements=("SAT-1", "SAT-D1"),
-        unconditional=True,
     )
     known = one.identity.value.eq(before(one.held)) if config.warm_up_cycles > 1 else one.identity.present
-    yield always(
+    yield for_all_inputs(
         f"{name}: no covariance, not usable",
         usable.implies(_has_spread(model, one) & known & one.warm.eq(config.warm_up_cycles)),
         statement="a satellite that has no covariance over a window yet, or that has just come, is not usable",
         requirements=("SAT-3", "SAT-4"),
-        unconditional=True,
     )
 
 
@@ -70,13 +68,11 @@ def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
         requirements=("SAT-4",),
         assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         f"{name}: exclusion leaves no trace",
         one.standing.eq(USABLE).iff(ready & ~_told_before(model, one) & ~violated(one, config, config.removal)),
         statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
         "exclusions count for nothing, as the list starts anew from all visible ones",
-        requirements=("SAT-1", "SAT-D1"),
-        unconditional=True,
     )
 
 
@@ -92,23 +88,21 @@ def _told(model: Selection, one: Channel) -> Iterator[Property]:
         (WARMING, here & measured & ~ready),
         (EXCLUDED, here & measured & ready & violated(one, config, config.removal)),
     )
-    yield always(
+    yield for_all_inputs(
         f"{name}: what is not usable is told as what it is",
         all_of(now.eq(label).iff(meaning) for label, meaning in meanings),
         statement="a channel is told to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
         "violate the criterion exactly where that is so",
         requirements=("SAT-1", "SAT-3", "SAT-D1"),
-        unconditional=True,
     )
     followed = one.identity.value.eq(before(one.held)) & (before(one.warm) > 0)
     cycles = ite(followed, minimum(before(one.warm) + 1, config.warm_up_cycles), as_num(1, COUNT))
-    yield always(
+    yield for_all_inputs(
         f"{name}: a window counts one satellite's measurements",
         one.warm.eq(ite(measured, cycles, as_num(0, COUNT))) & one.held.eq(_identity(one)),
         statement="the window of a covariance begins anew with another satellite and after each cycle without all that is "
         "compared; it counts cycles one by one",
         requirements=("SAT-3", "SAT-D1"),
-        unconditional=True,
     )
 
 
@@ -213,13 +207,12 @@ def _subset(model: Selection) -> Property:
         kept = [one.standing.eq(USABLE).implies(~violated(one, config, "both")) for one in own.channels]
     else:
         kept = [one.standing.eq(EXCLUDED).implies(violated(one, config, "either")) for one in own.channels]
-    return always(
+    return for_all_inputs(
         "the strict criterion keeps no more",
         all_of(kept),
         statement="whatever the strict criterion (either violation removes) keeps, the lax one (both must be violated) keeps "
         "as well",
         requirements=("SAT-4",),
-        unconditional=True,
     )
 
 
@@ -228,14 +221,12 @@ def _once(model: Selection) -> Iterator[Property]:
     channels = model.own.channels
     for number, one in enumerate(channels[1:], 1):
         told = one.identity.value
-        yield always(
+        yield for_all_inputs(
             f"channel {one.number}: no satellite twice",
             one.standing.eq(USABLE).implies(
                 all_of(~earlier.identity.present | earlier.identity.value.ne(told) for earlier in channels[:number])
             ),
             statement="a satellite that an earlier channel receives as well is not usable here: it counts once",
-            requirements=("SAT-1", "SAT-D1"),
-            unconditional=True,
         )
 
 
@@ -245,19 +236,17 @@ def _counted(model: Selection) -> Iterator[Property]:
     for one in own.channels:
         total = total + ite(machine.flag(f"channel_{one.number}_usable"), as_num(1, COUNT), 0)
     none, some = machine.modes
-    yield always(
+    yield for_all_inputs(
         "usable ones are told and counted",
         machine.output("usable").eq(total) & machine.mode.eq(ite(total.eq(0), none, some)),
         statement="as many satellites are told to be usable as channels are, and whether there are any",
         requirements=("SAT-1",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a usable channel is told",
         all_of(machine.flag(f"channel_{one.number}_usable").iff(one.standing.eq(USABLE)) for one in own.channels),
         statement="a channel is told to be usable exactly where its standing says so",
         requirements=("SAT-1",),
-        unconditional=True,
     )
     yield reachable(
         "all channels usable",

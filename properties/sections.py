@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, maximum, minimum, with_unit
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
@@ -17,7 +18,9 @@ LAW = (
     "undisturbed counters count every vehicle; trusted reports hold the train, its rear end only if it is whole; top speed; "
     "no vehicle passes another"
 )
-TRACE = ("FVA-9", "FVA-18")
+REQUIREMENTS = ("FVA-9", "FVA-18")
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=("FVA-9",), assumption=LAW)
 
 
 def properties(model: Sections) -> list[Property]:
@@ -33,45 +36,38 @@ def _area(model: Sections) -> Iterator[Property]:
     of = model.composition.of(machine)
     for one in own.slots:
         inside = (um(one.low) <= one.true_rear) & (one.true_front <= um(one.high))
-        yield always(
+        yield under_assumption(
             f"train {one.number} containment",
             of.bool(one.there.implies(one.present & inside)),
             statement="a train in the area is in its slot's interval, from rear end to front end",
-            requirements=("FVA-9",),
-            assumption=LAW,
         )
-        yield always(
+        yield for_all_inputs(
             f"train {one.number} narrows only by an accepted report",
             _widens(of, one),
             statement="a report that is withheld, untrusted, stale, incomplete or contradicted narrows nothing",
             requirements=("FVA-9",),
-            unconditional=True,
         )
-        yield always(
+        yield for_all_inputs(
             f"train {one.number} report is charged its age",
             _aged(of, one),
             statement="a report narrows a train's interval no further than to what it can have run since, at top speed",
             requirements=("FVA-9",),
-            unconditional=True,
         )
-        yield always(
+        yield for_all_inputs(
             f"train {one.number} that may be split is believed at its leading end only",
             _leads(of, one),
             statement="a report of a train that is not known to be whole narrows nothing at the end that does not lead",
             requirements=("FVA-9",),
-            unconditional=True,
         )
     loose = own.loose.implies(
         machine.mode.eq(machine.modes[0])
         & (um(own.loose_low) <= own.loose_rear)
         & (own.loose_front <= um(own.loose_high))
     )
-    yield always(
+    yield under_assumption(
         "loose vehicles are accounted for",
         of.bool(loose),
         statement="a vehicle that was never counted is only where the area says that one may be",
-        requirements=("FVA-9",),
-        assumption=LAW,
     )
 
 
@@ -116,37 +112,29 @@ def _told(model: Sections, one: Section) -> Iterator[Property]:
         for (source, target), number in RULES.items()
     ]
     led.append(earlier_num(mode).eq(mode).implies(rule.eq(earlier_num(rule))))
-    yield always(
+    yield for_all_inputs(
         f"{name} names the rule",
         all_of(led),
         statement="the rule told is that of the change of state that happened, and stays while the state does",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         f"{name} says what it rests on",
         mode.eq(free).iff(evidence.one_of(NO_TRAIN, TRAINS_ELSEWHERE))
         & mode.eq(occupied).iff(evidence.eq(TRAIN_FOLLOWED)),
         statement="FREE rests on trains that are elsewhere or on there being none, OCCUPIED on a train that is followed and whole, "
         "and neither on anything else",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         f"{name} is trusted as far as its reports are fresh",
         trust.eq(VERIFIED).implies((age <= config.mute_limit_cycles) & evidence.ne(UNCOUNTED))
         & mode.eq(occupied).implies(trust.eq(VERIFIED)),
         statement="a state told as verified rests on trusted reports within the mute timer, and OCCUPIED always does",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         f"{name} keeps to its timers",
         mode.eq(occupied).implies(all_of(_in_time(model, one))),
         statement="OCCUPIED by a train that was not heard of beyond the mute timer, or whose integrity was not confirmed beyond its "
         "timer, is told no longer, from the cycle on in which the timer ends",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -170,20 +158,18 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
         for train in own.slots
     ]
     loose = there.bool(own.loose) & _overlaps(there.num(own.loose_rear), there.num(own.loose_front), start, end)
-    yield always(
+    yield under_assumption(
         f"{name} is never clear with a train in it",
         free.implies(~any_of(trains)),
         statement="a section in which any part of any train is, from min safe rear to max safe front, is never FREE: with "
         "several trains, entering, leaving, reversing, lost and coming back",
-        requirements=TRACE,
-        assumption=LAW,
+        requirements=REQUIREMENTS,
     )
-    yield always(
+    yield under_assumption(
         f"{name} is never clear with a vehicle that was not counted",
         free.implies(~loose),
         statement="a vehicle that was never counted never stands in a FREE section",
-        requirements=TRACE,
-        assumption=LAW,
+        requirements=REQUIREMENTS,
     )
 
 
@@ -200,20 +186,17 @@ def _evidence(model: Sections, one: Section) -> Iterator[Property]:
     for train in slots:
         low, high = there.num(train.low), there.num(train.high)
         apart.append(~there.bool(train.present) | (high < of.num(one.start)) | (low > of.num(one.end)))
-    yield always(
+    yield for_all_inputs(
         f"{name} is clear only on evidence",
         free.implies(all_of(apart)),
         statement="FREE is stated only where every counted train is known to be elsewhere",
-        requirements=TRACE,
-        unconditional=True,
     )
     silent = all_of(there.bool(train.judged.ne(ACCEPTED) & ~train.leaves) for train in slots)
     swept = model.area.machine
     quiet = silent & ~there.bool(swept.fired("counters are clear", "everything loose is pushed out"))
-    yield always(
+    yield for_all_inputs(
         f"{name} is not cleared by silence",
         (quiet & ~earlier_bool(free)).implies(~free),
         statement="withheld, stale or missing reports never move a section towards FREE",
         requirements=("FVA-9",),
-        unconditional=True,
     )

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from safeloc.language.expr import Num, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.supervised_odometry import Supervised
 from safeloc.properties.odometry import LAW
+
+for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(whole: Supervised) -> list[Property]:
@@ -28,26 +32,21 @@ def properties(whole: Supervised) -> list[Property]:
             requirements=("MRK-1", "MRK-D1"),
             assumption=LAW,
         ),
-        always(
+        for_all_inputs(
             "tolerance",
             restrictive | ((above <= tolerance) & (below <= tolerance)),
             statement="the position that the host gets is never wider than the tolerable error",
-            requirements=("MRK-D1",),
-            unconditional=True,
         ),
-        always(
+        for_all_inputs(
             "same-step entry",
             restrictive.iff(~valid),
             statement="the vehicle is restrictive in exactly the cycles in which odometry reports nothing",
             requirements=("MRK-D1", "MRK-D2"),
-            unconditional=True,
         ),
-        always(
+        for_all_inputs(
             "no resurrection",
             (earlier_bool(restrictive) & ~restrictive).implies(checked),
             statement="the restrictive state is left only in a cycle with a checked absolute reference",
-            requirements=("MRK-D1",),
-            unconditional=True,
         ),
     ]
 

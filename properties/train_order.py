@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import COUNT, UM
-from safeloc.models.train_order import TRACE, Parts, TrainOrder
+from safeloc.models.train_order import REQUIREMENTS, Parts, TrainOrder
 
 LAW = (
     "no train passes another; undisturbed counters tell each train that enters or leaves, unless what they tell cannot be; as "
     "many patterns as trains, lying apart, hold a train each"
 )
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: TrainOrder) -> list[Property]:
     """A pattern that belongs to a train holds it; any doubt, and no pattern belongs to anyone."""
     associated = model.machine.flag("associated")
-    seen = reachable("associated", associated, statement="patterns can be told apart", requirements=TRACE)
+    seen = reachable("associated", associated, statement="patterns can be told apart", requirements=REQUIREMENTS)
     return [*_true(model), *_patterns(model), *_order(model), seen]
 
 
@@ -29,7 +31,7 @@ def _true(model: TrainOrder) -> Iterator[Property]:
         "a pattern holds its train",
         all_of(_held(own, rank) for rank in range(len(own.belongs))),
         statement="the train that a pattern is said to be is within that pattern, however near others are",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
     )
     listed = [train.inside.iff(any_of(one.eq(train.number) for one in own.order)) for train in own.trains]
@@ -37,7 +39,7 @@ def _true(model: TrainOrder) -> Iterator[Property]:
         "the order is that on the track",
         machine.flag("ordered").implies(all_of([*listed, _from_the_low_end(own)])),
         statement="while an order is known, it names just the trains that are between the counters, from the low end on",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
     )
 
@@ -64,28 +66,22 @@ def _patterns(model: TrainOrder) -> Iterator[Property]:
     machine, own = model.machine, model.own
     associated, is_ordered = machine.flag("associated"), machine.flag("ordered")
     trains = _how_many(one.ne(0) for one in own.order)
-    yield always(
+    yield for_all_inputs(
         "another number of patterns belongs to nobody",
         associated.implies(is_ordered & own.patterns.eq(trains) & _lie_apart(own)),
         statement="more or fewer patterns than trains, or patterns that overlap: none belongs to anyone, in that cycle",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "as many patterns as trains belong to them in their order",
         (is_ordered & own.patterns.eq(trains) & _lie_apart(own)).implies(
             all_of(one.eq(train) for one, train in zip(own.belongs, own.order, strict=True))
         ),
         statement="as many patterns as trains, lying apart: the first belongs to the first train, and so on, in that cycle",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a fault ends the order",
         own.fault.implies(~associated & ~is_ordered),
         statement="with a disturbed counter no order is known, until the area is empty",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -116,12 +112,10 @@ def _order(model: TrainOrder) -> Iterator[Property]:
     unknown, ordered = machine.modes
     was_ordered, is_ordered = before(machine.mode).eq(ordered), machine.mode.eq(ordered)
     nobody = all_of(one.eq(0) for one in own.order)
-    yield always(
+    yield for_all_inputs(
         "an order begins with an empty area",
         (before(machine.mode).eq(unknown) & is_ordered).implies(own.clear & nobody),
         statement="an order is known again only in a cycle in which the counters tell that the area is empty",
-        requirements=TRACE,
-        unconditional=True,
     )
     none = before(own.order[0]).eq(0)
     impossible = {
@@ -136,27 +130,21 @@ def _order(model: TrainOrder) -> Iterator[Property]:
         ),
     }
     for name, (event, what) in impossible.items():
-        yield always(
+        yield for_all_inputs(
             f"{name} ends the order",
             (was_ordered & event).implies(~is_ordered & nobody & ~machine.flag("associated")),
             statement=f"{what}: no order is known any more, and no pattern belongs to anyone, in that cycle",
-            requirements=TRACE,
-            unconditional=True,
         )
-    yield always(
+    yield for_all_inputs(
         "an order ends only for a reason",
         (was_ordered & ~is_ordered).implies(any_of([own.fault, *(event for event, _ in impossible.values())])),
         statement="an order that is known is given up for a disturbed counter, or an event that cannot be, and for nothing else",
-        requirements=TRACE,
-        unconditional=True,
     )
     for name, moved in _moved(model).items():
-        yield always(
+        yield for_all_inputs(
             f"the order follows: {name}",
             (was_ordered & is_ordered & ~machine.fired("area is empty")).implies(moved),
             statement="the order changes only by the event of the cycle, at the end of the area where it happened",
-            requirements=TRACE,
-            unconditional=True,
         )
 
 

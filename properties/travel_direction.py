@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, before, ite, was
 from safeloc.language.spec import Property, always, earlier_num, reachable
@@ -11,7 +12,8 @@ from safeloc.models.travel_direction.variables import AGAINST, ALONG, UNKNOWN, P
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 LAW = "of the two models recognised around a balise at least one is that of the map's reflector there"
-TRACE = ("RFL-D5",)
+REQUIREMENTS = ("RFL-D5",)
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: TravelDirection) -> list[Property]:
@@ -36,14 +38,14 @@ def _true(model: TravelDirection) -> Iterator[Property]:
         "direction is true",
         stated.eq(ALONG).implies(own.runs_along) & stated.eq(AGAINST).implies(~own.runs_along),
         statement="a stated direction is the one in which the vehicle runs",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
     )
     yield reachable(
         "against is found",
         stated.eq(AGAINST) & model.machine.flag("contradicts"),
         statement="a vehicle that runs against the expected direction is found out",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
     )
 
 
@@ -53,12 +55,10 @@ def _both(model: TravelDirection) -> Iterator[Property]:
     stated, (_, half, *_) = machine.output("direction"), machine.modes
     newly = stated.ne(UNKNOWN) & earlier_num(stated).ne(stated)
     seen = own.ahead.ne(NO_MODEL) & own.ahead.eq(before(own.awaited)) & ~own.balise
-    yield always(
+    yield for_all_inputs(
         "both models count",
         newly.implies(before(machine.mode).eq(half) & seen & ite(was(own.along), stated.eq(ALONG), stated.eq(AGAINST))),
         statement="a direction is stated only after a balise whose one neighbour was passed and whose other is seen ahead",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -67,30 +67,24 @@ def _begins(model: TravelDirection) -> Iterator[Property]:
     half = machine.mode.eq(machine.modes[1])
     begun = half & (own.balise | before(machine.mode).ne(machine.modes[1]))
     passed = _passed_last(own)
-    yield always(
+    yield for_all_inputs(
         "equal models tell nothing",
         begun.implies(_tells(own)),
         statement="a balise between equal models, or without one on either side, starts no decision",
-        requirements=TRACE,
-        unconditional=True,
     )
     along = own.along & passed.eq(own.before) & own.awaited.eq(own.after)
     against = ~own.along & passed.eq(own.after) & own.awaited.eq(own.before)
-    yield always(
+    yield for_all_inputs(
         "a decision begins with the model passed",
         begun.implies(along | against),
         statement="the model passed last is that of one neighbour of the balise, and the other neighbour's is awaited ahead",
-        requirements=TRACE,
-        unconditional=True,
     )
     agrees = machine.output("direction").eq(ite(passed.eq(own.before), ALONG, AGAINST))
     fits = passed.eq(own.before) | passed.eq(own.after)
-    yield always(
+    yield for_all_inputs(
         "a model passed before a balise begins a decision",
         (_tells(own) & ~own.backwards & fits).implies(half | agrees),
         statement="a balise whose neighbour was passed begins a decision, or agrees with the direction that is stated",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -98,30 +92,24 @@ def _confirmed(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
     waits = before(machine.mode).eq(machine.modes[1]) & ~own.balise & ~own.backwards
     stated = machine.output("direction")
-    yield always(
+    yield for_all_inputs(
         "the awaited model states the direction",
         (waits & own.ahead.eq(before(own.awaited))).implies(stated.eq(ite(was(own.along), ALONG, AGAINST))),
         statement="the awaited model ahead states the direction that the model passed began",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "another model ends the decision",
         (waits & own.ahead.ne(NO_MODEL) & own.ahead.ne(before(own.awaited))).implies(
             machine.mode.eq(machine.modes[0]) & stated.eq(UNKNOWN)
         ),
         statement="another model ahead than the awaited one ends the decision without a direction",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a decision waits for a reflector",
         (waits & own.ahead.eq(NO_MODEL)).implies(
             machine.mode.eq(machine.modes[1]) & own.awaited.eq(before(own.awaited)) & own.along.iff(was(own.along))
         ),
         statement="while no reflector is seen ahead, a decision stays open as it began",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -131,68 +119,56 @@ def _taken_back(model: TravelDirection) -> Iterator[Property]:
     refuted = (earlier_num(stated).eq(ALONG) & passed.eq(own.after)) | (
         earlier_num(stated).eq(AGAINST) & passed.eq(own.before)
     )
-    yield always(
+    yield for_all_inputs(
         "a balise that fits the other direction takes it back",
         (_tells(own) & refuted).implies(stated.eq(UNKNOWN)),
         statement="a direction is stated no longer when the models passed fit the other one",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _stays(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
     stated = machine.output("direction")
-    yield always(
+    yield for_all_inputs(
         "a stated direction stays between balises",
         (~own.balise & ~own.backwards & earlier_num(stated).ne(UNKNOWN)).implies(stated.eq(earlier_num(stated))),
         statement="a direction that was stated is taken back only at a balise, or when the vehicle turns",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "the model passed last is kept",
         own.last.eq(ite(own.backwards, NO_MODEL, _passed_last(own))),
         statement="the model of the reflector passed last is kept until another one is passed or the vehicle turns",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _turning(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    yield always(
+    yield for_all_inputs(
         "turning forgets",
         own.backwards.implies(
             machine.output("direction").eq(UNKNOWN) & own.last.eq(NO_MODEL) & machine.mode.eq(machine.modes[0])
         ),
         statement="after moving backwards nothing is stated until another balise",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _half(model: TravelDirection) -> Iterator[Property]:
     machine = model.machine
     unknown, half, *_ = machine.modes
-    yield always(
+    yield for_all_inputs(
         "half is not stated",
         machine.mode.one_of(half, unknown).implies(
             machine.output("direction").eq(UNKNOWN) & ~machine.flag("contradicts")
         ),
         statement="one model alone states no direction and contradicts no route",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _contradiction(model: TravelDirection) -> Iterator[Property]:
     stated, own = model.machine.output("direction"), model.own
     known = own.expected.ne(UNKNOWN) & stated.ne(UNKNOWN)
-    yield always(
+    yield for_all_inputs(
         "another direction than expected contradicts",
         model.machine.flag("contradicts").iff(known & stated.ne(own.expected)),
         statement="a stated direction other than that of route and movement authority is flagged in every step, and nothing else is",
-        requirements=TRACE,
-        unconditional=True,
     )

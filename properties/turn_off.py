@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, before, between, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
@@ -13,7 +14,9 @@ LAW = (
     "a switch is told while it lies ahead, with its reflector; lateral places within their error; the image of a reflector "
     "moves as it must on straight track and in a turnout"
 )
-TRACE = ("RFL-12",)
+REQUIREMENTS = ("RFL-12",)
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: TurnOff) -> list[Property]:
@@ -46,19 +49,15 @@ def _course(model: TurnOff) -> Iterator[Property]:
     """The course that is stated is the true one."""
     machine, own = model.machine, model.own
     course = machine.output("course")
-    yield always(
+    yield under_assumption(
         "course is true",
         all_of(course.eq(label).implies(own.true.eq(label)) for label in COURSE[1:]),
         statement="straight, left or right are stated only where the vehicle takes that course",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "course only after the switch",
         machine.mode.eq(machine.modes[3]).iff(course.ne(UNDECIDED)),
         statement="nothing is stated until the lateral motion has decided",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -66,19 +65,17 @@ def _contradiction(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     course = machine.output("course")
     known = own.authorised.ne(UNDECIDED) & course.ne(UNDECIDED)
-    yield always(
+    yield for_all_inputs(
         "contradiction",
         machine.flag("contradicts").iff(known & course.ne(own.authorised)),
         statement="a course other than that by map and movement authority is flagged in every step in which it is stated, and "
         "nothing else is",
-        requirements=TRACE,
-        unconditional=True,
     )
     yield reachable(
         "a contradiction is found",
         machine.flag("contradicts"),
         statement="a vehicle that takes another course than authorised is found out",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
     )
 
 
@@ -86,24 +83,20 @@ def _decided(model: TurnOff) -> Iterator[Property]:
     """A turn that must show is seen, and a turn that cannot show is not stated."""
     machine, own, config = model.machine, model.own, model.own.config
     through = (own.low - own.true_switch >= config.decide_mm) & (own.low - own.true_switch <= config.give_up_mm)
-    yield always(
+    yield under_assumption(
         "beyond the turnout a measured image decides",
         (_was_watching(model) & own.measured & ~own.switch.present & through & (own.high >= own.true_switch)).implies(
             machine.output("course").eq(own.true)
         ),
         statement="surely beyond the turnout, the first measurement of the reflector behind the switch states the true course",
-        requirements=TRACE,
-        assumption=LAW,
     )
     newly = machine.output("course").ne(earlier_num(machine.output("course")))
-    yield always(
+    yield for_all_inputs(
         "a course is stated on a measurement over the switch",
         (newly & machine.output("course").ne(UNDECIDED)).implies(
             _was_watching(model) & own.measured & (own.high >= own.here)
         ),
         statement="a course is stated only where the vehicle may be on the switch and its reflector is measured",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -111,7 +104,7 @@ def _straight(model: TurnOff) -> Iterator[Property]:
     machine, own, config = model.machine, model.own, model.own.config
     course = machine.output("course")
     moved = own.lateral - before(own.noted)
-    yield always(
+    yield for_all_inputs(
         "straight only beyond the turnout",
         (course.eq(STRAIGHT) & earlier_num(course).ne(STRAIGHT)).implies(
             own.measured
@@ -119,51 +112,41 @@ def _straight(model: TurnOff) -> Iterator[Property]:
             & between(-config.straight_mm, moved, config.straight_mm)
         ),
         statement="straight on is stated only when the vehicle is surely through and a turn would have shown",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _noting(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, ahead, over, *_ = machine.modes
-    yield always(
+    yield for_all_inputs(
         "the noted place is from before the switch",
         machine.mode.one_of(over, ahead).implies(
             own.noted.eq(before(own.noted)) | (own.noted.eq(own.lateral) & own.measured & (own.high < own.here))
         ),
         statement="the lateral place is noted only while the vehicle is surely before the switch, from a measurement",
-        requirements=TRACE,
-        unconditional=True,
     )
     error = own.config.lateral_error_mm
-    yield always(
+    yield under_assumption(
         "the noted place is the reflector's",
         machine.mode.one_of(over, ahead).implies(between(-error, own.place - own.noted, error)),
         statement="what is noted is where the reflector behind that switch lies beside the axis, within the lateral error",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _watched(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     idle, ahead, over, *_ = machine.modes
-    yield always(
+    yield for_all_inputs(
         "watched from the switch on",
         machine.mode.eq(ahead).implies(own.high < own.here) & machine.mode.eq(over).implies(own.high >= own.here),
         statement="the image is watched just while the vehicle may be on the switch",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "the switch is that of the map",
         (own.here.ne(before(own.here)) & machine.mode.ne(idle)).implies(
             own.switch.present & own.here.eq(own.switch.value) & machine.mode.eq(ahead)
         ),
         statement="another switch is watched only where the map tells it",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -172,53 +155,42 @@ def _given_up(model: TurnOff) -> Iterator[Property]:
     idle, _, over, _, unseen = machine.modes
     far = own.low - before(own.here) > config.give_up_mm
     unmeasured = (before(own.misses) > config.miss_limit_cycles - 1) & ~own.measured
-    yield always(
+    yield for_all_inputs(
         "given up only without an image",
         (machine.mode.eq(unseen) & before(machine.mode).ne(unseen)).implies(far | unmeasured),
         statement="the decision is given up only far beyond the switch, or after too many cycles without a measurement",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "given up in the end",
         (machine.mode.eq(over) & _was_watching(model)).implies(~far & ~unmeasured),
         statement="far beyond the switch, or after too many cycles without a measurement, the image is watched no longer",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "an image of another reflector decides nothing",
         (own.measured & own.switch.present & own.switch.value.ne(before(own.here)) & (own.high < own.switch.value))
         .implies(machine.output("course").eq(UNDECIDED) & machine.mode.ne(idle)),
-        statement="when the reflector behind another switch comes into view, that switch is watched, and nothing is stated",
-        requirements=TRACE,
-        unconditional=True,
-    )  # fmt: skip
+        statement="when the reflector behind another switch comes into view, that switch is watched, and nothing is stated")  # fmt: skip
 
 
 def _misses(model: TurnOff) -> Iterator[Property]:
     own, machine = model.own, model.machine
     one_more = ite(before(own.misses) < own.config.miss_limit_cycles, before(own.misses) + 1, before(own.misses))
-    yield always(
+    yield for_all_inputs(
         "cycles without a measurement are counted",
         (machine.flag("watching") & _was_watching(model)).implies(own.misses.eq(ite(~own.measured, one_more, 0))),
         statement="while the image is watched, cycles in a row without a measurement are counted",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _backs_off(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     idle, ahead, *_, unseen = machine.modes
-    yield always(
+    yield for_all_inputs(
         "before the switch nothing is stated of it",
         (own.high < own.here).implies(
             machine.output("course").eq(UNDECIDED) & machine.mode.one_of(ahead, idle, unseen)
         ),
         statement="a vehicle that backed off, or comes to another switch, is told no course",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -226,17 +198,13 @@ def _announced(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     idle, ahead, *_ = machine.modes
     told = own.switch.present & own.measured & (own.high < own.switch.value)
-    yield always(
+    yield for_all_inputs(
         "a switch in view is watched",
         (told & before(machine.mode).eq(idle)).implies(machine.mode.eq(ahead) & own.here.eq(own.switch.value)),
         statement="a switch that surely lies ahead, and whose reflector is measured, is watched from then on",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "the same switch stays watched",
         (_was_watching(model) & _same_switch(own)).implies(own.here.eq(before(own.here))),
         statement="a switch that is watched is left only for another one that is told",
-        requirements=TRACE,
-        unconditional=True,
     )

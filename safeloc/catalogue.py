@@ -39,7 +39,7 @@ NEARLY = ("properties", "property", "props")
 LARGEST_CONFIG = 1_000_000
 """Bytes of a configuration file."""
 
-__all__ = ["ENTRIES", "Entry", "Target", "load_target", "read_config"]
+__all__ = ["DEFAULTS", "ENTRIES", "Entry", "Target", "configured", "load_target", "read_config"]
 
 
 def load_target(spec: str, config: Path | None = None) -> Target:
@@ -52,6 +52,28 @@ def load_target(spec: str, config: Path | None = None) -> Target:
     Raises InputError, whose message names the requested machine and the existing ones.
     """
     return replace(_found(spec, config), spec=spec)
+
+
+DEFAULTS = "the defaults"
+"""How the configuration without changes is named beside the declared ones."""
+
+
+def configured(spec: str, names: Sequence[str]) -> Iterator[tuple[str, Target]]:
+    """Load a shipped machine in its defaults and its declared configurations, each with its name: all of them for `all`, or
+    those named. InputError for another machine and another name.
+    """
+    if spec not in ENTRIES:
+        raise InputError(
+            f"{spec}: only shipped machines declare configurations; give one of your own with --config FILE."
+        )
+    entry = ENTRIES[spec]
+    declared = {DEFAULTS: entry.config(), **entry.configurations.named}
+    unknown = [name for name in names if name not in (*declared, "all")]
+    if unknown:
+        raise InputError(f"{spec} has no configuration {unknown[0]!r}; it has all, {', '.join(declared)}.")
+    for name, config in declared.items():
+        if "all" in names or name in names:
+            yield name, replace(_built(entry, config), spec=spec, streams=())
 
 
 def _found(spec: str, config: Path | None) -> Target:

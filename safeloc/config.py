@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -12,6 +13,18 @@ class Config(BaseModel):
     """Base of every configuration: frozen, strict about types, and refusing unknown fields."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+@dataclasses.dataclass(frozen=True)
+class Configurations:
+    """Configurations in which a machine is proved beside its defaults, so that no case stays folded away (safeloc.assurance.splits).
+
+    named  name -> configuration
+    never  splits that no configuration makes live, as "file: source text", and why that is right
+    """
+
+    named: Mapping[str, BaseModel] = dataclasses.field(default_factory=dict)
+    never: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
 def quantity(default: int, unit: str, low: int, high: int, source: str) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from safeloc.config import Configurations
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property
@@ -30,6 +31,7 @@ class Target:
     spec      the requested name, as on the command line
     unasked   the reason why there is no property, if there is none: the name looked for, the file, and the remedy
     given     of a user's machine: the content of its configuration file
+    members   of a composition: what is claimed of each of its machines by itself, by the machine's name, in its own terms
     """
 
     name: str
@@ -47,6 +49,7 @@ class Target:
     spec: str = ""
     unasked: str = ""
     given: Mapping[str, Any] | None = None
+    members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
 
 
 Maker = Callable[[BaseModel], Target]
@@ -54,9 +57,11 @@ Maker = Callable[[BaseModel], Target]
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A shipped machine: its configuration class and how to make it."""
+    """A shipped machine: its configuration class, how to make it, and the configurations beside the defaults in which it is
+    proved."""
 
     name: str
     summary: str
     config: type[BaseModel]
     make: Maker
+    configurations: Configurations = Configurations()

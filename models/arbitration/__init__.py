@@ -42,7 +42,7 @@ from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 
 __all__ = ["SOURCES", "Arbitration", "ArbitrationConfig", "Source", "build", "parts"]
-TRACE = ("RFL-13", "RFL-14")
+REQUIREMENTS = ("RFL-13", "RFL-14")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,18 +123,19 @@ def _given(own: Parts, cycle: Cycle) -> Iterator[Transition]:
     clash, carried = cycle.any_valid & ~cycle.agree, tuple(given)
     named = drop(CONTRADICTION, cycle.highest_low(), cycle.lowest_high())
     lags = cycle.lag > own.config.lag_limit_mm
-    yield Transition("no source is left", carried, lost, ~cycle.any_valid, drop(cycle.why_withdrawn()), TRACE, 0)
-    yield Transition("sources contradict each other", carried, lost, clash, named, TRACE, 1)
-    yield Transition("tolerance exceeded", carried, lost, ~cycle.tolerable, drop(TOLERANCE), TRACE, 2)
-    yield Transition("distance and position disagree", carried, lost, lags, drop(SENSOR_FAILURE), TRACE, 3)
+    yield Transition("no source is left", carried, lost, ~cycle.any_valid, drop(cycle.why_withdrawn()), REQUIREMENTS, 0)
+    if len(own.sources) > 1:  # one cannot contradict itself
+        yield Transition("sources contradict each other", carried, lost, clash, named, REQUIREMENTS, 1)
+    yield Transition("tolerance exceeded", carried, lost, ~cycle.tolerable, drop(TOLERANCE), REQUIREMENTS, 2)
+    yield Transition("distance and position disagree", carried, lost, lags, drop(SENSOR_FAILURE), REQUIREMENTS, 3)
     kept = _told(own, cycle, cycle.lag)
     for source, target in zip(own.sources, given, strict=True):
         others, leads = tuple(mode for mode in given if mode is not target), cycle.leads(source)
-        yield Transition(f"{source.name} goes on leading", target, target, leads, kept, TRACE, 4)
+        yield Transition(f"{source.name} goes on leading", target, target, leads, kept, REQUIREMENTS, 4)
         if others:
             takes, stands_in = leads & cycle.leader_valid, leads & ~cycle.leader_valid
-            yield Transition(f"{source.name} takes over", others, target, takes, kept, TRACE, 4)
-            yield Transition(f"{source.name} stands in", others, target, stands_in, kept, TRACE, 4)
+            yield Transition(f"{source.name} takes over", others, target, takes, kept, REQUIREMENTS, 4)
+            yield Transition(f"{source.name} stands in", others, target, stands_in, kept, REQUIREMENTS, 4)
 
 
 def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
@@ -143,14 +144,14 @@ def _withheld(own: Parts, cycle: Cycle) -> Iterator[Transition]:
     begun = _told(own, cycle, as_num(0, MM))
     for source, target in zip(own.sources, given, strict=True):
         begins = cycle.usable & cycle.referred & cycle.leads(source)
-        yield Transition(f"{source.name} leads first", lost, target, begins, begun, TRACE, 0)
+        yield Transition(f"{source.name} leads first", lost, target, begins, begun, REQUIREMENTS, 0)
     if len(own.sources) > 1:
         clash = cycle.any_valid & ~cycle.agree & own.first.eq(Lit(0, own.named))
         named: dict[Var, Expr] = {own.first: cycle.highest_low(), own.second: cycle.lowest_high()}
         yield Transition(
-            "contradiction while withheld", lost, lost, clash, {**_nothing(own), **named, own.reason: CONTRADICTION}, TRACE, 1
+            "contradiction while withheld", lost, lost, clash, {**_nothing(own), **named, own.reason: CONTRADICTION}, REQUIREMENTS, 1
         )  # fmt: skip
-    yield Transition("nothing to give out", lost, lost, set=_nothing(own), requirements=TRACE, rank=2)
+    yield Transition("nothing to give out", lost, lost, set=_nothing(own), requirements=REQUIREMENTS, rank=2)
 
 
 def _told(own: Parts, cycle: Cycle, lag: Num) -> dict[Var, Expr]:

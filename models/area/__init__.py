@@ -49,7 +49,7 @@ __all__ = [
     "reports_clause",
     "um",
 ]
-TRACE = ("FVA-9",)
+REQUIREMENTS = ("FVA-9",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,13 +147,21 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     judged: dict[Var, Expr] = {one.judged: one.verdict for one in own.slots}
     nothing: dict[Var, Expr] = {**anywhere, own.rejected: as_num(0, COUNT)}
     yield Transition(
-        "something came in uncounted", table, unswept, _uncounted(own), {**followed, **anywhere, **forgotten}, TRACE, 0
+        "something came in uncounted",
+        table,
+        unswept,
+        _uncounted(own),
+        {**followed, **anywhere, **forgotten},
+        REQUIREMENTS,
+        0,
     )
-    yield Transition("counters are clear", table, swept, _empty(own), {**emptied, **judged, **nothing}, TRACE, 1)
-    yield Transition("everything loose is pushed out", unswept, swept, none_left, {**followed, **anywhere}, TRACE, 2)
+    yield Transition("counters are clear", table, swept, _empty(own), {**emptied, **judged, **nothing}, REQUIREMENTS, 1)
+    yield Transition(
+        "everything loose is pushed out", unswept, swept, none_left, {**followed, **anywhere}, REQUIREMENTS, 2
+    )
     kept = {**followed, own.loose_low: low, own.loose_high: high}
-    yield Transition("follow trains, loose vehicles apart", unswept, unswept, TRUE, kept, TRACE, 3)
-    yield Transition("follow trains", swept, swept, TRUE, {**followed, **anywhere}, TRACE, 3)
+    yield Transition("follow trains, loose vehicles apart", unswept, unswept, TRUE, kept, REQUIREMENTS, 3)
+    yield Transition("follow trains", swept, swept, TRUE, {**followed, **anywhere}, REQUIREMENTS, 3)
 
 
 def _followed(own: Parts) -> dict[Var, Expr]:

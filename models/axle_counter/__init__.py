@@ -40,7 +40,7 @@ from safeloc.models.axle_counter.passage import (
 from safeloc.models.axle_counter.world import world
 from safeloc.models.axle_head import NO_AXLE
 
-TRACE = ("FVA-3", "FVA-5")
+REQUIREMENTS = ("FVA-3", "FVA-5")
 
 
 __all__ = ["AxleCounter", "AxleCounterConfig", "build", "machine", "parts"]
@@ -123,14 +123,14 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     heard = cycle.counted & ~own.fault
 
     def spoil(name: str, source: Lit | tuple[Lit, ...], when: Bool, flaw: Lit, rank: int) -> Transition:
-        return Transition(name, source, spoilt, when, {**_nothing(own), own.flaw: flaw}, TRACE, rank)
+        return Transition(name, source, spoilt, when, {**_nothing(own), own.flaw: flaw}, REQUIREMENTS, rank)
 
     onward = heard & cycle.onward
     full = own.count + own.number > own.config.axle_limit
     long = (own.length_high > own.config.length_limit_mm * UM_PER_MM) | cycle.lost
     yield spoil("head at fault", (idle, passing, done), own.fault, HEAD_FAULT, 0)
     yield spoil("first axle without a speed", free, heard & ~speeds_told, NO_SPEED, 1)
-    yield Transition("first axle", free, passing, heard & speeds_told, _first(own), TRACE, 1)
+    yield Transition("first axle", free, passing, heard & speeds_told, _first(own), REQUIREMENTS, 1)
     flaws = [
         (long, TOO_LONG),
         (heard & ~cycle.onward, TURNED),
@@ -143,14 +143,14 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     for wrong, why in reversed(flaws):
         flaw = ite(wrong, why, flaw)
     spoiling = {**_nothing(own), own.flaw: flaw}
-    yield Transition("passage spoilt", passing, spoilt, any_of(wrong for wrong, _ in flaws), spoiling, TRACE, 1)
-    yield Transition("next axle", passing, passing, onward, _next(own, cycle), TRACE, 2)
+    yield Transition("passage spoilt", passing, spoilt, any_of(wrong for wrong, _ in flaws), spoiling, REQUIREMENTS, 1)
+    yield Transition("next axle", passing, passing, onward, _next(own, cycle), REQUIREMENTS, 2)
     sound = {**_ran(own, cycle), own.flaw: ite(cycle.length_known, SOUND, LENGTH_UNKNOWN)}
-    yield Transition("train has passed", passing, done, cycle.passed, sound, TRACE, 3)
-    yield Transition("between axles", passing, passing, TRUE, _ran(own, cycle), TRACE, 4)
+    yield Transition("train has passed", passing, done, cycle.passed, sound, REQUIREMENTS, 3)
+    yield Transition("between axles", passing, passing, TRUE, _ran(own, cycle), REQUIREMENTS, 4)
     over = own.over & ~cycle.counted & ~own.fault
-    yield Transition("passage without a record is over", spoilt, done, over, _nothing(own), TRACE, 3)
-    yield Transition("no train", free, idle, TRUE, {**_nothing(own), own.flaw: SOUND}, TRACE, 4)
+    yield Transition("passage without a record is over", spoilt, done, over, _nothing(own), REQUIREMENTS, 3)
+    yield Transition("no train", free, idle, TRUE, {**_nothing(own), own.flaw: SOUND}, REQUIREMENTS, 4)
 
 
 def _nothing(own: Parts) -> dict[Var, Expr]:

@@ -52,6 +52,23 @@ class AxleCounterConfig(Config):
             raise ValueError(f"headway_ms ({self.headway_ms}) is at least twice period_ms ({self.period_ms}).")
         return self
 
+    @model_validator(mode="after")
+    def _a_train_passes(self) -> AxleCounterConfig:
+        if self.surest_run_um <= self.axle_gap_mm * UM_PER_MM:
+            raise ValueError(
+                f"after {self.surest_run_um // UM_PER_MM} mm at most a train of max_speed_mm_s {self.max_speed_mm_s} may have "
+                f"stopped with change_mm_s2 {self.change_mm_s2}, so it has never surely run farther than axle_gap_mm "
+                f"{self.axle_gap_mm}, and no record can come; raise the speed, or lower the change or the gap."
+            )
+        return self
+
+    @property
+    def surest_run_um(self) -> int:
+        """The farthest that a train has surely run since its last axle: at the highest speed, slower in every cycle."""
+        cycles = max(1, (self.max_speed_mm_s - 1) // self.change_mm_s)
+        slower = self.change_mm_s * (cycles * (cycles + 1) // 2 - 1)
+        return ((cycles - 1) * self.max_speed_mm_s - slower) * self.period_ms
+
     @property
     def pause_cycles(self) -> int:
         """After so many cycles without an axle the next one may be another train's: both may be at the ends of theirs."""

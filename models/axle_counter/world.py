@@ -55,21 +55,21 @@ def _head_laws(own: Parts) -> dict[str, Bool | Law]:
     return {
         "a head without a fault counts every axle": Law(
             (~own.fault).implies(own.true_axles.eq(count) & way),
-            "As long as the head is not at fault, every axle is told once, in its cycle and in its direction.",
+            "As long as the head is not at fault, it reports every axle once, in its cycle and with its direction.",
             source="[S] DP 1 728 700: overlapping pulses; proved of the counting head",
             owner="supplier",
             check="counts of neighbouring counters and of the fibre compared",
         ),
         "a head without a fault measures the axle's speed": Law(
             (told & ~own.fault).implies(between(slow, abs_(own.axle_speed), fast)),
-            "Where both bounds of an axle's speed are told, they hold it, whatever its direction.",
+            "Where both bounds of an axle's speed are reported, the axle's speed lies between them, whatever its direction.",
             source="[D] spacing of the channels and time of a sample",
             owner="supplier",
             check="speeds of consecutive axles; the train's own speed",
         ),
         "a passage is told to be over when it is": Law(
             (own.over & own.true_axles.eq(0)).implies(_away_after(own)),
-            "That no train is on the counter is told only where the next axle is another passage's.",
+            "The counter is reported clear only if the next axle belongs to another passage.",
             figures=("axle_gap_mm",),
             source="[D] the counters around, or the operator's eyes",
             owner="operator",

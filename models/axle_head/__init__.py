@@ -41,7 +41,7 @@ __all__ = [
     "parts",
 ]
 MODES = ("FREE", "A_FIRST", "BOTH_UP", "B_LAST", "B_FIRST", "BOTH_DOWN", "A_LAST", "DISTURBED")
-TRACE = ("FVA-4", "FVA-5")
+REQUIREMENTS = ("FVA-4", "FVA-5")
 
 
 AxleHead = Model[Parts]
@@ -82,7 +82,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     no, a, both, b = ~own.a & ~own.b, own.a & ~own.b, own.a & own.b, ~own.a & own.b
 
     def row(name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, axle: Lit = NO_AXLE) -> Transition:
-        return Transition(name, source, target, when, {own.axle: axle}, TRACE)
+        return Transition(name, source, target, when, {own.axle: axle}, REQUIREMENTS)
 
     yield row("wheel on A", free, a_first, a)
     yield row("wheel on B", free, b_first, b)
@@ -103,7 +103,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield row("no overlap after B", (b_first, b_last), disturbed, a)
     yield row("both gone at once", (both_up, both_down), disturbed, no)
     yield row("free again", disturbed, free, no)
-    yield Transition("stay free", free, free, no, none, TRACE, 1)
+    yield Transition("stay free", free, free, no, none, REQUIREMENTS, 1)
 
 
 # ------------------------------------------------------------------ speed

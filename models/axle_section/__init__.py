@@ -32,7 +32,7 @@ from safeloc.models.axle_section.variables import (
 from safeloc.models.axle_section.world import world
 
 __all__ = ["AxleSection", "AxleSectionConfig", "Parts", "build", "machine", "parts"]
-TRACE = ("FVA-4", "FVA-5")
+REQUIREMENTS = ("FVA-4", "FVA-5")
 
 
 AxleSection = Model[Parts]
@@ -129,16 +129,18 @@ def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Tran
     believed = (clear, occupied, sweeping)
     wrong = own.fault | ~_possible(own)
     swept = _through(own) & _counted(own).eq(0) & ~_moved(own) & ~own.damped & own.reported_clear
-    yield Transition("count cannot be believed", believed, disturbed, wrong, fresh, TRACE, 0)
-    yield Transition("reset accepted", table, sweeping, answer.eq(ACCEPTED), fresh, TRACE, 1)
-    yield Transition("swept", sweeping, clear, swept, counted, TRACE, 2)
-    yield Transition("sweep goes on", sweeping, sweeping, TRUE, sweep, TRACE, 3)
-    yield Transition("all axles counted out", occupied, clear, _counted(own).eq(0) & ~own.damped, counted, TRACE, 2)
-    yield Transition("axles counted in", clear, occupied, (_counted(own) > 0) | own.damped, counted, TRACE, 2)
-    yield Transition("stay clear", clear, clear, TRUE, counted, TRACE, 3)
-    yield Transition("stay occupied", occupied, occupied, TRUE, counted, TRACE, 3)
-    yield Transition("stay disturbed", disturbed, disturbed, TRUE, told, TRACE, 3)
-    yield Transition("stay unknown", unknown, unknown, TRUE, told, TRACE, 3)
+    yield Transition("count cannot be believed", believed, disturbed, wrong, fresh, REQUIREMENTS, 0)
+    yield Transition("reset accepted", table, sweeping, answer.eq(ACCEPTED), fresh, REQUIREMENTS, 1)
+    yield Transition("swept", sweeping, clear, swept, counted, REQUIREMENTS, 2)
+    yield Transition("sweep goes on", sweeping, sweeping, TRUE, sweep, REQUIREMENTS, 3)
+    yield Transition(
+        "all axles counted out", occupied, clear, _counted(own).eq(0) & ~own.damped, counted, REQUIREMENTS, 2
+    )
+    yield Transition("axles counted in", clear, occupied, (_counted(own) > 0) | own.damped, counted, REQUIREMENTS, 2)
+    yield Transition("stay clear", clear, clear, TRUE, counted, REQUIREMENTS, 3)
+    yield Transition("stay occupied", occupied, occupied, TRUE, counted, REQUIREMENTS, 3)
+    yield Transition("stay disturbed", disturbed, disturbed, TRUE, told, REQUIREMENTS, 3)
+    yield Transition("stay unknown", unknown, unknown, TRUE, told, REQUIREMENTS, 3)
 
 
 def _ways(own: Parts) -> list[tuple[BoolVar, NumVar]]:

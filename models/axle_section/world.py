@@ -40,7 +40,7 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
     return {
         "a head without a fault counts every axle": Law(
             (~own.fault).implies(_told_truly(own)),
-            "As long as neither head is at fault, every axle that passes a head is told once, in its cycle and its direction.",
+            "As long as neither head is at fault, every axle that passes a head is reported once, in its cycle and with its direction.",
             source="[M] the safety case of the axle counter",
             owner="supplier",
             check="counts of neighbouring sections compared; the sweep after every reset",

@@ -209,8 +209,8 @@ def _counter_law(own: Parts) -> Law:
     error = seen.true_since - exact_to(since.value, NM) - (wander_after(own) - seen.reading_wander)
     return Law(
         (read_rightly(own) & since.present).implies(between(-_counted_wrong(own), error, _counted_wrong(own))),
-        "What the latched counter tells as run since the reading is wrong by no more than the odometer's rate, and by the change "
-        "of its one-off part since then.",
+        "The run since the reading, as the latched counter measures it, is wrong by no more than the odometer's rate and the "
+        "change of its one-off error since then.",
         ("rate_ppm", "constant_mm"),
         "[D] the same wheel counts",
         "supplier",
@@ -231,8 +231,8 @@ def _age_law(own: Parts) -> Law:
     forth = least + ite(fresh & (step < 1), as_num(0, NM), farthest)
     return Law(
         (read_rightly(own) & ~own.read.since.present).implies(between(-back, ran, forth)),
-        "Since the reading the vehicle ran no farther than at its highest speed, and one measuring step; where that was in this "
-        "cycle, it ran in the direction that the cycle was measured in.",
+        "Since the reading the vehicle ran no farther than at its highest speed for the age of the reading, and one measuring "
+        "step. If the reading was taken in this cycle, the vehicle ran since then in the direction measured for the cycle.",
         ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
         "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
         "supplier",
@@ -312,8 +312,8 @@ def far_off(own: Parts) -> Bool:
 def _own_place_law(own: Parts) -> Law:
     return Law(
         _placed(own).implies(_near_or_far(own, own.read.place.value, national(own))),
-        "A group lies within the national location accuracy of the place that comes with its telegram, or that the map has of "
-        "it; or so far off as a false announced one.",
+        "A group lies within the national location accuracy of its place: that of its telegram, or that of the map. Or it lies "
+        "as far off as the law of announced groups says of a false one.",
         ("default_accuracy_mm", "tolerance_mm", "detection_mm"),
         "[M] Q_NVLOCACC 12 m; the distance of false groups [D] from the tolerance",
         "infrastructure",
@@ -326,13 +326,13 @@ def _rare_law(own: Parts) -> Law:
     if own.config.trust_first_group:
         term, statement = (
             ~false,
-            "No group is far from the place it comes with: a first one is believed (trust_first_group).",
+            "No group lies far from its place: the first group is trusted (trust_first_group).",
         )
     else:
         term = (~own.world.doubted.eq(0)).implies(~false)
         statement = (
-            "After a group that is far from the place it comes with, no other such one is read before a group of another "
-            "identity that is where it is to be, and that a vehicle without a position can take for its first."
+            "After a group that lies far from its place, no second such group is read until a group of another identity is "
+            "read that lies at its place and that a vehicle without a position can accept as its first."
         )
     return Law(
         term, statement, ("trust_first_group",), "[D] cross-talk is rare; the candidate rule withstands one at a time",

@@ -47,7 +47,7 @@ __all__ = [
     "machine",
     "parts",
 ]
-TRACE = ("FVA-8", "FVA-17")
+REQUIREMENTS = ("FVA-8", "FVA-17")
 
 Emitter = Model[Parts]
 
@@ -98,16 +98,16 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     recovering: dict[Var, Expr] = {**waiting, own.passes: counted}
     enough = counted + 1 >= own.config.passes_to_recover
     hears, elsewhere = heard.eq(PASSED), heard.eq(ELSEWHERE)
-    yield Transition("own pattern from elsewhere", table, failed, elsewhere, anew, TRACE, 0)
-    yield Transition("pattern passes", tested, tested, hears & ~overdue(own), anew, TRACE, 1)
-    yield Transition("pattern does not come", (untested, tested), failed, overdue(own), anew, TRACE, 2)
-    yield Transition("first pattern passes", untested, tested, hears, anew, TRACE, 3)
+    yield Transition("own pattern from elsewhere", table, failed, elsewhere, anew, REQUIREMENTS, 0)
+    yield Transition("pattern passes", tested, tested, hears & ~overdue(own), anew, REQUIREMENTS, 1)
+    yield Transition("pattern does not come", (untested, tested), failed, overdue(own), anew, REQUIREMENTS, 2)
+    yield Transition("first pattern passes", untested, tested, hears, anew, REQUIREMENTS, 3)
     if own.config.passes_to_recover > 1:
-        yield Transition("one more pattern passes", failed, failed, hears & ~enough, one_more, TRACE, 3)
-    yield Transition("enough patterns pass", failed, tested, hears & enough, anew, TRACE, 4)
-    yield Transition("wait for the first pattern", untested, untested, TRUE, waiting, TRACE, 5)
-    yield Transition("wait for the next pattern", tested, tested, TRUE, waiting, TRACE, 5)
-    yield Transition("wait for a pattern after the failure", failed, failed, TRUE, recovering, TRACE, 5)
+        yield Transition("one more pattern passes", failed, failed, hears & ~enough, one_more, REQUIREMENTS, 3)
+    yield Transition("enough patterns pass", failed, tested, hears & enough, anew, REQUIREMENTS, 4)
+    yield Transition("wait for the first pattern", untested, untested, TRUE, waiting, REQUIREMENTS, 5)
+    yield Transition("wait for the next pattern", tested, tested, TRUE, waiting, REQUIREMENTS, 5)
+    yield Transition("wait for a pattern after the failure", failed, failed, TRUE, recovering, REQUIREMENTS, 5)
 
 
 def _clocks(own: Parts) -> dict[Var, Expr]:

@@ -13,7 +13,7 @@ from safeloc.language.units import COUNT, MM
 HEARD = members("pattern_verdict", "NOTHING", "PASSED", "FOREIGN", "NOT_DUE", "ELSEWHERE", "NO_PLACE")
 NOTHING, PASSED, FOREIGN, NOT_DUE, ELSEWHERE, NO_PLACE = HEARD
 MOST_BITS = 62
-TRACE = ("FVA-8", "FVA-17")
+REQUIREMENTS = ("FVA-8", "FVA-17")
 
 
 class EmitterConfig(Config):

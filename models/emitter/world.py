@@ -30,8 +30,8 @@ def world(own: Parts) -> World:
 def _pattern_law(own: Parts) -> Law:
     return Law(
         _comes_through(own).implies(own.next_works),
-        "What is told as this emitter's pattern, from its place, while the emitter is to send, was made by the emitter and "
-        "came through the whole chain: pulse, fibre, detector and evaluation.",
+        "A pattern that is reported as this emitter's, from its place, while the emitter is to send, was made by the emitter "
+        "and came through the whole chain: pulse, fibre, detector and evaluation.",
         ("pattern", "place_mm", "place_tolerance_mm", "due_cycles", "window_cycles", "answer_cycles"),
         "[S] the test signal is specific to its emitter, so that no other can be taken for it",
         "infrastructure",

@@ -258,8 +258,8 @@ def _run_law(own: Parts, now: Passing) -> Law:
     off = own.ghosts.step - exact_to(now.run, NM)
     return Law(
         (off <= now.error_nm) & (-off <= now.error_nm),
-        "The run told of a cycle is wrong by no more than its rate and a floor; a run of nothing is told only where the end "
-        "stands; where no run is told the train keeps to its highest speed.",
+        "The measured run of a cycle is wrong by no more than its rate and a floor. A measured run of zero means that the end "
+        "stands. In a cycle without a measured run the train runs no faster than its highest speed.",
         ("rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms"),
         "[D] measured over simulation (docs/fibre.md)",
         "supplier",
@@ -273,9 +273,10 @@ def _edge_law(own: Parts, now: Passing) -> Law:
     anywhere = own.ghosts.unheard >= own.ghosts.unheard.high
     return Law(
         now.edge.implies(anywhere | near),
-        "Where the amplitude leaves normal, or is normal again, the end passed the edge of a section, or of a false change: it "
-        "lies no farther from the end than the edge's tolerance and what was run since the amplitude was last told, at least "
-        "in that cycle. After more run than is tolerable, or before it was ever told, anywhere.",
+        "When the amplitude leaves normal, or returns to it, the end has passed the edge of a section or of a false change. "
+        "That edge lies no farther from the end than the edge's tolerance and the run since the last cycle with an amplitude "
+        "(at least the run of this cycle). If that run exceeds the tolerance, or if this is the first amplitude, the edge may "
+        "lie anywhere.",
         ("edge_tolerance_mm", "change_cdb", "return_cdb", "tolerance_mm"),
         "[D] gauge, pulse and window; [S] 002 l. 160: 5 to 10 m",
         "supplier",
@@ -287,10 +288,10 @@ def _entry_law(own: Parts, now: Passing) -> Law:
     off = own.ghosts.spot - exact_to(now.met.near, NM)
     return Law(
         (now.enters & now.alike & now.followed).implies(off.eq(0) | (off > now.bridged_nm) | (-off > now.bridged_nm)),
-        "A change of the amplitude of the kind of the section that the map has next begins where that section begins; or it "
-        "is a false change, or another section's, and lies farther away than a window can bridge: twice the tolerances of two "
-        "edges, the run since an amplitude was told, and what the run since the last edge may be wrong by. So while both "
-        "runs are known within the tolerance.",
+        "A change of the amplitude that is of the kind of the map's next section begins where that section begins. Or it is a "
+        "false change, or belongs to another section, and then lies farther away than the expectation window can bridge: "
+        "twice the tolerances of two edges, the run since the last amplitude, and the error of the run since the last edge. "
+        "This holds while both runs are known within the tolerance.",
         ("edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
         "[D] layout: what looks like the section expected, where it is expected, cannot be told from it",
         "infrastructure",
@@ -318,9 +319,9 @@ def _exit_law(own: Parts, now: Passing) -> Law:
     ends = seen.spot.eq(seen.edge) | seen.spot.eq(exact_to(seen.far, NM))
     return Law(
         (now.leaves & seen.of_map & now.followed).implies(ends | now.beyond(far)),
-        "A section of the map is left where it was entered, or at its other edge; where the amplitude was not told in "
-        "between, perhaps out of another section, that lies farther away than the longest section and what a window bridges. So "
-        "while both runs are known within the tolerance.",
+        "A section of the map is left where it was entered, or at its other edge. After cycles without an amplitude the train "
+        "may leave another section instead; that one lies farther away than the longest section and what the expectation "
+        "window can bridge. This holds while both runs are known within the tolerance.",
         ("long_mm", "edge_tolerance_mm", "rate_ppm", "floor_mm", "max_speed_mm_s", "period_ms", "tolerance_mm"),
         "[D] layout",
         "infrastructure",
@@ -349,8 +350,8 @@ def _code_law(own: Parts, now: Passing) -> Law:
     passed = now.leaves & seen.real & seen.of_map & now.along.ne(0)
     return Law(
         (passed & near).implies(ite(seen.ahead_by.eq(0), as_told, ~as_told)),
-        "A section that is entered where the map has the one asked for is as long as the map tells, if it bears that number; one "
-        "of another number, no farther off than the reach of the code, is not.",
+        "If the section that was entered has the number that the map was asked for, it has the length of the map's entry. A "
+        "section of another number within the reach of the code has the other length.",
         ("reach",),
         "[D] the code's law, kept by `make_code` and checked by `PositionCode`",
         "infrastructure",
@@ -366,8 +367,7 @@ def _count_law(own: Parts, now: Passing) -> Law:
     within = seen.band.ne(v.NORMAL) & now.band.ne(v.NORMAL) & seen.real
     return Law(
         ite(now.enters, entered, unseen & within.implies(more.eq(0))),
-        "Sections are passed one at a time, seen or not, and none while another one is passed; a false change is none of "
-        "them.",
+        "The train passes one section at a time, whether the fibre sees it or not. A false change is no section.",
         (),
         "[D] as the sections are laid",
         "infrastructure",
@@ -380,7 +380,7 @@ def _reference_law(own: Parts, now: Passing) -> Law:
     place = (off <= tolerance) & (-off <= tolerance)
     return Law(
         own.reference.implies(place & own.ghosts.next_count.eq(own.reference_count)),
-        "An accepted reference tells the end's place within the tolerance of an edge, and how many sections lie below.",
+        "An accepted reference gives the end's place within the tolerance of an edge, and the number of sections below it.",
         ("edge_tolerance_mm",),
         "[D] an axle counter at a known place",
         "operator",
@@ -392,8 +392,8 @@ def _word_law(own: Parts) -> Law:
     at_edge = own.ghosts.edge.eq(exact_to(own.answer_place, NM))
     return Law(
         own.answer.implies(at_edge & own.ghosts.count.eq(own.answer_count)),
-        "Where the map finds the word that was read, the edge passed last is the one that it tells, and so is the number of "
-        "sections below.",
+        "If the map has the code word that was read, the edge passed last is the one that the map gives for this word, and so "
+        "is the number of sections below it.",
         ("window", "reach"),
         "[D] a code in which no window with one error among its symbols is another one (fibre.code, strict)",
         "infrastructure",

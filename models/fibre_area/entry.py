@@ -33,7 +33,7 @@ from safeloc.language.units import COUNT
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW
 from safeloc.models.verification.variables import AXLE_COUNTER, FROM, NEIGHBOUR, NOBODY
 
-TRACE = ("FVA-2", "FVA-11", "FVA-D1")
+REQUIREMENTS = ("FVA-2", "FVA-11", "FVA-D1")
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +97,11 @@ def _table(
     waits: dict[Var, Expr | bool] = {**quiet, waited: waited + 1}
     leaves, enters = event.one_of(LEAVES_LOW, LEAVES_HIGH), event.one_of(ENTERS_LOW, ENTERS_HIGH)
     came = comes.one_of(AXLE_COUNTER, NEIGHBOUR)
-    yield Transition("train leaves", table, outside, leaves, quiet, TRACE, 0)
-    yield Transition("reference comes", table, told, came, heard, TRACE, 1)
-    yield Transition("train enters", table, awaited, enters, quiet, TRACE, 2)
-    yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, TRACE, 3)
-    yield Transition("wait for the reference", awaited, awaited, TRUE, waits, TRACE, 4)
-    yield Transition("train is not here", outside, outside, TRUE, quiet, TRACE, 4)
-    yield Transition("reference is known", told, told, TRUE, quiet, TRACE, 4)
-    yield Transition("reference is missing", missing, missing, TRUE, quiet, TRACE, 4)
+    yield Transition("train leaves", table, outside, leaves, quiet, REQUIREMENTS, 0)
+    yield Transition("reference comes", table, told, came, heard, REQUIREMENTS, 1)
+    yield Transition("train enters", table, awaited, enters, quiet, REQUIREMENTS, 2)
+    yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, REQUIREMENTS, 3)
+    yield Transition("wait for the reference", awaited, awaited, TRUE, waits, REQUIREMENTS, 4)
+    yield Transition("train is not here", outside, outside, TRUE, quiet, REQUIREMENTS, 4)
+    yield Transition("reference is known", told, told, TRUE, quiet, REQUIREMENTS, 4)
+    yield Transition("reference is missing", missing, missing, TRUE, quiet, REQUIREMENTS, 4)

@@ -38,7 +38,7 @@ from safeloc.language.units import MM, MS, UM
 from safeloc.language.world import Law, World
 from safeloc.models.area.slot import Reach
 
-TRACE = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
+REQUIREMENTS = ("FVA-9", "FVA-18", "FVA-2", "FVA-11")
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,13 +171,13 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     up, down = own.upwards & ~own.downwards, own.downwards & ~own.upwards
 
     def row(name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, rank: int) -> Iterator[Transition]:
-        yield Transition(name, source, target, when & good, told, TRACE, rank)
-        yield Transition(f"{name}, not told", source, target, when & ~good, untold, TRACE, rank)
+        yield Transition(name, source, target, when & good, told, REQUIREMENTS, rank)
+        yield Transition(f"{name}, not told", source, target, when & ~good, untold, REQUIREMENTS, rank)
 
     yield from row("count matches", table, whole, own.counted, 0)
     yield from row("runs up since it was whole", (whole, high), high, up, 1)
     yield from row("runs down since it was whole", (whole, low), low, down, 1)
-    yield Transition("may be in parts", table, neither, TRUE, untold, TRACE, 2)
+    yield Transition("may be in parts", table, neither, TRUE, untold, REQUIREMENTS, 2)
 
 
 def _clauses(own: Parts) -> dict[str, Law]:

@@ -34,7 +34,7 @@ from safeloc.language.machine import ANY, Initial, Machine, Transition, current_
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.variables import FROM, NEIGHBOUR, NOBODY
 
-TRACE = ("FVA-D1", "FVA-2", "FVA-11")
+REQUIREMENTS = ("FVA-D1", "FVA-2", "FVA-11")
 
 
 class BorderConfig(Config):
@@ -91,14 +91,14 @@ class Parts:
         missing = {**self.told(TRUE, NOBODY, FALSE), self.waited: none}
         sent = {**quiet, self.waited: ite(self.waited < self.waited.high, self.waited + 1, self.waited)}
         late = self.waited >= self.waited.high
-        yield Transition("train is gone", modes_, before, self.gone, quiet, TRACE, 0)
-        yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, TRACE, 1)
-        yield Transition("trust lost on the way", offered, lost, self.doubted & ~self.trusted, missing, TRACE, 1)
-        yield Transition("record lost on the way", offered, lost, late, missing, TRACE, 2)
-        yield Transition("record is sent", before, offered, self.here, sent, TRACE, 3)
-        yield Transition("record is sent again", offered, offered, TRUE, sent, TRACE, 3)
+        yield Transition("train is gone", modes_, before, self.gone, quiet, REQUIREMENTS, 0)
+        yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, REQUIREMENTS, 1)
+        yield Transition("trust lost on the way", offered, lost, self.doubted & ~self.trusted, missing, REQUIREMENTS, 1)
+        yield Transition("record lost on the way", offered, lost, late, missing, REQUIREMENTS, 2)
+        yield Transition("record is sent", before, offered, self.here, sent, REQUIREMENTS, 3)
+        yield Transition("record is sent again", offered, offered, TRUE, sent, REQUIREMENTS, 3)
         for mode, name in ((before, "not there yet"), (taken, "taken over"), (lost, "hand-over is lost")):
-            yield Transition(name, mode, mode, TRUE, quiet, TRACE, 4)
+            yield Transition(name, mode, mode, TRUE, quiet, REQUIREMENTS, 4)
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.units import MM
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-TRACE = ("FVA-D1", "FVA-1", "FVA-10")
+REQUIREMENTS = ("FVA-D1", "FVA-1", "FVA-10")
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ def _table(
     low, high = maximum(giving.low, taking.low), minimum(giving.high, taking.high)
 
     def row(name: str, target: Lit, when: Bool, bounds: tuple[Expr, Expr], rank: int) -> Transition:
-        return Transition(name, table, target, when, dict(zip(given, bounds, strict=True)), TRACE, rank)
+        return Transition(name, table, target, when, dict(zip(given, bounds, strict=True)), REQUIREMENTS, rank)
 
     none = as_num(0, MM)
     yield row("both agree", both, before & beyond & (low <= high), (low, high), 0)

@@ -7,8 +7,10 @@ that speed) and by how often in a row the receiver has agreed with both. Flags a
     WITHDRAWN   nothing is held: the receiver's word is all there is, and it is not enough
     RECOVERING  one or more fixes in a row agree among themselves; nothing is passed on
     PASSING     a fix that agrees with what is held is passed on and narrows it
-    PROBATION   the receiver said something implausible: nothing is passed on and nothing narrows, until as many fixes
-                in a row agree as are asked for
+    PROBATION   the receiver said something implausible, or contradicted itself: nothing is passed on and nothing narrows,
+                until as many fixes in a row agree as are asked for
+
+A row is broken as well where a vehicle cannot have run from one fix near the way to the next, whatever became of the first.
 
 What is held is an interval of places along the way and one of speeds. Without a fix that passes, both grow by all that
 the vehicle can do; what is wider than the tolerance is not reported, and beyond a limit it is given up. Distances are nm along the way, speeds um/s, negative against the way's direction.
@@ -17,7 +19,7 @@ the vehicle can do; what is wider than the tolerance is not reported, and beyond
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, Var, as_num, between, ceil_to, floor_div, floor_to, ite
 from safeloc.language.machine import ANY, Initial, Machine, Transition, current_mode, modes
@@ -29,7 +31,7 @@ from safeloc.models.guard.judgement import Judged, judge
 from safeloc.models.guard.variables import NOTHING, PASSED, UNCONFIRMED, GuardConfig, Parts, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-TRACE = ("MRK-D6",)
+REQUIREMENTS = ("MRK-D6",)
 
 
 def machine(config: GuardConfig | None = None) -> Machine:
@@ -62,23 +64,24 @@ def build(own: Parts) -> Guard:
         inputs=[own.advance, own.fault, own.fix, own.offset, own.age, own.ambiguous, own.elsewhere, own.speed],
         state=_state(own),
         outputs=_outputs(own, holding),
-        transitions=[*_held(own, judged, table), *_free(own, judged, table)],
+        transitions=[_heard(judged, row) for row in (*_held(own, judged, table), *_free(own, judged, table))],
         world=World(
-            ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0},
+            ghosts={own.truth: ANY, own.true_speed: ANY, own.run: 0, **law.first(own)},
             choices=[own.next_truth, own.next_speed],
             moves=law.moves(own, holding),
-            clauses=law.clauses(own, judged, holding, recovering),
-            reads_machine="its clauses still assume what passes the machine's own checks",
+            clauses=law.clauses(own, holding),
+            reads_machine="the host may count places from another origin while the output `holding` is false, and the way since "
+            "the machine's anchor is a definition; no law of receiver or vehicle reads the machine",
         ),
-        lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]))},
+        lemmas={**_rows(own, current, table), **law.lemmas(own, holding, current.one_of(*table[:2]), recovering)},
         definitions=_definitions(judged),
         mode_variable=current,
         doc=(
             "Passes on of a receiver's positions what map and motion allow, each with the interval along the way that "
-            "the vehicle is in. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes that in a "
-            "row keep every gate, the one that completes the number asked for, and every further one, is no farther from "
-            "the vehicle than it is charged. Nothing is assumed of any other fix, nor of the receiver's quality flags. A "
-            "receiver that errs along the track, slowly enough for a vehicle, for that many fixes, is not noticed."
+            "the vehicle is in. Assumed: the vehicle moves within its speed, acceleration and brake; of fixes near the way "
+            "that each follow from the one before as a vehicle can run, the one that completes the number asked for, and every "
+            "further one, is wrong by no more than its error bound. Nothing is assumed of any other fix, nor of the receiver's "
+            "quality flags. A receiver that errs along the track, slowly enough for a vehicle, for that many fixes, is not noticed."
         ),
     )
     return Guard(made, own, judged)
@@ -88,7 +91,7 @@ def _state(own: Parts) -> dict[Var, Initial]:
     box = (own.low, own.high, own.slow, own.fast)
     anchor = (own.anchor_low, own.anchor_high, own.anchor_steps)
     zero: dict[Var, Initial] = dict.fromkeys((*box, *anchor, own.agreed), 0)
-    return {**zero, own.judged: NOTHING}
+    return {**zero, own.judged: NOTHING, own.near_low: own.near_low.low, own.near_high: own.near_high.high}
 
 
 def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
@@ -105,6 +108,11 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
 # ------------------------------------------------------------------ the transition table
 
 
+def _heard(cycle: Judged, row: Transition) -> Transition:
+    """Every transition holds what was delivered as the last fix near the way, if it is one."""
+    return replace(row, set={**row.set, **cycle.near_after})
+
+
 def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions while an interval is held that has the truth in it."""
     lost, _, passing, probation = table
@@ -117,21 +125,26 @@ def _held(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
         return {**become(own, coasted), own.agreed: agreed, own.judged: judged}
 
     passed = {**become(own, narrow), own.agreed: full, own.judged: PASSED}
-    yield Transition("fix passed on", passing, passing, cycle.agrees, passed, TRACE, 0)
-    yield Transition("receiver believed again", probation, passing, cycle.agrees & cycle.confirmed, passed, TRACE, 0)
+    goes_on = cycle.agrees & cycle.follows
+    yield Transition("fix passed on", passing, passing, goes_on, passed, REQUIREMENTS, 0)
+    yield Transition("receiver believed again", probation, passing, goes_on & cycle.confirmed, passed, REQUIREMENTS, 0)
     lose = {**become(own, _nothing()), own.agreed: none, own.judged: _withheld(cycle)}
-    yield Transition("window given up", both, lost, ~kept, lose, TRACE, 1)
+    yield Transition("window given up", both, lost, ~kept, lose, REQUIREMENTS, 1)
     doubt = coast(none, cycle.verdict)
-    yield Transition("implausible fix", both, probation, cycle.implausible, doubt, TRACE, 2)
+    yield Transition("implausible fix", both, probation, cycle.implausible, doubt, REQUIREMENTS, 2)
+    none_or_one = ite(cycle.agrees, as_num(1, COUNT), none)
+    contradicts = cycle.begins & ~cycle.follows
+    begun_anew = coast(none_or_one, _withheld(cycle))
+    yield Transition("fix contradicts the one before", both, probation, contradicts, begun_anew, REQUIREMENTS, 3)
     agreeing = coast(cycle.more, as_num(UNCONFIRMED, own.judged.unit))
-    yield Transition("fix agrees on probation", probation, probation, cycle.agrees, agreeing, TRACE, 4)
+    yield Transition("fix agrees on probation", probation, probation, cycle.agrees, agreeing, REQUIREMENTS, 4)
     for mode in both:
         yield Transition(
             f"coast while {mode.label.lower()}",
             mode,
             mode,
             set=coast(own.agreed, _withheld(cycle)),
-            requirements=TRACE,
+            requirements=REQUIREMENTS,
             rank=5,
         )
 
@@ -145,17 +158,19 @@ def _free(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transit
     candidate = {**become(own, fresh), own.judged: UNCONFIRMED}
     full = {**become(own, fresh), own.agreed: as_num(config.confirmations, COUNT), own.judged: PASSED}
     agrees = cycle.agrees & cycle.begins
-    yield Transition("receiver believed", recovering, passing, agrees & cycle.confirmed, full, TRACE, 6)
-    yield Transition("fix agrees", recovering, recovering, agrees, {**candidate, own.agreed: cycle.more}, TRACE, 7)
+    yield Transition("receiver believed", recovering, passing, agrees & cycle.confirmed, full, REQUIREMENTS, 6)
+    yield Transition(
+        "fix agrees", recovering, recovering, agrees, {**candidate, own.agreed: cycle.more}, REQUIREMENTS, 7
+    )
     begin = {**candidate, own.agreed: one}
-    yield Transition("first fix", lost, recovering, cycle.begins, begin, TRACE, 7)
+    yield Transition("first fix", lost, recovering, cycle.begins, begin, REQUIREMENTS, 7)
     anew = {**become(own, fresh), own.judged: cycle.verdict, own.agreed: one}
-    yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, TRACE, 8)
+    yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, REQUIREMENTS, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
-    yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, TRACE, 9)
+    yield Transition("fixes dropped", recovering, lost, unusable, {**empty, own.judged: cycle.verdict}, REQUIREMENTS, 9)
     waiting = {**_carried(own, cycle.coasted.box), own.judged: cycle.verdict}
-    yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=TRACE, rank=10)
-    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.alone}, requirements=TRACE, rank=10)
+    yield Transition("carry what agrees", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
+    yield Transition("wait for a fix", lost, lost, set={own.judged: cycle.alone}, requirements=REQUIREMENTS, rank=10)
 
 
 def _carried(own: Parts, box: Box) -> dict[Var, Expr]:
@@ -180,6 +195,7 @@ def _definitions(cycle: Judged) -> dict[str, Expr]:
         "delivery judged alone": cycle.alone,
         "fix agrees": cycle.agrees,
         "as many agree as asked for": cycle.confirmed,
+        "fix follows from the one before": cycle.follows,
         "fix implausible": cycle.implausible,
         "low without it": cycle.coasted.box.low,
         "high without it": cycle.coasted.box.high,

@@ -20,7 +20,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.units import COUNT, MS, NM, NM_PER_MM, UM_S
+from safeloc.language.units import COUNT, MS, NM, NM_PER_MM, UM_PER_MM, UM_S
 from safeloc.models.guard.variables import GuardConfig, Parts, reach_nm
 
 
@@ -98,6 +98,16 @@ def of_fix(own: Parts) -> Box:
     place, half, fast = exact_to(own.fix.value, NM), half_nm(own), as_num(own.config.max_speed_mm_s * 1_000, UM_S)
     most = ite(own.speed.present, minimum(_speed(own) + own.config.speed_error_mm_s * 1_000, fast), fast)
     return Box(place - half, place + half, -most, most)
+
+
+def near_now(own: Parts) -> tuple[Num, Num]:
+    """Where the vehicle is by now if the last fix near the way is true, however fast it ran: from, to; nm."""
+    config = own.config
+    ran, reach = as_num(config.max_speed_mm_s * config.period_ms * UM_PER_MM + config.way_nm, NM), reach_nm(config)
+    return (
+        ite(own.advance, maximum(own.near_low - ran, -reach), own.near_low),
+        ite(own.advance, minimum(own.near_high + ran, reach), own.near_high),
+    )
 
 
 def narrowed(own: Parts, box: Box) -> Box:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Num, between, exact_to, ite, minimum
+from safeloc.language.expr import Bool, Expr, Num, Var, between, exact_to, ite, minimum
 from safeloc.language.units import NM, NM_PER_MM, UM_S
-from safeloc.models.guard.box import Box, Held, begun, half_nm, held, moved, narrowed, of_fix, told, usable
+from safeloc.models.guard.box import Box, Held, begun, half_nm, held, moved, narrowed, near_now, of_fix, told, usable
 from safeloc.models.guard.variables import (
     AMBIGUOUS,
     DOUBTFUL,
@@ -32,6 +32,7 @@ class Judged:
     fresh      what the fix says by itself, as a beginning
     verdict    of a delivery that is judged against what is held
     alone      of one that is judged by map and vehicle only
+    near       where the vehicle is by now if the last fix near the way is true: from, to
     """
 
     own: Parts
@@ -40,6 +41,7 @@ class Judged:
     fresh: Held
     verdict: Num
     alone: Num
+    near: tuple[Num, Num]
 
     @property
     def agrees(self) -> Bool:
@@ -50,6 +52,18 @@ class Judged:
     def begins(self) -> Bool:
         """By map and vehicle alone it might be true."""
         return self.alone.eq(PASSED)
+
+    @property
+    def follows(self) -> Bool:
+        """A vehicle can have run from the last fix near the way to this one, whatever became of that one."""
+        fix, (low, high) = of_fix(self.own), self.near
+        return (fix.low <= high) & (low <= fix.high)
+
+    @property
+    def near_after(self) -> dict[Var, Expr]:
+        """The updates that hold this fix as the last one near the way, if it is one."""
+        own, fix, (low, high) = self.own, of_fix(self.own), self.near
+        return {own.near_low: ite(self.begins, fix.low, low), own.near_high: ite(self.begins, fix.high, high)}
 
     @property
     def confirmed(self) -> Bool:
@@ -73,8 +87,9 @@ def judge(own: Parts) -> Judged:
     ahead = moved(own, before.box)
     with_fix = told(own, narrowed(own, ahead), before.anchor)
     alone = _alone(own)
+    verdict = _verdict(own, alone, ahead, with_fix.box)
     return Judged(
-        own, told(own, ahead, before.anchor), with_fix, begun(of_fix(own)), _verdict(own, alone, ahead, with_fix.box), alone
+        own, told(own, ahead, before.anchor), with_fix, begun(of_fix(own)), verdict, alone, near_now(own)
     )  # fmt: skip
 
 

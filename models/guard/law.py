@@ -1,76 +1,191 @@
-"""What the guard's environment keeps: how a vehicle moves, and when a fix is true.
+"""The world of the guard: how a vehicle moves, what its host does, and when a receiver's fixes are true.
 
-Nothing is assumed of a single fix, nor of any run of agreeing fixes shorter than asked for: they may lie anywhere,
-also where the guard would look for the vehicle. Nothing at all is assumed of quality flags: the guard does not read them.
+    the vehicle   moves within its figures
+    the host      may count places from another origin while the guard holds nothing
+    the receiver  may say anything for fewer fixes than are asked for; but a row of fixes near the way, each of which a
+                  vehicle can have reached from the one before, is not false when it has become as long as asked for
+
+Nothing is assumed of a fix in a shorter row, nor of quality flags. What a fix may be wrong by, and how far a vehicle runs, is
+written here in figures of its own: the machine's terms are not used.
 """
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Expr, Lit, Var, abs_, all_of, as_num, between, exact_to, ite
-from safeloc.language.units import MS, NM, UM_S
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    Var,
+    abs_,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    minimum,
+    with_unit,
+)
+from safeloc.language.machine import Initial
+from safeloc.language.units import COUNT, MM, MS, NM, UM, UM_PER_MM, UM_S
 from safeloc.language.world import Law
-from safeloc.models.guard.box import due_now, half_nm
-from safeloc.models.guard.judgement import Judged
-from safeloc.models.guard.variables import Parts
+from safeloc.models.guard.variables import NO_FAULT, GuardConfig, Parts
+
+UM_S_PER_MM_S = 1_000
 
 
-def clauses(own: Parts, cycle: Judged, holding: Bool, recovering: Bool) -> dict[str, Law]:
-    """The vehicle moves as its figures say while something is held; a confirmed fix is true within its bound."""
-    confirmed = ((holding & cycle.agrees) | (recovering & cycle.agrees)) & cycle.confirmed
+def first(own: Parts) -> dict[Var, Initial]:
+    """Ghosts with initial values: no fix near the way has come yet."""
+    return {own.heard_low: own.heard_low.low, own.heard_high: own.heard_high.high, own.row: 0}
+
+
+def clauses(own: Parts, holding: Bool) -> dict[str, Law]:
+    """The vehicle's motion, and the receiver's place and speed when a row has become long enough."""
+    long_enough = near(own) & (_row_after(own) >= own.config.confirmations)
     return {
         "the vehicle moves within its figures": Law(
             holding.implies(_motion(own)),
-            "The vehicle changes its speed by no more than acceleration and brake allow, and the way follows from the speed.",
-            ("acceleration_mm_s2", "brake_mm_s2", "period_ms"),
+            "The vehicle changes its speed by no more than acceleration and brake allow, and the way follows from the speed. The "
+            "host counts places along the way from another origin only while the guard reports that it holds none.",
+            ("acceleration_mm_s2", "brake_mm_s2", "max_speed_mm_s", "period_ms"),
             "[D] acceleration of passenger trains; [M] the strongest brake",
             "operator",
             "the rates of the vehicle class, emergency brake included, against the recorded speed",
         ),
-        "a confirmed fix is true within its bound": Law(
-            confirmed.implies(_true(own)),
-            "A fix that agrees with map and motion, after as many agreeing ones as are asked for, lies no farther from the vehicle "
-            "than it is charged; nor does its speed.",
-            ("fix_error_mm", "offset_charge_permille", "speed_error_mm_s", "confirmations"),
+        "a long row of fixes is true": Law(
+            long_enough.implies(_place_true(own)),
+            "Fixes near the way that each follow from the one before, as a vehicle can run at its highest speed, are not false "
+            "for long: the one that makes the row as long as asked for, and every further one, is wrong by no more than its "
+            "error, its distance off the track, and the run in its age at the highest speed allow.",
+            ("fix_error_mm", "offset_charge_permille", "offset_limit_mm", "max_speed_mm_s", "tolerance_mm", "confirmations"),
             "[M] errors of a receiver along the track",
             "supplier",
             "the receiver's fixes against marks of known place",
         ),
+        "a long row of fixes has true speeds": Law(
+            (long_enough & own.speed.present).implies(_speed_true(own)),
+            "The speed that comes with such a fix is wrong by no more than the receiver's speed error.",
+            ("speed_error_mm_s", "confirmations"),
+            "[M] Doppler speed of a receiver",
+            "supplier",
+            "the receiver's speed against wheel and radar",
+        ),
+    }  # fmt: skip
+
+
+def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
+    """How the ghosts move. `run` is counted from the machine's anchor; while nothing is held it rests."""
+    ran = own.run + own.next_truth - own.truth
+    anchored = own.advance & (own.anchor_steps + 1).eq(own.config.speed_window_ms // own.config.period_ms)
+    low, high = _reach(own)
+    place, error = _place(own), _error(own)
+    return {
+        own.truth: own.next_truth,
+        own.true_speed: own.next_speed,
+        own.run: ite(holding & ~anchored, ran, as_num(0, NM)),
+        own.heard_low: ite(near(own), place - error, low),
+        own.heard_high: ite(near(own), place + error, high),
+        own.row: _row_after(own),
     }
+
+
+# ------------------------------------------------------------------ the receiver
+
+
+def near(own: Parts) -> Bool:
+    """A fix is delivered that lies near the way, clearly on one track, with a speed that a vehicle can have."""
+    config = own.config
+    possible = own.speed.value <= config.max_speed_mm_s + config.speed_error_mm_s
+    return all_of(
+        [
+            own.fix.present,
+            own.fault.eq(NO_FAULT),
+            own.offset <= config.offset_limit_mm,
+            ~own.ambiguous,
+            _error(own) <= exact_to(Lit(config.tolerance_mm - 2, MM), NM),
+            own.speed.present.implies(possible),
+        ]
+    )
+
+
+def _place(own: Parts) -> Num:
+    return exact_to(own.fix.value, NM)
+
+
+def _error(own: Parts) -> Num:
+    """What a fix may be wrong by: of itself, by its distance off the track, and by its age at the highest speed."""
+    config = own.config
+    beside = with_unit(own.offset * config.offset_charge_permille, UM)
+    aged = with_unit(own.age * config.max_speed_mm_s, UM)
+    return exact_to(beside + aged + config.fix_error_mm * UM_PER_MM, NM)
+
+
+def _reach(own: Parts) -> tuple[Num, Num]:
+    """Where a vehicle can be that the last fix near the way was true of: from, to."""
+    fastest = with_unit(Lit(own.config.period_ms, MS) * own.config.max_speed_mm_s, UM)
+    ran = exact_to(fastest, NM) + _bend_nm(own.config)
+    return (
+        ite(own.advance, maximum(own.heard_low - ran, own.heard_low.low), own.heard_low),
+        ite(own.advance, minimum(own.heard_high + ran, own.heard_high.high), own.heard_high),
+    )
+
+
+def _row_after(own: Parts) -> Num:
+    """How many fixes near the way follow from each other; one off the track ends the row, one elsewhere begins it anew."""
+    (low, high), place, error = _reach(own), _place(own), _error(own)
+    follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)
+    longer = minimum(own.row + 1, own.config.confirmations)
+    off_track = own.fix.present & own.fault.eq(NO_FAULT) & (own.offset > own.config.offset_limit_mm)
+    kept = ite(off_track, as_num(0, COUNT), own.row)
+    return ite(near(own), ite(follows, longer, as_num(1, COUNT)), kept)
+
+
+def _place_true(own: Parts) -> Bool:
+    off = own.next_truth - _place(own)
+    return (off <= _error(own)) & (-off <= _error(own))
+
+
+def _speed_true(own: Parts) -> Bool:
+    wrong = abs_(own.next_speed) - exact_to(own.speed.value, UM_S)
+    return abs_(wrong) <= own.config.speed_error_mm_s * UM_S_PER_MM_S
+
+
+# ------------------------------------------------------------------ the vehicle
 
 
 def _motion(own: Parts) -> Bool:
     """Speed changes by no more than the vehicle can; the way follows from speed. In one instant nothing moves."""
     config = own.config
-    gain, change = as_num(config.speed_rise_um_s, UM_S), as_num(config.speed_change_um_s, UM_S)
+    gain, change = (rate * config.period_ms for rate in (config.acceleration_mm_s2, _strongest(config)))
     ran, sped = own.next_truth - own.truth, own.next_speed - own.true_speed
     off = ran - exact_to(own.true_speed * Lit(config.period_ms, MS), NM)
+    bend = _bend_nm(config)
     moves = all_of(
         [
-            between(-config.way_nm, off, config.way_nm),
-            sped <= ite(own.true_speed >= 0, gain, change),
-            -sped <= ite(own.true_speed <= 0, gain, change),
+            between(-bend, off, bend),
+            sped <= ite(own.true_speed >= 0, as_num(gain, UM_S), change),
+            -sped <= ite(own.true_speed <= 0, as_num(gain, UM_S), change),
         ]
     )
     return ite(own.advance, moves, ran.eq(0) & sped.eq(0))
 
 
-def _true(own: Parts) -> Bool:
-    """The fix lies no farther from the vehicle than it is charged, and so does its speed, where it tells one."""
-    half, off = half_nm(own), own.next_truth - exact_to(own.fix.value, NM)
-    error = own.config.speed_error_mm_s * 1_000
-    wrong = abs_(own.next_speed) - exact_to(own.speed.value, UM_S)
-    return between(-half, off, half) & own.speed.present.implies(between(-error, wrong, error))
+def _strongest(config: GuardConfig) -> int:
+    """The stronger of traction and brake, mm/s2."""
+    return max(config.acceleration_mm_s2, config.brake_mm_s2)
 
 
-def moves(own: Parts, holding: Bool) -> dict[Var, Expr]:
-    """How the ghosts move. While nothing is held `run` rests: where a way begins anew, so does the truth along it."""
-    ran = own.run + own.next_truth - own.truth
-    run = ite(holding & ~due_now(own), ran, as_num(0, NM))
-    return {own.truth: own.next_truth, own.true_speed: own.next_speed, own.run: run}
+def _bend_nm(config: GuardConfig) -> int:
+    """What a change of speed adds to the way of a period at most: a T^2 / 2."""
+    return _strongest(config) * config.period_ms**2 // 2
 
 
-def lemmas(own: Parts, holding: Bool, free: Bool) -> dict[str, Bool]:
-    """The truth is inside, at the anchor as well; and distance since then lags speed times duration by a known amount."""
+# ------------------------------------------------------------------ what proofs keep
+
+
+def lemmas(own: Parts, holding: Bool, free: Bool, recovering: Bool) -> dict[str, Bool]:
+    """The truth is inside, at the anchor as well; distance since then lags speed times duration; the row is the world's."""
     config = own.config
     inside = between(own.low, own.truth, own.high) & between(own.slow, own.true_speed, own.fast)
     begun = own.truth - own.run
@@ -78,6 +193,9 @@ def lemmas(own: Parts, holding: Bool, free: Bool) -> dict[str, Bool]:
         "the truth is inside": holding.implies(inside),
         "the truth was inside at the anchor": holding.implies(between(own.anchor_low, begun, own.anchor_high)),
         "no anchor while nothing is held": free.implies(own.anchor_steps.eq(0)),
+        "the last fix near the way": own.near_low.eq(own.heard_low) & own.near_high.eq(own.heard_high),
+        "no longer row than the receiver's": own.agreed <= own.row,
+        "recovering by the last fix": recovering.implies((own.low >= own.near_low) & (own.high <= own.near_high)),
     }
     for steps in range(config.window_steps):
         here = holding & own.anchor_steps.eq(steps)

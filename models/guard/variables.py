@@ -107,7 +107,9 @@ class Parts:
     low .. fast    where the vehicle is and how fast, nm and um/s (while recovering: if the last fix is true)
     anchor_*       where it was some steps ago, from which speed is told
     agreed         fixes in a row that kept every gate, up to the number asked for
+    near_*         where the vehicle is if the last fix near the way is true, nm; the whole line before the first one
     truth, true_speed, run   ghosts: nm, um/s, and nm since the anchor
+    heard_*, row   ghosts: the same of the last fix near the way, and how many in a row each follow from the one before
     """
 
     config: GuardConfig
@@ -128,9 +130,14 @@ class Parts:
     anchor_steps: NumVar
     agreed: NumVar
     judged: NumVar
+    near_low: NumVar
+    near_high: NumVar
     truth: NumVar
     true_speed: NumVar
     run: NumVar
+    heard_low: NumVar
+    heard_high: NumVar
+    row: NumVar
     next_truth: NumVar
     next_speed: NumVar
 
@@ -159,9 +166,14 @@ def parts(config: GuardConfig) -> Parts:
         number("anchor_steps", COUNT, 0, config.window_steps - 1),
         number("agreed_fixes", COUNT, 0, config.confirmations),
         choice("judged", enumeration(JUDGED)),
+        number("near_low_nm", NM, -reach, reach),
+        number("near_high_nm", NM, -reach, reach),
         number("truth_nm", NM, -2 * reach, 2 * reach),
         number("true_speed_um_s", UM_S, -fast, fast),
         number("run_nm", NM, -most, most),
+        number("heard_low_nm", NM, -reach, reach),
+        number("heard_high_nm", NM, -reach, reach),
+        number("row_fixes", COUNT, 0, config.confirmations),
         number("next_truth_nm", NM, -2 * reach, 2 * reach),
         number("next_speed_um_s", UM_S, -fast, fast),
     )

@@ -35,12 +35,16 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A source: its machines in order, how they are wired, what it states, and what sources before it owe it."""
+    """A source: its machines in order, how they are wired, what it states, and what sources before it owe it.
+
+    models  what the machines were built as, for claims about each of them
+    """
 
     machines: tuple[Machine, ...]
     wires: Mapping[Var, Expr]
     stated: Stated
     owed: tuple[Clause, ...] = ()
+    models: tuple[object, ...] = ()
 
 
 def _same_distance(step: Optional, heard: Optional) -> dict[Var, Expr]:
@@ -61,7 +65,8 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
     own = replace(own, ghosts=replace(own.ghosts, truth=moves.own.ghosts.truth, true_step=moves.own.ghosts.true_step))
     model = odometry.build(own)
     wires = [_same_distance(unit.step, heard) for unit, heard in zip(own.units, moves.own.inputs, strict=False)]
-    return Piece((model.machine,), {var: term for one in wires for var, term in one.items()}, _plainly(model.machine))
+    told = {var: term for one in wires for var, term in one.items()}
+    return Piece((model.machine,), told, _plainly(model.machine), models=(model,))
 
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
@@ -70,9 +75,10 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
     if moves.own.ghosts.units is not None:
         world = replace(world, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
     own = replace(own, world=world)
-    machine = balise.build(own).machine
+    model = balise.build(own)
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
-    return Piece((machine,), wires, _plainly(machine), _owed_law(Clause(machine, balise.ODOMETER), moves))
+    owed = _owed_law(Clause(model.machine, balise.ODOMETER), moves)
+    return Piece((model.machine,), wires, _plainly(model.machine), owed, (model,))
 
 
 def _owed_law(law: Clause, moves: Motion) -> tuple[Clause, ...]:
@@ -96,7 +102,8 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
     if moves.own.ghosts.units is not None:
         ghosts = replace(ghosts, wander=moves.own.ghosts.units.told, next_wander=moves.own.ghosts.units.next_told)
     own = replace(own, ghosts=ghosts)
-    machine = reflector.build(own).machine
+    model = reflector.build(own)
+    machine = model.machine
     error = machine.output("error")
     why = ite(error.eq(reflecting.TOLERANCE), TOLERANCE, CONTRADICTION)
     why = ite(error.one_of(reflecting.SENSOR_FAILURE, reflecting.NO_SELF_TEST), SENSOR_FAILURE, why)
@@ -108,7 +115,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         why,
     )
     wires = _told_distance(own.odometer.step, own.odometer.more, moves)
-    return Piece((machine,), wires, stated, _owed_law(Clause(machine, reflector.ODOMETER), moves))
+    return Piece((machine,), wires, stated, _owed_law(Clause(machine, reflector.ODOMETER), moves), (model,))
 
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
@@ -137,7 +144,7 @@ def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Pie
         ite(machine.flag("valid"), LOCATED, reason),
     )
     reference = () if trusted is None else (Clause(machine, REFERENCE),)
-    return Piece((selection.machine, machine), wires, stated, (*reference, Clause(machine, SELECTED)))
+    return Piece((selection.machine, machine), wires, stated, (*reference, Clause(machine, SELECTED)), (selection,))
 
 
 def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
@@ -150,7 +157,7 @@ def _fibre(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Pi
         trusted,
         NO_REFERENCE,
     )
-    return Piece((machine,), {model.own.next_truth: moves.own.ghosts.truth}, stated)
+    return Piece((machine,), {model.own.next_truth: moves.own.ghosts.truth}, stated, models=(model,))
 
 
 PIECES = {

@@ -41,7 +41,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.area.slot import Slot
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-TRACE = ("FVA-9", "FVA-18")
+REQUIREMENTS = ("FVA-9", "FVA-18")
 SENT = "the front end's interval holds it"
 """The clause that the machine before it has to keep."""
 
@@ -180,9 +180,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     }  # fmt: skip
     untold: dict[Var, Expr] = {var: as_num(0, MM) for var in told}
     known = own.valid & own.whole & between(-limit, far, limit)
-    yield Transition("both ends known", table, both, known, told, TRACE, 0)
-    yield Transition("front end known", table, front_only, own.valid, untold, TRACE, 1)
-    yield Transition("nothing known", table, nothing, TRUE, untold, TRACE, 2)
+    yield Transition("both ends known", table, both, known, told, REQUIREMENTS, 0)
+    yield Transition("front end known", table, front_only, own.valid, untold, REQUIREMENTS, 1)
+    yield Transition("nothing known", table, nothing, TRUE, untold, REQUIREMENTS, 2)
 
 
 # ------------------------------------------------------------------ the environment

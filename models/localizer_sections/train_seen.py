@@ -38,7 +38,7 @@ from safeloc.language.machine import ANY, Machine, Transition, current_mode, mod
 from safeloc.language.units import MM, MS, NM
 from safeloc.language.world import Law, World
 
-TRACE = ("FVA-9", "FVA-18")
+REQUIREMENTS = ("FVA-9", "FVA-18")
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,10 +193,12 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     told: dict[Var, Expr] = {**last, own.low: low, own.high: high, own.downwards: ~own.upwards}
     nothing: dict[Var, Expr] = {**last, own.low: as_num(0, MM), own.high: as_num(0, MM), own.downwards: FALSE}
     fits = between(-own.limit_mm, low, own.limit_mm) & between(-own.limit_mm, high, own.limit_mm)
-    yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, told, TRACE, 0)
-    yield Transition("new report of the front end", table, front_only, own.new & ~own.far.valid & fits, told, TRACE, 0)
-    yield Transition("new report beyond the line", table, silent, own.new & ~fits, nothing, TRACE, 0)
-    yield Transition("no new report", table, silent, TRUE, nothing, TRACE, 1)
+    yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, told, REQUIREMENTS, 0)
+    yield Transition(
+        "new report of the front end", table, front_only, own.new & ~own.far.valid & fits, told, REQUIREMENTS, 0
+    )
+    yield Transition("new report beyond the line", table, silent, own.new & ~fits, nothing, REQUIREMENTS, 0)
+    yield Transition("no new report", table, silent, TRUE, nothing, REQUIREMENTS, 1)
 
 
 def _bounds(own: Parts) -> tuple[Num, Num]:

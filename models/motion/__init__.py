@@ -32,7 +32,7 @@ from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import Odometer, odometer
 
 __all__ = ["Motion", "MotionConfig", "Parts", "build", "parts"]
-TRACE = ("MRK-4", "MRK-D1")
+REQUIREMENTS = ("MRK-4", "MRK-D1")
 
 
 class MotionConfig(Config):
@@ -193,9 +193,9 @@ def _rows(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     agree = TRUE if own.check is None else ~own.check.disagree
     yield Transition("distance told", table, measuring, own.told & agree, heard, ("MRK-4",), 0)
     if own.check is not None:
-        yield Transition("units disagree", table, measuring, own.check.disagree, heard, TRACE, 0)
+        yield Transition("units disagree", table, measuring, own.check.disagree, heard, REQUIREMENTS, 0)
         alone = own.check.alone & ~own.failed
-        yield Transition("distance without its check", measuring, measuring, alone, heard, TRACE, 1)
+        yield Transition("distance without its check", measuring, measuring, alone, heard, REQUIREMENTS, 1)
     yield Transition("silent too long", measuring, silent, own.failed, heard, ("MRK-D1",), 1)
     yield Transition("distance missing", measuring, measuring, TRUE, heard, ("MRK-D1",), 2)
     yield Transition("still silent", silent, silent, TRUE, heard, ("MRK-D1",), 2)

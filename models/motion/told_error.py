@@ -25,8 +25,8 @@ def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
     assert seen is not None
     law = Law(
         seen.next_told.eq(own.wander_after + _uncharged(seen, check.apart_after)),
-        "The one-off error of what is told is that of the lawful unit, and where that is the check unit, also what the two "
-        "differ by and the machine has not charged. A definition: it excludes nothing.",
+        "The one-off error of the reported run is that of the lawful unit. If the check unit is the lawful one, the difference "
+        "of both units that the machine has not yet added to its error bound counts as well. A definition: it excludes nothing.",
         source="[D] a definition",
         owner="nobody",
     )

@@ -228,7 +228,7 @@ def _standing(own: Surroundings, seen: CheckGhosts) -> Law:
         (still & seen.lawful.eq(CHECK_LAWFUL)).implies(stands),
         "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, even if the "
         "odometer is the unit that may fail: a vehicle that creeps with a locked wheel slower than the floor (2 km/h for a "
-        "radar) breaks this, and what it creeps is not charged.",
+        "radar) breaks this law, and no error is added for the distance that it creeps.",
         ("floor_mm_s",),
         "[M] a wheel that stands while the vehicle creeps for long is noticed by brake and wheel slide protection",
         "supplier",

@@ -48,6 +48,11 @@ class OdometryConfig(Config):
 
     @model_validator(mode="after")
     def _can_locate(self) -> OdometryConfig:
+        if self.first_unit.kind == self.second_unit.kind:
+            raise ValueError(
+                f"first_unit and second_unit are both of kind {self.first_unit.kind!r}: units are named by what measures, and "
+                "two of one kind fail alike; give them different kinds."
+            )
         least = min(self.first_unit.constant_mm, self.second_unit.constant_mm)
         if least >= self.tolerance_mm:
             raise ValueError(

@@ -181,9 +181,10 @@ def _reader_law(own: Parts, end: int) -> Law:
     least, most = (ite(reader.since.present, one, other) for one, other in zip(timed, untimed, strict=True))
     return Law(
         reads(own, end).implies(between(least - wrong, off, most + wrong)),
-        f"The {ENDS[end]} reader stood over the true place of its marker; what it tells as run since then is wrong by no "
-        "more than the worse rate of the units, and by what the vehicle ran in the reader's latency. Without that distance "
-        "it stood there at some time in this cycle. A cycle's speed is steady but for the greatest acceleration.",
+        f"The {ENDS[end]} reader stood over the true place of its marker. The distance run since then, which it reports "
+        "with the reading, is wrong by no more than the worse rate of the units and the run within the reader's latency. A "
+        "reading without that distance was taken at some time in this cycle. Within a cycle the speed changes by no more than "
+        "the greatest acceleration allows.",
         ("reader_latency_ms", "max_acceleration_mm_s2", "rate_ppm"),
         "[S] balise reader 10 +- 2 ms; the distance told since then [D]: by counting units, over less than a cycle",
         "supplier",

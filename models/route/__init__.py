@@ -52,7 +52,7 @@ from safeloc.models.route.variables import (
 from safeloc.models.route.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-TRACE = ("RFL-D6",)
+REQUIREMENTS = ("RFL-D6",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,17 +124,17 @@ def _table(own: Parts, after: tuple[Bounded, ...], table: tuple[Lit, ...]) -> It
         return {**own.odometer.listen(), **_nothing(own), own.reason: reason, own.refuted: as_num(0, COUNT)}
 
     begun = own.start.present
-    yield Transition("start without a route", table, lost, begun & left.eq(0), drop(CONTRADICTION), TRACE, 0)
-    yield Transition("start on one route", table, decided, begun & left.eq(1), keep, TRACE, 1)
-    yield Transition("start on several routes", table, undecided, begun & (left > 1), keep, TRACE, 1)
-    yield Transition("sensors failed", carried, lost, own.odometer.failed, drop(SENSOR_FAILURE), TRACE, 2)
-    yield Transition("no route fits", carried, lost, left.eq(0), drop(CONTRADICTION), TRACE, 3)
-    yield Transition("tolerance exceeded", carried, lost, ~tolerable, drop(TOLERANCE), TRACE, 4)
-    yield Transition("one route is left", undecided, decided, left.eq(1), keep, TRACE, 5)
-    yield Transition("run on along several routes", undecided, undecided, TRUE, keep, TRACE, 6)
-    yield Transition("run on along one route", decided, decided, TRUE, keep, TRACE, 6)
-    yield Transition("wait for a start", idle, idle, TRUE, waiting, TRACE, 7)
-    yield Transition("stay lost", lost, lost, TRUE, waiting, TRACE, 7)
+    yield Transition("start without a route", table, lost, begun & left.eq(0), drop(CONTRADICTION), REQUIREMENTS, 0)
+    yield Transition("start on one route", table, decided, begun & left.eq(1), keep, REQUIREMENTS, 1)
+    yield Transition("start on several routes", table, undecided, begun & (left > 1), keep, REQUIREMENTS, 1)
+    yield Transition("sensors failed", carried, lost, own.odometer.failed, drop(SENSOR_FAILURE), REQUIREMENTS, 2)
+    yield Transition("no route fits", carried, lost, left.eq(0), drop(CONTRADICTION), REQUIREMENTS, 3)
+    yield Transition("tolerance exceeded", carried, lost, ~tolerable, drop(TOLERANCE), REQUIREMENTS, 4)
+    yield Transition("one route is left", undecided, decided, left.eq(1), keep, REQUIREMENTS, 5)
+    yield Transition("run on along several routes", undecided, undecided, TRUE, keep, REQUIREMENTS, 6)
+    yield Transition("run on along one route", decided, decided, TRUE, keep, REQUIREMENTS, 6)
+    yield Transition("wait for a start", idle, idle, TRUE, waiting, REQUIREMENTS, 7)
+    yield Transition("stay lost", lost, lost, TRUE, waiting, REQUIREMENTS, 7)
 
 
 def _become(own: Parts, after: tuple[Bounded, ...]) -> dict[Var, Expr]:

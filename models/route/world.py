@@ -151,7 +151,7 @@ def _range_law(own: Parts) -> Law:
     too_near = origin - _after(own) - exact_to(own.sighting.value, NM)
     return Law(
         _sighted(own, between(-error, too_near, error)),
-        "The range of a sighting is the distance from end A to the reflector within the error that is told with it.",
+        "The range of a sighting is the distance from end A to the reflector, within the error reported with the sighting.",
         ("range_limit_mm",),
         "[M] FMCW radar, interpolated to centimetres",
         "supplier",

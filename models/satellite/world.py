@@ -88,7 +88,7 @@ def _references(own: Parts) -> dict[str, Law]:
     return {
         REFERENCE: Law(
             own.reference.present.implies(between(-accuracy, beside, accuracy)),
-            "A reference tells where the vehicle is at the time of the cycle, within the accuracy that it tells.",
+            "A reference gives the vehicle's place at the time of the cycle, within the accuracy given with it.",
             ("tolerance_mm",),
             "[D] balise, or the position of another machine",
             "infrastructure",
@@ -96,7 +96,7 @@ def _references(own: Parts) -> dict[str, Law]:
         ),
         "a reference's speed holds the true one": Law(
             own.reference_speed.present.implies(between(-own.speed_accuracy, faster, own.speed_accuracy)),
-            "Where a reference tells a speed, the vehicle has it within the accuracy that it tells.",
+            "If a reference gives a speed, the vehicle has this speed within the accuracy given with it.",
             ("max_speed_mm_s",),
             "[D]",
             "supplier",
@@ -110,7 +110,7 @@ def _signals(own: Parts) -> dict[str, Law]:
     return {
         "a solution is within its protection level": Law(
             _solution_holds(own),
-            "A solution from at least as many satellites as it has unknowns is within the protection level told with it, if "
+            "A solution from at least as many satellites as it has unknowns is within the protection level given with it, if "
             "the error of each of them keeps the bound: threshold, prediction and clock together.",
             told,
             "[D] linear in the errors: the sum of |weight| x bound",
@@ -163,7 +163,7 @@ def _run(own: Parts) -> dict[str, Law]:
     return {
         "what is believed of odometry is true": Law(
             own.odometry.present.implies(between(-error, off, error)),
-            "The vehicle ran in the cycle what odometry tells, within the error that it tells.",
+            "The vehicle ran in the cycle what odometry reports, within the error reported with it.",
             ("max_speed_mm_s", "period_ms"),
             "[D] the odometer's own error law",
             "supplier",

@@ -42,7 +42,7 @@ from safeloc.models.area import parts as area_parts
 from safeloc.models.area.judged import EVIDENCE, NO_TRUST, NOTHING_YET, TRUST, Judged, TrainHere
 from safeloc.models.area.separation import Following, headway_ms, separation_mm
 
-TRACE = ("FVA-9", "FVA-18")
+REQUIREMENTS = ("FVA-9", "FVA-18")
 RULES = {
     ("FREE", "UNKNOWN"): 1,
     ("FREE", "OCCUPIED"): 2,
@@ -247,11 +247,11 @@ def _table(
             by_label[target],
             judged.status(target),
             {**kept, rule: as_num(number_, COUNT), since: as_num(0, COUNT)},
-            TRACE,
+            REQUIREMENTS,
             0,
         )
     for mode in table:
         longer = minimum(since + 1, since.high)
         yield Transition(
-            f"stay {mode.label.lower()}", mode, mode, set={**kept, since: longer}, requirements=TRACE, rank=1
+            f"stay {mode.label.lower()}", mode, mode, set={**kept, since: longer}, requirements=REQUIREMENTS, rank=1
         )

@@ -19,7 +19,7 @@ from safeloc.models.stop_point.variables import (
 )
 
 Updates = dict[Var, Expr]
-TRACE = ("RFL-D7",)
+REQUIREMENTS = ("RFL-D7",)
 
 
 def rows(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -37,10 +37,10 @@ def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     idle, approach, braking, stopped, short, creeping, overrun, repositioning, held = table
     pending = (approach, braking, stopped, short, creeping, overrun, repositioning)
     over = {**_no_stop(own), own.served: own.pending, own.reason: NO_REASON}
-    yield Transition("released", (short, overrun, held), idle, own.released, over, TRACE, 0)
-    yield Transition("departs", stopped, idle, own.departure & own.valid, over, TRACE, 0)
+    yield Transition("released", (short, overrun, held), idle, own.released, over, REQUIREMENTS, 0)
+    yield Transition("departs", stopped, idle, own.departure & own.valid, over, REQUIREMENTS, 0)
     lost: Updates = {own.reason: NO_POSITION, own.distance: as_num(0, MM)}
-    yield Transition("position lost", pending, held, ~own.valid, lost, TRACE, 1)
+    yield Transition("position lost", pending, held, ~own.valid, lost, REQUIREMENTS, 1)
 
 
 def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -55,15 +55,15 @@ def _selecting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tr
         own.distance: cycle.chosen.stop - own.position,
         own.reason: NO_REASON,
     }
-    yield Transition("stop selected", idle, approach, cycle.selectable, chosen, TRACE, 2)
-    yield Transition("another stop selected", approach, approach, cycle.changed, chosen, TRACE, 2)
+    yield Transition("stop selected", idle, approach, cycle.selectable, chosen, REQUIREMENTS, 2)
+    yield Transition("another stop selected", approach, approach, cycle.changed, chosen, REQUIREMENTS, 2)
     dropped = {**_no_stop(own), own.served: as_num(0, COUNT), own.reason: NO_REASON}
-    yield Transition("no stop selected", (idle, approach), idle, ~cycle.named, dropped, TRACE, 2)
+    yield Transition("no stop selected", (idle, approach), idle, ~cycle.named, dropped, REQUIREMENTS, 2)
     refused: Updates = {own.reason: UNKNOWN_STOP}
-    yield Transition("stop not on the map", idle, idle, ~cycle.known, refused, TRACE, 3)
+    yield Transition("stop not on the map", idle, idle, ~cycle.known, refused, REQUIREMENTS, 3)
     behind: Updates = {own.reason: NOT_AHEAD}
     missed = own.valid & (cycle.high > cycle.chosen.ends) & own.selected.value.ne(own.served)
-    yield Transition("stop not ahead", idle, idle, missed, behind, TRACE, 4)
+    yield Transition("stop not ahead", idle, idle, missed, behind, REQUIREMENTS, 4)
 
 
 def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -71,41 +71,51 @@ def _approaching(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[
     _, approach, braking, stopped, short, creeping, overrun, *_ = table
     near = _near(cycle)
     ahead, measured_beyond = (approach, braking, creeping), own.precise & cycle.beyond
-    yield Transition("overruns", ahead, overrun, measured_beyond, near, TRACE, 4)
-    yield Transition("brakes", approach, braking, cycle.brake_now | ~cycle.short, near, TRACE, 5)
-    yield Transition("proceeds", approach, approach, set=near, requirements=TRACE, rank=6)
+    yield Transition("overruns", ahead, overrun, measured_beyond, near, REQUIREMENTS, 4)
+    yield Transition("brakes", approach, braking, cycle.brake_now | ~cycle.short, near, REQUIREMENTS, 5)
+    yield Transition("proceeds", approach, approach, set=near, requirements=REQUIREMENTS, rank=6)
     measured = cycle.standing & own.precise
-    yield Transition("stops in place", braking, stopped, measured & cycle.inside, near, TRACE, 5)
-    yield Transition("stops short", braking, short, measured & cycle.short, near, TRACE, 5)
-    yield Transition("brakes on", braking, braking, set=near, requirements=TRACE, rank=6)
+    yield Transition("stops in place", braking, stopped, measured & cycle.inside, near, REQUIREMENTS, 5)
+    yield Transition("stops short", braking, short, measured & cycle.short, near, REQUIREMENTS, 5)
+    yield Transition("brakes on", braking, braking, set=near, requirements=REQUIREMENTS, rank=6)
 
 
 def _standing(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Standing in the window, before it or beyond it."""
     _, _, braking, stopped, short, _, overrun, _, held = table
     near, measured = _near(cycle), cycle.standing & own.precise
-    yield Transition("rolls away", stopped, braking, ~cycle.standing, near, TRACE, 5)
-    yield Transition("found in place", (short, overrun), stopped, measured & cycle.inside, near, TRACE, 5)
-    yield Transition("found short", (stopped, overrun), short, measured & cycle.short & ~cycle.beyond, near, TRACE, 5)
+    yield Transition("rolls away", stopped, braking, ~cycle.standing, near, REQUIREMENTS, 5)
+    yield Transition("found in place", (short, overrun), stopped, measured & cycle.inside, near, REQUIREMENTS, 5)
+    yield Transition(
+        "found short", (stopped, overrun), short, measured & cycle.short & ~cycle.beyond, near, REQUIREMENTS, 5
+    )
     far = {**near, own.reason: TOO_FAR}
-    yield Transition("too far to reposition", overrun, held, measured & cycle.too_far, far, TRACE, 5)
-    yield Transition("not beyond after all", overrun, braking, own.precise & ~cycle.beyond, near, TRACE, 7)
-    yield Transition("found beyond", (stopped, short), overrun, measured & cycle.beyond & ~cycle.short, near, TRACE, 7)
+    yield Transition("too far to reposition", overrun, held, measured & cycle.too_far, far, REQUIREMENTS, 5)
+    yield Transition("not beyond after all", overrun, braking, own.precise & ~cycle.beyond, near, REQUIREMENTS, 7)
+    yield Transition(
+        "found beyond", (stopped, short), overrun, measured & cycle.beyond & ~cycle.short, near, REQUIREMENTS, 7
+    )
 
 
 def _moving(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Creeping forward into the window, and repositioning backwards into it."""
     _, _, braking, _, short, creeping, overrun, repositioning, _ = table
     near, may = _near(cycle), cycle.standing & own.precise & own.permitted
-    yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, TRACE, 8)
-    yield Transition("repositions", overrun, repositioning, may & cycle.beyond & ~cycle.short, near, TRACE, 8)
+    yield Transition("creeps forward", short, creeping, may & cycle.short & ~cycle.beyond, near, REQUIREMENTS, 8)
+    yield Transition("repositions", overrun, repositioning, may & cycle.beyond & ~cycle.short, near, REQUIREMENTS, 8)
     unsafe = ~own.precise | ~own.permitted
     again = own.valid & own.precise & cycle.standing & own.reason.eq(NO_POSITION)
-    yield Transition("stops creeping", creeping, braking, unsafe | cycle.forwards_too_fast, near, TRACE, 8)
-    yield Transition("stops reversing", repositioning, overrun, unsafe | cycle.backwards_too_fast, near, TRACE, 8)
-    yield Transition("creeps into the window", creeping, braking, ~cycle.short | (cycle.to_go <= 0), near, TRACE, 9)
-    yield Transition("backs into the window", repositioning, braking, ~cycle.beyond | cycle.short, near, TRACE, 9)
-    yield Transition("measured again", table[8], braking, again, near, TRACE, 9)
+    yield Transition("stops creeping", creeping, braking, unsafe | cycle.forwards_too_fast, near, REQUIREMENTS, 8)
+    yield Transition(
+        "stops reversing", repositioning, overrun, unsafe | cycle.backwards_too_fast, near, REQUIREMENTS, 8
+    )
+    yield Transition(
+        "creeps into the window", creeping, braking, ~cycle.short | (cycle.to_go <= 0), near, REQUIREMENTS, 9
+    )
+    yield Transition(
+        "backs into the window", repositioning, braking, ~cycle.beyond | cycle.short, near, REQUIREMENTS, 9
+    )
+    yield Transition("measured again", table[8], braking, again, near, REQUIREMENTS, 9)
 
 
 def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -117,8 +127,8 @@ def _waiting(own: Parts, cycle: Judged, table: tuple[Lit, ...]) -> Iterator[Tran
         ("stands beyond", overrun),
         ("reverses on", repositioning),
     ):
-        yield Transition(name, mode, mode, set=_near(cycle), requirements=TRACE, rank=10)
-    yield Transition("held", held, held, set={own.distance: as_num(0, MM)}, requirements=TRACE, rank=10)
+        yield Transition(name, mode, mode, set=_near(cycle), requirements=REQUIREMENTS, rank=10)
+    yield Transition("held", held, held, set={own.distance: as_num(0, MM)}, requirements=REQUIREMENTS, rank=10)
 
 
 def _near(cycle: Judged) -> Updates:

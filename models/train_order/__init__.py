@@ -20,9 +20,9 @@ from safeloc.models.train_order.lemmas import lemmas
 from safeloc.models.train_order.variables import Parts, TrainOrderConfig, parts
 from safeloc.models.train_order.world import world
 
-__all__ = ["TRACE", "Parts", "TrainOrder", "TrainOrderConfig", "build", "machine", "parts"]
+__all__ = ["REQUIREMENTS", "Parts", "TrainOrder", "TrainOrderConfig", "build", "machine", "parts"]
 
-TRACE = ("FVA-2", "FVA-11")
+REQUIREMENTS = ("FVA-2", "FVA-11")
 
 
 TrainOrder = Model[Parts]
@@ -68,9 +68,11 @@ def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transit
     kept: dict[Var, Expr] = dict(zip(own.order, cycle.after, strict=True))
     nobodys: dict[Var, Expr] = dict.fromkeys(own.belongs, zero)
     theirs: dict[Var, Expr] = dict(zip(own.belongs, cycle.after, strict=True))
-    yield Transition("order lost", table, unknown, own.fault, nobody, TRACE, 0)
-    yield Transition("impossible event", ordered, unknown, ~cycle.possible, nobody, TRACE, 1)
+    yield Transition("order lost", table, unknown, own.fault, nobody, REQUIREMENTS, 0)
+    yield Transition("impossible event", ordered, unknown, ~cycle.possible, nobody, REQUIREMENTS, 1)
     quiet = own.enters_low.eq(0) & own.enters_high.eq(0) & ~own.leaves_low & ~own.leaves_high
-    yield Transition("area is empty", table, ordered, own.clear & quiet, nobody, TRACE, 2)
-    yield Transition("patterns belong to trains", ordered, ordered, cycle.matched, {**kept, **theirs}, TRACE, 3)
-    yield Transition("patterns belong to nobody", ordered, ordered, ~cycle.matched, {**kept, **nobodys}, TRACE, 3)
+    yield Transition("area is empty", table, ordered, own.clear & quiet, nobody, REQUIREMENTS, 2)
+    yield Transition("patterns belong to trains", ordered, ordered, cycle.matched, {**kept, **theirs}, REQUIREMENTS, 3)
+    yield Transition(
+        "patterns belong to nobody", ordered, ordered, ~cycle.matched, {**kept, **nobodys}, REQUIREMENTS, 3
+    )

@@ -38,7 +38,7 @@ from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-TRACE = ("FVA-9", "FVA-18", "RFL-14")
+REQUIREMENTS = ("FVA-9", "FVA-18", "RFL-14")
 
 
 class TransmissionConfig(Config):
@@ -260,13 +260,13 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     sent = Report(TRUE, own.valid, own.position, own.below, own.above, as_num(0, COUNT))
     way = own.flying.become(choose(own.sent, sent, choose(lands, NO_REPORT, flying)))
     taken, gone = {**way, **own.held.become(flying)}, {**way, **own.held.become(NO_REPORT)}
-    yield Transition("report arrives", table, held, lands & flying.usable(config), taken, TRACE, 0)
-    yield Transition("report revokes", table, nothing, lands & ~flying.valid, gone, TRACE, 1)
-    yield Transition("report arrives too wide", table, nothing, lands, gone, TRACE, 2)
-    yield Transition("report has become too old", held, nothing, ~kept.there, gone, TRACE, 3)
-    yield Transition("report has become too wide", held, nothing, ~kept.usable(config), gone, TRACE, 4)
-    yield Transition("report grows older", held, held, TRUE, {**way, **own.held.become(kept)}, TRACE, 5)
-    yield Transition("no report", nothing, nothing, TRUE, way, TRACE, 5)
+    yield Transition("report arrives", table, held, lands & flying.usable(config), taken, REQUIREMENTS, 0)
+    yield Transition("report revokes", table, nothing, lands & ~flying.valid, gone, REQUIREMENTS, 1)
+    yield Transition("report arrives too wide", table, nothing, lands, gone, REQUIREMENTS, 2)
+    yield Transition("report has become too old", held, nothing, ~kept.there, gone, REQUIREMENTS, 3)
+    yield Transition("report has become too wide", held, nothing, ~kept.usable(config), gone, REQUIREMENTS, 4)
+    yield Transition("report grows older", held, held, TRUE, {**way, **own.held.become(kept)}, REQUIREMENTS, 5)
+    yield Transition("no report", nothing, nothing, TRUE, way, REQUIREMENTS, 5)
 
 
 # ------------------------------------------------------------------ the environment, and what helps to prove

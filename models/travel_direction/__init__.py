@@ -40,7 +40,7 @@ __all__ = [
     "machine",
     "parts",
 ]
-TRACE = ("RFL-D5",)
+REQUIREMENTS = ("RFL-D5",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,17 +90,17 @@ def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transit
     nothing: dict[Var, Expr | int | bool] = {**heard, own.awaited: NO_MODEL, own.along: False}
     fits_along = own.telling & own.latest.eq(own.before) & current.ne(along)
     fits_against = own.telling & own.latest.eq(own.after) & current.ne(against)
-    yield Transition("turned", table, unknown, own.backwards, {**nothing, own.last: NO_MODEL}, TRACE, 0)
+    yield Transition("turned", table, unknown, own.backwards, {**nothing, own.last: NO_MODEL}, REQUIREMENTS, 0)
     begun = {**heard, own.awaited: own.after, own.along: True}
-    yield Transition("fits along", table, half, fits_along, begun, TRACE, 1)
+    yield Transition("fits along", table, half, fits_along, begun, REQUIREMENTS, 1)
     begun = {**heard, own.awaited: own.before, own.along: False}
-    yield Transition("fits against", table, half, fits_against, begun, TRACE, 1)
-    yield Transition("fits neither", half, unknown, own.balise, nothing, TRACE, 2)
-    yield Transition("confirmed along", half, along, own.confirmed & own.along, nothing, TRACE, 2)
-    yield Transition("confirmed against", half, against, own.confirmed & ~own.along, nothing, TRACE, 2)
-    yield Transition("refuted", half, unknown, own.refuted, nothing, TRACE, 2)
+    yield Transition("fits against", table, half, fits_against, begun, REQUIREMENTS, 1)
+    yield Transition("fits neither", half, unknown, own.balise, nothing, REQUIREMENTS, 2)
+    yield Transition("confirmed along", half, along, own.confirmed & own.along, nothing, REQUIREMENTS, 2)
+    yield Transition("confirmed against", half, against, own.confirmed & ~own.along, nothing, REQUIREMENTS, 2)
+    yield Transition("refuted", half, unknown, own.refuted, nothing, REQUIREMENTS, 2)
     for mode in table:
-        yield Transition(f"stay {mode.label.lower()}", mode, mode, set=heard, requirements=TRACE, rank=3)
+        yield Transition(f"stay {mode.label.lower()}", mode, mode, set=heard, requirements=REQUIREMENTS, rank=3)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:

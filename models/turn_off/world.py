@@ -51,7 +51,7 @@ def _place(own: Parts) -> Num:
 def _told_ahead(own: Parts) -> Law:
     return Law(
         own.switch.present.implies(own.switch.value > own.high),
-        "The map is looked up beyond the reported interval, and tells a switch together with the reflector behind it.",
+        "The map is looked up ahead of the reported interval, and returns a switch together with the reflector behind it.",
         source="[D] the interface of the map on board",
         owner="supplier",
         check="the look-up is tested with the map",
@@ -109,8 +109,8 @@ def _turns(own: Parts, chosen: Bool, *, left: bool) -> Law:
     side = "left" if left else "right"
     return Law(
         course.implies((moved >= -config.sway_mm) & (beyond.implies(moved >= config.least_shift_mm))),
-        f"Turning {side}, the image moves to the {side} by this sign, against it no farther than the sway, and beyond the "
-        "turnout by at least the least shift.",
+        f"If the vehicle turns {side}, the image moves to the {side}: never farther the other way than the vehicle sways, and, "
+        "once the vehicle is beyond the turnout, by at least the least shift.",
         ("least_shift_mm", "decide_mm", "sway_mm"),
         "[D] turnout 1:9: 6.3 degrees, 2.5 m at 23 m of range; source l. 294",
         "infrastructure",

@@ -27,8 +27,8 @@ from safeloc.models.verification.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 __all__ = ["Verification", "VerificationConfig", "build", "machine", "parts"]
-TRACE = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")
-ENTRY = (*TRACE, "FVA-3", "FVA-12", "FVA-4", "FVA-13", "FVA-14", "FVA-D1")
+REQUIREMENTS = ("FVA-1", "FVA-2", "FVA-10", "FVA-11")
+ENTRY = (*REQUIREMENTS, "FVA-3", "FVA-12", "FVA-4", "FVA-13", "FVA-14", "FVA-D1")
 COURSE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16", "FVA-8", "FVA-17")
 
 
@@ -94,16 +94,18 @@ def _table(own: Parts, judged: Judged, table: tuple[Lit, ...]) -> Iterator[Trans
     sure: dict[Var, Expr] = {own.reason: VERIFIED, own.given: TRUE}
     waits: dict[Var, Expr] = {**judged.take(), own.reason: why, own.given: FALSE}
     taken, course = {**judged.take(), **sure}, {**judged.go_on(), **sure}
-    yield Transition("train has left", table, none, own.leaves, gone, TRACE, 0)
-    yield Transition("mismatch", table, untrusted, judged.mismatch, refused, (*TRACE, "FVA-6", "FVA-7", "FVA-8"), 1)
+    yield Transition("train has left", table, none, own.leaves, gone, REQUIREMENTS, 0)
+    yield Transition(
+        "mismatch", table, untrusted, judged.mismatch, refused, (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1
+    )
     yield Transition("reference accepted and verified", table, trusted, judged.accepted & good, taken, ENTRY, 2)
     yield Transition("reference accepted", table, withheld, judged.accepted & ~good, waits, ENTRY, 2)
-    yield Transition("verified", known, trusted, good, course, (*TRACE, *COURSE), 3)
-    yield Transition("still verified", trusted, trusted, fresh, course, (*TRACE, *COURSE), 4)
+    yield Transition("verified", known, trusted, good, course, (*REQUIREMENTS, *COURSE), 3)
+    yield Transition("still verified", trusted, trusted, fresh, course, (*REQUIREMENTS, *COURSE), 4)
     lacking: dict[Var, Expr] = {**judged.go_on(), own.reason: why}
-    yield Transition("not verified now", known, withheld, TRUE, lacking, (*TRACE, *COURSE), 5)
-    yield Transition("mismatch is kept", untrusted, untrusted, TRUE, {}, TRACE, 5)
-    yield Transition("no train", none, none, TRUE, gone, TRACE, 5)
+    yield Transition("not verified now", known, withheld, TRUE, lacking, (*REQUIREMENTS, *COURSE), 5)
+    yield Transition("mismatch is kept", untrusted, untrusted, TRUE, {}, REQUIREMENTS, 5)
+    yield Transition("no train", none, none, TRUE, gone, REQUIREMENTS, 5)
 
 
 # ------------------------------------------------------------------ what is given out

@@ -52,14 +52,14 @@ def _features(own: Parts) -> dict[str, Bool | Law]:
     return {
         "the fibre's count is the train's": Law(
             counted.implies(own.seen_count.value.eq(own.next_axles)),
-            "Where axles are told of a pattern, the train that it belongs to has as many.",
+            "Where the fibre reports a number of axles with a pattern, the train that makes the pattern has as many.",
             source="[S] Kowarik 2020: bogies can be counted, single axles not shown; [D] docs/signals.md: often not told",
             owner="supplier",
             check="count of every train against that of the counters",
         ),
         "the fibre's length is the train's within its tolerance": Law(
             measured.implies(between(-tolerance, off, tolerance)),
-            "Where a length is told of a pattern, it is that of the train it belongs to, within the tolerance.",
+            "Where the fibre reports a length with a pattern, it is that of the train that makes the pattern, within the tolerance.",
             figures=("length_tolerance_mm",),
             source="[D] of the front end, measured",
             owner="supplier",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import (
     Bool,
@@ -29,6 +30,8 @@ from safeloc.properties.balise.layout import layout_properties
 from safeloc.properties.balise.linking import linking_properties
 from safeloc.properties.balise.step import LAW, Step
 from safeloc.properties.no_interval import no_interval
+
+for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def properties(model: Balise) -> list[Property]:
@@ -61,14 +64,12 @@ def _safety(model: Balise) -> Iterator[Property]:
         requirements=("RFL-5", "RFL-D4"),
         assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         valid.implies(
             (machine.output("margin_above_mm") <= tolerance) & (machine.output("margin_below_mm") <= tolerance)
         ),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     nothing = [
         no_interval(machine),
@@ -77,26 +78,21 @@ def _safety(model: Balise) -> Iterator[Property]:
         ~machine.flag("wants_linking"),
         machine.output("expected").eq(0),
     ]
-    yield always(
+    yield for_all_inputs(
         "no report when invalid",
         (~valid).implies(all_of(nothing)),
         statement="nothing is reported, and no group expected, without a valid position",
         requirements=("RFL-D4", "RFL-9"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "reason stated",
         own.memory.reason.eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "contradiction delocalizes",
         own.memory.verdict.eq(v.CONTRADICTED).implies(~valid),
         statement="when a group and the interval cannot both be true, nothing is reported any more in the same step",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 
@@ -107,65 +103,54 @@ def _references(model: Balise) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     valid, config = machine.flag("valid"), own.config
     confirmed = "first group is trusted" if config.trust_first_group else "group confirms the candidate"
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired(confirmed) & machine.flag("reference_accepted")),
         statement="a position is reported again only through a group that passed every check",
         requirements=("RFL-5", "RFL-D4"),
-        unconditional=True,
     )
     accepted = own.memory.verdict.eq(v.ACCEPTED)
-    yield always(
+    yield for_all_inputs(
         "only whole and undamaged groups count",
         own.memory.verdict.one_of(v.ACCEPTED, v.CANDIDATE).implies(step.whole),
         statement="a group counts only if every balise of it was read, with right check bits, no longer ago than permitted, "
         "while running forwards",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     if not config.free_references:
-        yield always(
+        yield for_all_inputs(
             "only announced groups reset",
             (accepted & earlier_bool(valid)).implies(any_of(_entitled(step, slot) for slot in own.linking.slots)),
             statement="a located vehicle takes a position only from a group that was announced, in the announced "
             "orientation, and inside its window: the max safe front end has reached the first place where it can be "
             "read, and the min safe front end had not passed the last one",
-            requirements=("RFL-D4",),
-            unconditional=True,
         )
     expected, placed = own.linking.slots[0], own.read.place.present
     right = [step.expecting, step.read_of(expected), ~step.against(expected), step.inside(expected), ~placed]
-    yield always(
+    yield for_all_inputs(
         "the expected group counts",
         all_of([earlier_bool(valid), step.well_formed, step.whole, *right]).implies(
             own.memory.verdict.one_of(v.ACCEPTED, v.CONTRADICTED)
         ),
         statement="the expected group, read whole, in the announced orientation and inside its window, is accepted, unless it "
         "and the interval exclude each other",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 
 def _charged(model: Balise) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     accepted, valid = own.memory.verdict.eq(v.ACCEPTED), machine.flag("valid")
-    yield always(
+    yield for_all_inputs(
         "accuracy by precedence",
         (accepted & valid).implies(own.memory.accuracy.eq(step.accuracy_by_precedence)),
         statement="an accepted group is charged with the location accuracy of linking, else the national one, else the default",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     national = own.national
     told = national.known & national.kept.eq(national.received.value)
     as_before = national.kept.eq(earlier_num(national.kept)) & (national.known | ~earlier_bool(national.known))
-    yield always(
+    yield for_all_inputs(
         "a national value stays",
         ite(national.received.present, told, as_before),
         statement="a national location accuracy is in force from its reception on, until another one is received",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 
@@ -173,29 +158,23 @@ def _facing(model: Balise) -> Iterator[Property]:
     """What balises say of the direction of travel."""
     machine, own, step = model.machine, model.own, Step(model)
     along, was_along = own.memory.direction.eq(v.ALONG), earlier_num(own.memory.direction).eq(v.ALONG)
-    yield always(
+    yield for_all_inputs(
         "direction by orientation",
         (along & ~was_along).implies(step.counts & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))),
         statement="the direction of travel is stated only after a group with an orientation of its own, or a second group",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     remembers = own.memory.group.ne(0)
     now = step.counts & (step.oriented | step.surely_ahead)
-    yield always(
+    yield for_all_inputs(
         "direction is told when balises tell it",
         along.iff(remembers & (was_along | now)),
         statement="the direction is told from the group on that was passed as it was to be, or that lies surely beyond the "
         "one before, as long as a group is remembered; never by anything else",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "direction is put out",
         machine.output("direction").eq(own.memory.direction),
         statement="the direction told is the one that is remembered",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 
@@ -212,12 +191,10 @@ def _resets(model: Balise) -> Iterator[Property]:
     own, step = model.own, Step(model)
     accepted, valid = own.memory.verdict.eq(v.ACCEPTED), model.machine.flag("valid")
     interval, moved, kept = own.held.interval, step.moved, step.kept
-    yield always(
+    yield for_all_inputs(
         "a reset never widens",
         kept.implies((interval.low >= moved.low) & (interval.high <= moved.high) & (interval.margin <= moved.margin)),
         statement="no telegram moves an end of the interval outward or makes the margin greater than odometry alone had it",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     yield always(
         "a reset keeps the truth",
@@ -228,20 +205,16 @@ def _resets(model: Balise) -> Iterator[Property]:
     )
     advance = interval.low - step.old.low
     estimated = exact_to(maximum(step.distance, 0), NM)
-    yield always(
+    yield for_all_inputs(
         "min safe front end",
         (kept & ~accepted).implies(advance <= estimated),
         statement="without an accepted group the min safe front end advances by no more than the distance estimated "
         "(OCORA 7244)",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "margins never shrink",
         (kept & ~accepted).implies((interval.above >= step.old.above) & (interval.below >= step.old.below)),
         statement="without an accepted group neither margin shrinks",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 
@@ -251,12 +224,11 @@ def _told_ahead(model: Balise) -> Iterator[Property]:
     told = own.reflector.known & ~earlier_bool(own.reflector.known)
     new = own.reflector.place.ne(earlier_num(own.reflector.place)) & own.reflector.known
     reach = own.read.reflector.value
-    yield always(
+    yield for_all_inputs(
         "reflector told by an accepted telegram",
         (told | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
         statement="the distance to the next reflector is taken only from a telegram that counts, from its group's place on",
         requirements=("RFL-9",),
-        unconditional=True,
     )
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
         yield _told_of(model, name, distance)
@@ -271,13 +243,12 @@ def _told_of(model: Balise, name: str, distance: Optional) -> Property:
     still = earlier_bool(known) & (exact_to(was, NM) >= own.held.interval.low)
     kept = [known.iff(still), place.eq(ite(still, was, zero))]
     counted = own.memory.verdict.eq(v.ACCEPTED)
-    return always(
+    return for_all_inputs(
         f"{name} distance of the telegram is told",
         valid.implies(ite(counted, all_of(afresh), (~earlier_bool(valid)) | all_of(kept))),
         statement=f"from an accepted telegram with a {name} distance on, the place so far beyond its group is told, until the "
         "min safe front end is beyond it or another group counts; without that distance nothing is told",
         requirements=("RFL-9",),
-        unconditional=True,
     )
 
 
@@ -288,20 +259,16 @@ def _rejection(model: Balise) -> Iterator[Property]:
         (interval.position, interval.above, interval.below), (moved.position, moved.above, moved.below), strict=True
     )
     as_odometry = all_of(now.eq(alone) for now, alone in pairs)
-    yield always(
+    yield for_all_inputs(
         "rejected telegrams change nothing",
         (kept & own.memory.verdict.ne(v.ACCEPTED)).implies(as_odometry),
         statement="after a telegram that is not accepted, position and margins are those that odometry alone gives",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     for name, fault in _faults(step).items():
-        yield always(
+        yield for_all_inputs(
             f"{name} changes nothing",
             (kept & fault).implies(as_odometry),
             statement=f"a telegram that is {name} leaves the interval as odometry alone gives it",
-            requirements=("RFL-D4",),
-            unconditional=True,
         )
 
 
@@ -347,13 +314,11 @@ def _sensors(model: Balise) -> Iterator[Property]:
     allowed = with_unit(gap * most, MM) + most
     possible = between(-limits.max_step_mm, odometer.step.value, limits.max_step_mm)
     gate = possible & ((gap > limits.gap_limit) | between(-allowed, change, allowed))
-    yield always(
+    yield for_all_inputs(
         "odometer gate",
         odometer.judged.eq(ADMITTED).implies(odometer.step.present & gate),
         statement="a distance is admitted only below the top speed, and within the greatest change of speed since the "
         "last one",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 
 from safeloc.language.expr import Bool, Num, abs_, all_of, between, exact_to, minimum
@@ -14,6 +15,8 @@ from safeloc.models.balise.linking import Record
 from safeloc.models.balise.reckoning import as_reckoned, layout, reckoned_nm
 from safeloc.models.layout_rules import expectation_windows_apart
 from safeloc.properties.balise.step import Step
+
+for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def layout_properties(model: Balise) -> Iterator[Property]:
@@ -30,13 +33,11 @@ def _windows(model: Balise) -> Iterator[Property]:
     valid, slots = model.machine.flag("valid"), model.own.linking.slots
     for number, (nearer, farther) in enumerate(pairwise(slots), 1):
         both = _open(model, nearer) & _open(model, farther)
-        yield always(
+        yield for_all_inputs(
             f"one window at a time: groups {number} and {number + 1} ahead",
             all_of([valid, farther.held, _apart(model, nearer, farther)]).implies(~both),
             statement="where the audit found the expectation windows of two announced groups apart, the vehicle is never "
             "inside both (3.4.4.4.5)",
-            requirements=("RFL-D4",),
-            unconditional=True,
         )
     first, second = slots[:2]
     yield reachable(
@@ -71,24 +72,20 @@ def _apart(model: Balise, nearer: Record, farther: Record) -> Bool:
 
 def _reckoning(model: Balise) -> Iterator[Property]:
     own, step = model.own, Step(model)
-    yield always(
+    yield for_all_inputs(
         "margin as the audit reckons it",
         as_reckoned(own),
         statement="where the whole run since the last group was measured, the margin is at most the audit's odometry error "
         "for that distance",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     line, limit = own.config.position_limit_mm * NM_PER_MM, (own.config.tolerance_mm - 1) * NM_PER_MM
     on_line = between(-line, step.moved.position, line)
     measured = earlier_bool(own.memory.measured) & step.admitted
     lost = model.machine.fired("tolerance exceeded") & own.memory.verdict.ne(v.ACCEPTED) & on_line & measured
     run = minimum(earlier_num(own.memory.run) + abs_(step.distance), v.FARTHEST_MM)
-    yield always(
+    yield for_all_inputs(
         "no loss within the audited stretch",
         lost.implies(reckoned_nm(own.config, run, earlier_num(own.memory.accuracy)) > limit),
         statement="where the whole run since the last group was measured, the position is lost to the tolerance only at a "
         "distance at which the audit's odometry error passes it",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )

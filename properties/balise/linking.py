@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, ite, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
@@ -10,6 +11,8 @@ from safeloc.models.balise import Balise
 from safeloc.models.balise import variables as v
 from safeloc.models.balise.linking import NO_REACTION, REPLACE, SERVICE_BRAKE, TRAIN_TRIP, WITHDRAW, Record
 from safeloc.properties.balise.step import Step
+
+for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def linking_properties(model: Balise) -> Iterator[Property]:
@@ -24,13 +27,11 @@ def _kept(model: Balise) -> Iterator[Property]:
     slots = model.own.linking.slots
     for number, slot in enumerate(slots, 1):
         was = [_as_it_was(slot, before) for before in slots[number - 1 :]]
-        yield always(
+        yield for_all_inputs(
             f"announced group {number} is kept as announced",
             slot.group.eq(0) | any_of([_as_announced(model, slot), *was]),
             statement="a group that is held is one that was held before, as it was and no nearer than it was, or the one "
             "announced in this very step: its place, accuracy, orientation and linking reaction",
-            requirements=("RFL-D4",),
-            unconditional=True,
         )
 
 
@@ -58,29 +59,23 @@ def _figures(slot: Record) -> tuple[Num, ...]:
 def _windows(model: Balise) -> Iterator[Property]:
     own, step = model.own, Step(model)
     held, seen, passed, kept = step.expecting, step.announced, step.passed, step.kept
-    yield always(
+    yield for_all_inputs(
         "window closes when the min safe front end has passed",
         (kept & held & ~seen & passed).implies(own.memory.ended.eq(1) & _given_up(model)),
         statement="a group that was not read is given up in the very step in which the min safe front end passes the last "
         "place where it can be read, with its linking reaction",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no window closes early",
         (kept & (own.memory.ended > 0)).implies(seen | (held & passed)),
         statement="an announced group is given up only when it, or a later one, was read, or its window has closed",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "expected until found or given up",
         (kept & held & ~seen & ~passed & ~_relinked(model)).implies(
             own.linking.slots[0].group.eq(earlier_num(own.linking.slots[0].group))
         ),
         statement="a group stays expected until it is read, its window closes, or linking is renewed",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
 
 
@@ -105,44 +100,34 @@ def _reactions(model: Balise) -> Iterator[Property]:
     located = earlier_bool(machine.flag("valid"))
     braking = memory.reaction.one_of(SERVICE_BRAKE, TRAIN_TRIP)
     misses = all_of([located, step.expecting, ~step.announced, step.passed])
-    yield always(
+    yield for_all_inputs(
         "two missed brake",
         (misses & (earlier_num(memory.missed) >= 1)).implies(braking),
         statement="when the second announced group in a row is missed, at least the service brake is ordered in the same "
         "step, whatever its linking reaction",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "missed groups are counted",
         step.kept.implies(memory.missed.eq(_count(step))),
         statement="groups given up one after the other are counted until one is accepted",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     wrong = memory.verdict.eq(v.WRONG_DIRECTION) & located & step.announced
-    yield always(
+    yield for_all_inputs(
         "wrong direction trips",
         wrong.implies(memory.reaction.eq(TRAIN_TRIP)),
         statement="an announced group passed in the other orientation trips the train in the same step (3.16.2.3.2)",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no reaction without a linking error",
         memory.reaction.ne(NO_REACTION).implies((memory.ended > 0) & located),
         statement="a group that linking does not speak of, or a damaged telegram, is rejected without any reaction "
         "(3.16.2.4.3); only a group given up causes one",
-        requirements=("RFL-D4",),
-        unconditional=True,
     )
     for name, event in _events(step).items():
-        yield always(
+        yield for_all_inputs(
             f"told: {name}",
             (step.kept & event).implies(machine.fired(name)),
             statement=f"whenever it happens, the table says so: {name}",
-            requirements=("RFL-D4",),
-            unconditional=True,
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, abs_, any_of, before, floor_div, ite, minimum, was
 from safeloc.language.spec import Property, always
@@ -12,6 +13,8 @@ from safeloc.properties.fibre.place import LAW
 from safeloc.properties.fibre.seen import MM_IN_NM, Seen
 
 SYMBOLS = 4
+for_all_inputs = partial(always, requirements=CODE, unconditional=True)
+under_assumption = partial(always, requirements=(*CODE, *COUNTS), assumption=LAW)
 
 
 def properties(model: Fibre) -> Iterator[Property]:
@@ -28,21 +31,17 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
     off = before(own.ghosts.count) - before(own.count)
     near = was(own.ghosts.real) & (abs_(off) <= own.config.reach)
     passed = was_located & mode.eq(located) & own.signal.eq(v.PASSED) & ~own.reference
-    yield always(
+    yield under_assumption(
         "count agrees with the truth",
         (passed & near).implies(off.eq(0)),
         statement="when a real section was passed and no error is out, the count is the true one, although up to `reach` "
         "sections were missed or false before",
-        requirements=(*CODE, *COUNTS),
-        assumption=LAW,
     )
     read = seen.returns & (seen.long | seen.short)
-    yield always(
+    yield under_assumption(
         "disagreement raises F",
         (was_located & near & read & off.ne(0)).implies(mode.ne(located) | own.reference),
         statement="a real section that is passed while the count is wrong ends the location in that cycle",
-        requirements=(*CODE, *COUNTS),
-        assumption=LAW,
     )
 
 
@@ -57,26 +56,23 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     stays = before(mode).eq(located) & mode.eq(located)
     told_long = own.word.eq(floor_div(own.word, 2) * 2 + 1)
     passed = own.signal.eq(v.PASSED) & real
-    yield always(
+    yield under_assumption(
         "a length that is read is the true one",
         (counts & passed).implies(told_long.iff(long)),
         statement="a section read as a long one is long, and one read as a short one is short, however fast it was left",
         requirements=CODE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "a section passed has the length of the map",
         (stays & passed).implies(was(own.long).iff(long)),
         statement="where the end stays located past a section, that is as long as the map has it",
         requirements=CODE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "a section left again was not passed",
         (stays & own.signal.eq(v.TURNED_BACK) & ~own.reference).implies(ran.eq(0)),
         statement="what is taken for a section left on the side it was entered was left there",
         requirements=COUNTS,
-        assumption=LAW,
     )
 
 
@@ -86,40 +82,32 @@ def _words(model: Fibre) -> Iterator[Property]:
     mode, was_counting = machine.mode, before(machine.mode).eq(counting)
     window = own.config.window
     taken = own.base.eq(own.answer_place) & own.count.eq(own.answer_count)
-    yield always(
+    yield for_all_inputs(
         "a word is whole",
         (was_counting & mode.eq(located) & ~own.reference).implies(own.answer & before(own.read).eq(window) & taken),
         statement="the code tells the place only when as many symbols were read as make a window of the line unique, and it "
         "is the place that the map answers",
-        requirements=CODE,
-        unconditional=True,
     )
     counts = was_counting & mode.eq(counting)
     read = counts & seen.returns & (seen.long | seen.short)
     longer = own.read.eq(minimum(before(own.read) + 1, window))
-    yield always(
+    yield for_all_inputs(
         "the word is what was read",
         read.implies(_joined(model, _symbol(model)) & longer),
         statement="the kind and the length of the section passed join the word; the oldest symbol leaves a whole one",
-        requirements=CODE,
-        unconditional=True,
     )
     unread = counts & seen.returns & ~(seen.long | seen.short)
     turned = counts & seen.changes & was(own.counted) & seen.forwards.iff(~was(own.upwards))
-    yield always(
+    yield for_all_inputs(
         "what is not read breaks the word",
         (unread | turned).implies(own.word.eq(0) & own.read.eq(0)),
         statement="a section whose length cannot be read, or that was left again, and a change of direction begin a new word",
-        requirements=CODE,
-        unconditional=True,
     )
     kept = counts & ~seen.returns & ~turned
-    yield always(
+    yield for_all_inputs(
         "nothing else is read",
         kept.implies(own.word.eq(before(own.word)) & own.read.eq(before(own.read))),
         statement="the word changes only where a section is left, or the direction changes",
-        requirements=CODE,
-        unconditional=True,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import all_of, as_num, before, ite, minimum, was
 from safeloc.language.spec import Property, always
@@ -10,6 +11,8 @@ from safeloc.language.units import COUNT
 from safeloc.models.fibre import COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
 from safeloc.properties.fibre.seen import Seen, followed
+
+for_all_inputs = partial(always, requirements=SEEN, unconditional=True)
 
 
 def properties(model: Fibre) -> Iterator[Property]:
@@ -21,26 +24,20 @@ def properties(model: Fibre) -> Iterator[Property]:
 
 def _signals(model: Fibre) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield for_all_inputs(
         "a signal is a rise or a fall",
         own.signal.eq(v.POSITION_SIGNAL).implies(before(own.band).eq(v.NORMAL) & own.band.ne(v.NORMAL)),
         statement="a position signal arises only where the amplitude leaves normal, upwards or downwards",
-        requirements=SEEN,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "normal again is no section",
         (before(own.band).ne(v.NORMAL) & own.band.eq(v.NORMAL)).implies(own.signal.ne(v.POSITION_SIGNAL)),
         statement="the return to normal is not taken for a second section",
-        requirements=SEEN,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "one section at a time",
         before(own.band).ne(v.NORMAL).implies(own.signal.ne(v.POSITION_SIGNAL)),
         statement="between two signals the amplitude is normal",
-        requirements=SEEN,
-        unconditional=True,
     )
 
 
@@ -51,51 +48,45 @@ def _numbers(model: Fibre) -> Iterator[Property]:
     counts = followed(machine) & ~own.reference
     change = own.count - before(own.count)
     back = own.run.present & (own.run.value < 0)
-    yield always(
+    yield for_all_inputs(
         "count begins with the first signal",
         (machine.flag("count_known") & ~was(own.counted)).implies(own.signal.eq(v.POSITION_SIGNAL)),
         statement="before the first signal the count is undefined, not zero",
         requirements=COUNTS,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "waiting has no count",
         mode.eq(waiting).implies(~machine.flag("count_known") & ~machine.flag("valid")),
         statement="without a signal there is neither count nor place",
         requirements=COUNTS,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "every signal counts by direction",
         (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),
         statement="each signal counts one up where the train runs forwards, and one down where it runs back",
         requirements=COUNTS,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "running back decreases",
         (counts & back & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(-1)),
         statement="a section entered while running back decreases the count",
         requirements=COUNTS,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a section left again is uncounted",
         (counts & own.signal.eq(v.TURNED_BACK)).implies(
             change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))
         ),
         statement="a section that is left on the side it was entered no longer counts",
         requirements=COUNTS,
-        unconditional=True,
     )
     found = before(mode).eq(counting) & mode.eq(located)
     quiet = own.signal.one_of(v.NO_SIGNAL, v.PASSED) & ~found
-    yield always(
+    yield for_all_inputs(
         "nothing else counts",
         (counts & quiet).implies(change.eq(0)),
         statement="the count changes only with a signal, or with a section that is left again",
         requirements=COUNTS,
-        unconditional=True,
     )
 
 
@@ -107,37 +98,30 @@ def _amplitude(model: Fibre) -> Iterator[Property]:
     raised = seen.rises | (was_told.eq(v.RAISED) & ~seen.returns)
     lowered = seen.falls | (was_told.eq(v.LOWERED) & ~seen.returns)
     step = machine.stayed() | ~machine.stayed()
-    yield always(
+    yield for_all_inputs(
         "the band follows the amplitude",
         step.implies(after.eq(v.RAISED).iff(raised) & after.eq(v.LOWERED).iff(lowered)),
         statement="the band is raised from a rise, and lowered from a fall, until the amplitude is normal again",
-        requirements=SEEN,
-        unconditional=True,
     )
     kept = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
     hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
-    yield always(
+    yield for_all_inputs(
         "a rise or a fall is a signal",
         (hears & seen.changes & ~seen.late & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
         statement="wherever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; unless "
         "it was not told for so long, or never, that nobody knows where",
-        requirements=SEEN,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a change of long ago is no signal",
         (before(machine.mode).one_of(waiting, counting) & seen.late).implies(own.signal.ne(v.POSITION_SIGNAL)),
         statement="what is found changed when the amplitude is told again after too long a run, or for the first time, is not "
         "taken for a section entered in that cycle",
-        requirements=SEEN,
-        unconditional=True,
     )
     silent = minimum(before(own.gap) + 1, own.gap.high)
     ran = [own.forwards.iff(seen.forwards), own.gap.eq(ite(own.run.present, as_num(0, COUNT), silent))]
-    yield always(
+    yield for_all_inputs(
         "direction and silence are followed",
         step.implies(all_of(ran)),
         statement="the direction is that of the last run that was told and was not zero; silent cycles are counted",
         requirements=(*SEEN, *COUNTS),
-        unconditional=True,
     )

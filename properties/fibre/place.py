@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to, ite, minimum, was
 from safeloc.language.spec import Property, always
@@ -12,6 +13,7 @@ from safeloc.models.fibre import variables as v
 from safeloc.properties.fibre.seen import MM_IN_NM, Seen, followed
 
 LAW = "the detector's bounds, true references, and a code in which near sections differ"
+for_all_inputs = partial(always, requirements=("FWG-1", "FWG-11"), unconditional=True)
 
 
 def properties(model: Fibre) -> Iterator[Property]:
@@ -33,28 +35,24 @@ def _interval(model: Fibre) -> Iterator[Property]:
         requirements=("FWG-1", "FWG-11"),
         assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         valid.implies(above <= own.config.tolerance_mm + own.config.max_step_mm * 4),
         statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
-        requirements=("FWG-1", "FWG-11"),
-        unconditional=True,
     )
     no_event = own.signal.one_of(v.NO_SIGNAL) & was(model.own.counted)
     stays = before(machine.mode).eq(machine.modes[2]) & valid & no_event & ~own.reference
-    yield always(
+    yield for_all_inputs(
         "only edges narrow",
         stays.implies(own.drift >= before(own.drift)),
         statement="without an edge of a section, or a reference, the interval never becomes narrower",
         requirements=SEEN,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (valid & before(machine.mode).ne(machine.modes[2])).implies(_told(model)),
         statement="a place is known again only from an accepted reference, or from a whole word of the code",
         requirements=CODE,
-        unconditional=True,
     )
 
 
@@ -69,31 +67,25 @@ def _charged(model: Fibre) -> Iterator[Property]:
     """What a run may be wrong by."""
     own, seen = model.own, Seen(model.own)
     none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
-    yield always(
+    yield for_all_inputs(
         "every run is charged",
         (follows & none).implies((own.drift - seen.charge_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, and by the farthest run where "
         "none came",
-        requirements=("FWG-1", "FWG-11"),
-        unconditional=True,
     )
     edge = follows & ~none
-    yield always(
+    yield for_all_inputs(
         "an edge is charged the run of its cycle",
         edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
         statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before it: "
         "the whole run since the amplitude was last told is charged",
-        requirements=("FWG-1", "FWG-11"),
-        unconditional=True,
     )
     most = own.config.tolerance_mm * MM_IN_NM
-    yield always(
+    yield for_all_inputs(
         "the run without an amplitude is kept",
         own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
         statement="in each cycle without an amplitude the run, and what it may be wrong by, come to what was run unheard; no "
         "more than the tolerance is told apart",
-        requirements=("FWG-1", "FWG-11"),
-        unconditional=True,
     )
 
 
@@ -105,29 +97,26 @@ def _tied(model: Fibre) -> Iterator[Property]:
     edges = {v.POSITION_SIGNAL: seen.near, v.PASSED: before(own.far)}
     at = [own.signal.eq(event).implies(own.base.eq(edge)) for event, edge in edges.items()]
     others = own.signal.one_of(v.NO_SIGNAL, v.TURNED_BACK).implies(own.base.eq(before(own.base)))
-    yield always(
+    yield for_all_inputs(
         "an edge is the map's",
         stays.implies(all_of(at) & others),
         statement="with a section the place is its near edge by the map, with its end the far edge; nothing else moves it",
         requirements=(*SEEN, *COUNTS),
-        unconditional=True,
     )
     far, long = ite(seen.forwards, own.ahead.far, own.behind.far), ite(seen.forwards, own.ahead.long, own.behind.long)
     entered = own.far.eq(far) & own.long.iff(long) & own.upwards.iff(seen.forwards)
-    yield always(
+    yield for_all_inputs(
         "the section entered is the map's",
         (stays & own.signal.eq(v.POSITION_SIGNAL)).implies(entered),
         statement="far edge, length and direction of entry of the section are kept until it is left",
         requirements=(*SEEN, *CODE),
-        unconditional=True,
     )
     at_place = own.base.eq(own.reference_place) & own.since.eq(0) & own.drift.eq(0) & own.count.eq(own.reference_count)
-    yield always(
+    yield for_all_inputs(
         "a reference is taken",
         (own.reference & seen.normal).implies(machine.flag("valid") & at_place),
         statement="an accepted reference, with the amplitude normal, locates at its place and with its count",
         requirements=COUNTS,
-        unconditional=True,
     )
 
 
@@ -137,20 +126,18 @@ def _kept(model: Fibre) -> Iterator[Property]:
     waiting, _, located, faulted = machine.modes
     mode, referred = machine.mode, own.reference & seen.normal
     was_followed = before(mode).ne(waiting) & before(mode).ne(faulted)
-    yield always(
+    yield for_all_inputs(
         "a pattern that is lost has no place",
         (was_followed & ~referred & seen.lost).implies(mode.eq(waiting)),
         statement="after too long a silence, or with an interval wider than tolerable, there is neither place nor count",
         requirements=SEEN,
-        unconditional=True,
     )
     calm = ~any_flaw(seen) & ~seen.lost
-    yield always(
+    yield for_all_inputs(
         "a place is kept",
         (before(mode).eq(located) & calm).implies(mode.eq(located)),
         statement="where nothing disagrees and the pattern is followed, the end stays located",
         requirements=SEEN,
-        unconditional=True,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, as_num, before, between, exact_to, ite, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, reachable
@@ -12,11 +13,13 @@ from safeloc.models.guard.variables import NO_FAULT, PASSED, UNCONFIRMED
 from safeloc.properties.guard.step import Step
 
 LAW = (
-    "the vehicle keeps its figures; a fix that completes the row of agreeing ones is no farther off than it is charged"
+    "the vehicle keeps its figures; a fix that completes a row, near the way and each reachable from the one before, is within "
+    "its error"
 )
-TRACE = ("MRK-D6",)
+REQUIREMENTS = ("MRK-D6",)
 BEGINS = ("first fix", "fix agrees", "fix begins anew", "receiver believed")
 BACK = ("receiver believed", "receiver believed again")
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def properties(model: Guard) -> list[Property]:
@@ -33,30 +36,26 @@ def _safety(model: Guard) -> Iterator[Property]:
         "containment",
         valid.implies(between(exact_to(position - below, NM), own.truth, exact_to(position + above, NM))),
         statement="the reported interval along the way holds the vehicle",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
     )
     yield always(
         "window",
         machine.flag("holding").implies(_between_mm(machine.output("window_from_mm"), own.truth, machine.output("window_to_mm"))),
         statement="the window that fixes are compared with holds the vehicle, also where it is too wide to report",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
     )  # fmt: skip
     tolerance = own.config.tolerance_mm
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         valid.implies(between(0, below, tolerance) & between(0, above, tolerance)),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "what is passed is reported",
         machine.flag("passed").implies(valid),
         statement="a fix that is passed on comes with a valid interval",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -68,21 +67,17 @@ def _charged(model: Guard) -> Iterator[Property]:
     """What a fix may be wrong by, in figures of its own."""
     machine, own, step = model.machine, model.own, Step(model)
     low, high = step.place - step.charge, step.place + step.charge
-    yield always(
+    yield for_all_inputs(
         "a fix is charged all it may be off",
         machine.fired(*BEGINS).implies((own.low <= low) & (own.high >= high)),
         statement="an interval that begins with a fix is as wide as its error, its distance off the track, and its age at full "
         "speed make it",
-        requirements=TRACE,
-        unconditional=True,
     )
     narrowed = (own.low <= maximum(step.low, low)) & (own.high >= minimum(step.high, high))
-    yield always(
+    yield for_all_inputs(
         "a fix narrows to its charge only",
         (_was_holding(model) & machine.flag("passed")).implies(narrowed),
         statement="a fix that is passed on narrows what is held no further than to what it may be off itself",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -94,59 +89,47 @@ def _withheld(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     passed, holding, was_holding = machine.flag("passed"), machine.flag("holding"), _was_holding(model)
     slow, fast = step.speeds
-    yield always(
+    yield for_all_inputs(
         "what is withheld narrows nothing",
         (was_holding & holding & ~passed).implies(
             own.low.eq(step.low) & own.high.eq(step.high) & own.slow.eq(slow) & own.fast.eq(fast)
         ),
         statement="after a delivery that is not passed on, place and speed are held exactly as if nothing had been delivered",
-        requirements=TRACE,
-        unconditional=True,
     )
     grown = (own.low <= before(own.low)) | (before(own.slow) > 0)
-    yield always(
+    yield for_all_inputs(
         "without a fix it only widens",
         (was_holding & holding & ~passed).implies(
             (own.high - own.low >= before(own.high) - before(own.low)) | (before(own.slow) > before(own.fast))
         )
         & (grown | ~was_holding | ~holding | passed),
         statement="without a fix that is passed on, the interval never becomes narrower",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _gates(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     passed, was_holding = machine.flag("passed"), _was_holding(model)
-    yield always(
+    yield for_all_inputs(
         "faults are never passed",
         (own.fault.ne(NO_FAULT) | ~own.fix.present).implies(~passed),
         statement="what is no fix, or not finite, stale, late, repeated or out of order, is not passed on",
-        requirements=TRACE,
-        unconditional=True,
     )
     off = own.offset > own.config.offset_limit_mm
-    yield always(
+    yield for_all_inputs(
         "the map is kept",
         (off | own.ambiguous | own.elsewhere).implies(~passed),
         statement="a fix off the track, on no clear track, or where no way leads in the time, is not passed on",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "the place itself is inside",
         passed.implies(between(own.low, exact_to(own.fix.value, NM), own.high)),
         statement="a position that is passed on lies in the interval that is passed on with it",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "where the vehicle can be",
         (passed & was_holding).implies(between(step.low, own.low, step.high) & between(step.low, own.high, step.high)),
         statement="what is passed on while an interval is held lies in what the vehicle can have reached",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -155,13 +138,11 @@ def _told(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     lost = machine.modes[0]
     verdict = ite(before(machine.mode).eq(lost), step.alone, step.verdict)
-    yield always(
+    yield for_all_inputs(
         "a delivery is told as what it is",
         ite(verdict.eq(PASSED), own.judged.one_of(PASSED, UNCONFIRMED), own.judged.eq(verdict)),
         statement="faults, then what the map, the vehicle's limits, and its place and speed by now speak against: the first of "
         "these is the reason, and without any of them the fix agrees",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -170,30 +151,42 @@ def _trust(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     _, _, passing, probation = machine.modes
     was_holding, holding, now = _was_holding(model), machine.flag("holding"), machine.mode
-    yield always(
+    passed, contradicts = machine.flag("passed"), step.alone.eq(PASSED) & ~step.follows
+    yield for_all_inputs(
         "an implausible fix costs the trust",
         (was_holding & step.implausible).implies(now.ne(passing) & own.agreed.eq(0)),
         statement="a fix that contradicts map or motion puts the receiver on probation in the same step",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "nothing else costs the trust",
-        (was_holding & holding & ~step.implausible & ~step.agrees).implies(
+        (was_holding & holding & ~step.implausible & ~step.agrees & ~contradicts).implies(
             own.agreed.eq(before(own.agreed)) & now.eq(before(now))
         )
-        & (before(now).eq(passing) & now.eq(probation)).implies(step.implausible),
+        & (before(now).eq(passing) & now.eq(probation)).implies(step.implausible | contradicts),
         statement="a receiver is trusted no less for a delivery that is missing, faulty, coarse or in doubt, and no more",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
+        "a receiver that contradicts itself loses the trust",
+        (was_holding & contradicts).implies(
+            ~passed & now.ne(passing) & own.agreed.eq(ite(holding & step.agrees, as_num(1, COUNT), 0))
+        ),
+        statement="where no vehicle can have run from the last fix near the way to this one, this one is withheld, and begins a row if "
+        "it agrees with what is held",
+    )
+    least, most = step.near
+    by_itself = step.alone.eq(PASSED)
+    yield for_all_inputs(
+        "the last fix near the way is what the next is compared with",
+        own.near_low.eq(ite(by_itself, step.place - step.charge, least))
+        & own.near_high.eq(ite(by_itself, step.place + step.charge, most)),
+        statement="a fix that keeps map and vehicle is held with its error, also where it is withheld, and widens by a run at the "
+        "highest speed",
+    )
+    yield for_all_inputs(
         "what is held is given up when it bounds nothing",
         was_holding.implies(holding.iff(step.can_be_held | step.fills)),
         statement="what is held is given up when it is too wide, beyond the line or contradicts itself, and only then, unless a "
         "fix that is passed on narrows it in the same step",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -202,25 +195,21 @@ def _recovering(model: Guard) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
     lost, recovering, passing, _ = machine.modes
     now, was, begins = machine.mode, before(machine.mode), step.alone.eq(PASSED)
-    yield always(
+    yield for_all_inputs(
         "a row begins with a fix that may be true",
         was.eq(lost).implies(ite(begins, now.eq(recovering) & own.agreed.eq(1), now.eq(lost))),
         statement="while nothing is held, a fix that keeps map and vehicle begins a row of one, and nothing else does",
-        requirements=TRACE,
-        unconditional=True,
     )
     anew = now.eq(recovering) & own.agreed.eq(1)
     dropped = now.eq(lost) & own.agreed.eq(0)
     kept = now.eq(recovering) & own.agreed.eq(before(own.agreed))
     otherwise = ite(begins, anew, ite(step.implausible | ~step.can_be_held, dropped, kept))
     grows = ite(step.fills, now.eq(passing), now.eq(recovering) & own.agreed.eq(before(own.agreed) + 1))
-    yield always(
+    yield for_all_inputs(
         "a row that does not agree begins anew",
         was.eq(recovering).implies(ite(step.agrees, grows, otherwise)),
         statement="while the receiver recovers, a fix that agrees lengthens the row, one that does not begins it anew, and what "
         "contradicts the map or comes too late ends it",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -230,41 +219,31 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     most = own.config.confirmations
     back = machine.fired(*BACK)
     _, _, passing, probation = machine.modes
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(back & before(own.agreed).eq(most - 1)),
         statement="a receiver that was in doubt is believed again only with the fix that completes the row of agreeing ones",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "only a passed fix reports",
         (valid & ~earlier_bool(valid)).implies(passed & machine.mode.eq(passing)),
         statement="a position that was not reported is reported again only with a fix that is passed on",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "one fix counts once",
         (own.agreed <= before(own.agreed) + 1)
         & ((own.agreed > before(own.agreed)).implies(own.judged.one_of(PASSED, UNCONFIRMED))),
         statement="the row grows by one, and only with a fix that keeps every gate",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "only a full row passes",
         passed.implies(own.agreed.eq(most)),
         statement="nothing is passed on before as many fixes in a row agree as are asked for",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "passing is trust",
         machine.mode.eq(passing).implies(own.agreed.eq(most)) & machine.mode.eq(probation).implies(own.agreed < most),
         statement="fixes are passed on exactly while the row is full",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -274,17 +253,17 @@ def _use(model: Guard) -> Iterator[Property]:
     step = Step(model)
     agrees = step.agrees & (step.can_be_held | step.fills | ~_was_holding(model))
     was = before(own.agreed)
-    one_more = own.agreed.eq(ite(was >= most - 1, as_num(most, COUNT), was + 1))
-    yield always(
+    longer = ite(was >= most - 1, as_num(most, COUNT), was + 1)
+    counted = own.agreed.eq(ite(step.follows, longer, as_num(1, COUNT)))
+    yield for_all_inputs(
         "every agreeing fix counts",
-        (agrees & (was > 0)).implies(one_more) & (agrees & (was >= most - 1)).implies(passed),
-        statement="a row grows with each fix that agrees, and is passed on when it is full, unless the window ends first",
-        requirements=TRACE,
-        unconditional=True,
+        (agrees & (was > 0)).implies(counted) & (agrees & step.follows & (was >= most - 1)).implies(passed),
+        statement="a row grows with each fix that agrees and follows from the one before, begins anew with one that only agrees, and "
+        "is passed on when it is full, unless the window ends first",
     )
     yield reachable(
         "probation is survived",
         machine.fired("receiver believed again"),
         statement="a receiver can regain its trust without losing the interval",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
     )

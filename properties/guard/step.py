@@ -115,6 +115,18 @@ class Step:
         return ite(~own.advance, before(own.fast), minimum(as_num(self._top, UM_S), most))
 
     @cached_property
+    def near(self) -> tuple[Num, Num]:
+        """The least and the greatest place if the last fix near the way was true, at the highest speed and over no more line."""
+        own, config = self.model.own, self.model.own.config
+        ran = config.period_ms * self._top + self._way
+        line = (config.position_limit_mm + 2 * config.window_limit_mm) * NM_PER_MM
+        least, most = before(own.near_low) - ran, before(own.near_high) + ran
+        return (
+            ite(~own.advance, before(own.near_low), ite(least < -line, as_num(-line, NM), least)),
+            ite(~own.advance, before(own.near_high), ite(most > line, as_num(line, NM), most)),
+        )
+
+    @cached_property
     def due(self) -> Bool:
         """The window of speed is complete with this step."""
         return self.model.own.advance & (before(self.model.own.anchor_steps) + 1).eq(self._steps)
@@ -194,15 +206,24 @@ class Step:
     def verdict(self) -> Num:
         """What speaks against it: a fault, the map, the vehicle's limits, or where it can be and how fast by now."""
         own = self.model.own
-        apart = (self.place - self.high > self.charge) | (self.low - self.place > self.charge)
         beside = (self.place > self.high) | (self.place < self.low)
         rows = (
             (self.alone.ne(PASSED), self.alone),
-            (own.elsewhere | apart, JUMP),
+            (own.elsewhere | self._apart, JUMP),
             (self._too_fast | self._no_speed_left, SPEED_DISAGREES),
             (beside, DOUBTFUL),
         )
         return _first(rows, PASSED)
+
+    @property
+    def _against(self) -> list[Bool]:
+        """What a vehicle cannot have done by now."""
+        return [self.model.own.elsewhere, self._apart, self._too_fast, self._no_speed_left]
+
+    @cached_property
+    def _apart(self) -> Bool:
+        """No place that it may mean is one where the vehicle can be."""
+        return (self.place - self.high > self.charge) | (self.low - self.place > self.charge)
 
     @cached_property
     def _too_fast(self) -> Bool:
@@ -233,18 +254,28 @@ class Step:
 
     @cached_property
     def agrees(self) -> Bool:
-        """Nothing speaks against it."""
-        return self.verdict.eq(PASSED)
+        """Nothing speaks against it: not map and vehicle, and not where it can be and how fast by now."""
+        beside = (self.place > self.high) | (self.place < self.low)
+        return self.alone.eq(PASSED) & ~any_of([*self._against, beside])
+
+    @cached_property
+    def follows(self) -> Bool:
+        """The last fix near the way and this one can both be true."""
+        least, most = self.near
+        return ~((self.place - most > self.charge) | (least - self.place > self.charge))
 
     @cached_property
     def implausible(self) -> Bool:
-        """It contradicts the map, or what a vehicle can do."""
-        return any_of(self.verdict.eq(one) for one in (JUMP, OFF_TRACK, SPEED_DISAGREES))
+        """It contradicts the map, or what a vehicle can do: at all, or by now."""
+        by_now = self.alone.eq(PASSED) & any_of(self._against)
+        return any_of([self.alone.eq(OFF_TRACK), self.alone.eq(SPEED_DISAGREES), by_now])
 
     @cached_property
     def fills(self) -> Bool:
-        """It agrees, and with it as many agree in a row as are asked for."""
-        return all_of([self.agrees, before(self.model.own.agreed) > self.model.own.config.confirmations - 2])
+        """It agrees, also with the fix before, and with it as many agree in a row as are asked for."""
+        return all_of(
+            [self.agrees, self.follows, before(self.model.own.agreed) > self.model.own.config.confirmations - 2]
+        )
 
 
 def _first(rows: Sequence[tuple[Bool, Num]], otherwise: Num) -> Num:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite, maximum, with_unit
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import MM, NM
 from safeloc.models.odometry import M1, M2, NO_VALUES, Odometry
-from safeloc.models.odometry.distance_device import Unit
+from safeloc.models.odometry.distance_device import Device, Unit
 from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, OUT_OF_WINDOW, Reader
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.measured import ADMITTED
@@ -23,6 +24,7 @@ LAW = (
 )
 
 MM_IN_NM = 1_000_000
+for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(model: Odometry) -> list[Property]:
@@ -42,37 +44,30 @@ def _safety(model: Odometry) -> Iterator[Property]:
         requirements=("MRK-1", "MRK-4", "MRK-5", "MRK-D6"),
         assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         valid.implies(
             (machine.output("margin_above_mm") <= own.config.tolerance_mm)
             & (machine.output("margin_below_mm") <= own.config.tolerance_mm)
         ),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        requirements=("MRK-D1",),
-        unconditional=True,
     )
     silent = no_interval(machine) & machine.output("distance_run_mm").eq(0)
-    yield always(
+    yield for_all_inputs(
         "no report when invalid",
         (~valid).implies(silent & machine.output("values").eq(NO_VALUES)),
         statement="nothing is reported without a valid position",
         requirements=("MRK-D1", "MRK-D2"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "same-step loss",
         all_of(~unit.alive for unit in own.units).implies(~valid),
         statement="the cycle in which the last usable value is lost is the cycle in which nothing is reported any more",
-        requirements=("MRK-D1",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "reason stated",
         own.reason.eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
-        requirements=("MRK-D1",),
-        unconditional=True,
     )
 
 
@@ -82,29 +77,26 @@ def _references(model: Odometry) -> Iterator[Property]:
     confirmed = [f"marker confirmed at {end}" for end in ("front", "rear")]
     if own.config.trust_first_marker:
         confirmed += [f"trusted marker at {end}" for end in ("front", "rear")]
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired(*confirmed) & machine.flag("reference_accepted")),
         statement="a position is reported again only through a marker that passed every check",
         requirements=("MRK-1", "MRK-D1"),
-        unconditional=True,
     )
     kept = all_of([valid, earlier_bool(valid), *(reader.verdict.ne(ACCEPTED) for reader in own.readers)])
-    yield always(
+    yield for_all_inputs(
         "margin never shrinks",
         kept.implies(_margin(machine) >= earlier_num(_margin(machine))),
         statement="without an accepted reading the reported margin never shrinks",
         requirements=("MRK-D1", "MRK-D3"),
-        unconditional=True,
     )
     for end, reader in enumerate(own.readers):
-        yield always(
+        yield for_all_inputs(
             f"{('front', 'rear')[end]} reading pairs",
             reader.verdict.eq(ACCEPTED).implies(_entitled(model, end, reader)),
             statement="a reading counts only for a known marker: a leading one for a new marker ahead, a trailing one for "
             "a marker that the leading reader has read and the trailing one has not",
             requirements=("MRK-1", "MRK-5"),
-            unconditional=True,
         )
 
 
@@ -143,38 +135,34 @@ def _window(model: Odometry) -> Iterator[Property]:
 def _selection(model: Odometry) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
-    yield always(
+    yield for_all_inputs(
         "the smallest margin leads",
         valid.implies(all_of(_no_worse(machine, unit) for unit in own.units)),
         statement="the reported margin is the smallest of all usable ones: no switch is ever to a worse one",
         requirements=("MRK-D3", "MRK-D4"),
-        unconditional=True,
     )
     candidate, of_front = machine.mode.eq(machine.modes[1]), own.devices[0].units
     better = [unit.alive.implies(valid & _no_worse(machine, unit)) for unit in of_front]
-    yield always(
+    yield for_all_inputs(
         "never worse than the front device alone",
         candidate | all_of(better),
         statement="whenever the front device alone would have a position, one is reported, with a margin that is not "
         "greater than the front device's (which no reading of the other device touches)",
         requirements=("MRK-1", "MRK-D3", "MRK-D5"),
-        unconditional=True,
     )
     leading = [f"leading reading at {end}" for end in ("front", "rear")]
     trailing = [f"trailing reading at {end}" for end in ("front", "rear")]
-    yield always(
+    yield for_all_inputs(
         "M1 after the leading reading",
         machine.fired(*leading).implies(machine.output("values").eq(M1)),
         statement="a leading reading that sets its device makes values M1 count",
         requirements=("MRK-1", "MRK-5"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "M2 after the trailing reading",
         machine.fired(*trailing).implies(machine.output("values").eq(M2)),
         statement="the trailing reading of the same marker makes values M2 count",
         requirements=("MRK-1", "MRK-5"),
-        unconditional=True,
     )
 
 
@@ -192,22 +180,20 @@ def _rejection(model: Odometry) -> Iterator[Property]:
         rejected = all_of(reader.verdict.ne(ACCEPTED) for reader in setting)
         for unit, other in (device.units, device.units[::-1]):
             kept = rejected & valid & earlier_bool(valid) & unit.alive
-            yield always(
+            yield for_all_inputs(
                 f"{unit.name} ignores rejected readings",
                 kept.implies(_ran_on(unit, other)),
                 statement="a foreign, repeated, unpaired or implausible marker, or one of the other device, narrows no margin: "
                 "the position moves by the measured distance alone, and both margins grow alike",
                 requirements=("MRK-1", "MRK-D1", "MRK-4"),
-                unconditional=True,
             )
             silent = unit.judged.ne(ADMITTED) & other.judged.ne(ADMITTED)
             farthest = own.config.max_speed_mm_s * own.config.period_ms * 1_000
-            yield always(
+            yield for_all_inputs(
                 f"{unit.name} charges silence",
                 (kept & silent).implies(unit.above - earlier_num(unit.above) >= farthest),
                 statement="a cycle in which no distance of the device is admitted is charged with the highest speed",
                 requirements=("MRK-D1", "MRK-4"),
-                unconditional=True,
             )
 
 
@@ -240,15 +226,36 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         unconditional=True,
         helper=lambda waited: all_of(waited <= unit.gap for unit in own.units),
     )
+    for device in own.devices:
+        for unit in device.units:
+            yield _unchecked(model, device, unit)
     for unit in own.units:
-        yield always(
+        yield for_all_inputs(
             f"{unit.name} gate",
             unit.judged.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
             statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed "
             "since the last one",
             requirements=("MRK-4", "MRK-D1"),
-            unconditional=True,
         )
+
+
+def _unchecked(model: Odometry, device: Device, unit: Unit) -> Property:
+    """While one unit is silent, nothing checks the other one: not for longer than the lone limit."""
+    own = model.own
+    setting = [reader for end, reader in enumerate(own.readers) if own.set_by(end) is device]
+    read = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in setting)
+    heard, dead = unit.judged.eq(ADMITTED), all_of(~one.alive for one in device.units)
+    return within(
+        f"{device.name} device is given up without {unit.name}",
+        own.config.lone_limit_cycles,
+        ~heard,
+        heard | dead | read,
+        statement="when one unit of a device delivers no distance that is admitted, the device has no position after the "
+        "permitted time with the other unit alone, unless a reading sets it in that cycle",
+        requirements=("MRK-D1", "MRK-D4"),
+        unconditional=True,
+        helper=lambda waited: waited <= unit.gap,
+    )
 
 
 def _within_gate(config: OdometryConfig, unit: Unit) -> Bool:
@@ -263,29 +270,24 @@ def _within_gate(config: OdometryConfig, unit: Unit) -> Bool:
 
 def _ages(model: Odometry) -> Iterator[Property]:
     machine, config = model.machine, model.own.config
-    yield always(
+    yield for_all_inputs(
         "age limit",
         machine.output("age_ms") <= config.age_limit_ms,
         statement="no position is reported whose reference is older than the age limit",
-        requirements=("MRK-D1",),
-        unconditional=True,
     )
     for device in model.own.devices:
         running = [one for unit in device.units for one in (unit.alive, earlier_bool(unit.alive))]
         older = device.age - earlier_num(device.age)
         fresh = device.age.eq(config.period_ms)
-        yield always(
+        yield for_all_inputs(
             f"{device.name} device grows older",
             all_of(running).implies(older.eq(config.period_ms) | fresh),
             statement="in every cycle without a reference the device's age grows by the cycle",
-            requirements=("MRK-D1",),
-            unconditional=True,
         )
         rejected = all_of(reader.verdict.ne(ACCEPTED) & reader.verdict.ne(CANDIDATE) for reader in model.own.readers)
-        yield always(
+        yield for_all_inputs(
             f"{device.name} device is set by a reading alone",
             (all_of(running) & rejected).implies(older.eq(config.period_ms)),
             statement="only a reading that was accepted, or is a candidate, makes the device's reference young again",
             requirements=("MRK-1", "MRK-D1"),
-            unconditional=True,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, ite, maximum
 from safeloc.language.spec import Property, always, reachable
@@ -10,6 +11,7 @@ from safeloc.models.odometry.marker_field import MarkerField
 
 GIVEN = "forward run, exact measurement, both readers read every marker, one error law for all units"
 SOURCES = ("MRK-D5", "MRK-D3", "MRK-1")
+under_assumption = partial(always, requirements=SOURCES, assumption=GIVEN)
 
 
 def properties(whole: MarkerField) -> list[Property]:
@@ -22,20 +24,14 @@ def _gain(whole: MarkerField) -> Iterator[Property]:
     lead = whole.lead_mm
     worst = maximum(lead, spacing - lead)
     of = "L" if whole.arrangement.under == 0 else f"L - {whole.arrangement.under} D"
-    yield always(
+    yield under_assumption(
         "run between resets",
         valid.implies(run.eq(ite(past < lead, past, past - lead))),
         statement=f"with a vehicle {whole.arrangement.name}, the run is that of end A past its marker up to {of}, and that "
         "of end B past the same marker from there on",
-        requirements=SOURCES,
-        assumption=GIVEN,
     )
-    yield always(
-        "worst run",
-        valid.implies(run < worst),
-        statement=f"no run between two resets comes to max({of}, D - ({of}))",
-        requirements=SOURCES,
-        assumption=GIVEN,
+    yield under_assumption(
+        "worst run", valid.implies(run < worst), statement=f"no run between two resets comes to max({of}, D - ({of}))"
     )
     yield reachable(
         "worst run attained on M1", valid & run.eq(worst - 1) & (lead > spacing - lead), requirements=SOURCES
@@ -47,12 +43,10 @@ def _gain(whole: MarkerField) -> Iterator[Property]:
 
 def _no_gain(whole: MarkerField) -> Iterator[Property]:
     valid, run, past, spacing = _terms(whole)
-    yield always(
+    yield under_assumption(
         "no gain",
         valid.implies(run.eq(past)),
         statement=f"with a vehicle {whole.arrangement.name}, the run is that of end A past its marker, as with one reader",
-        requirements=SOURCES,
-        assumption=GIVEN,
     )
     yield reachable("a whole spacing is run", valid & run.eq(spacing - 1), requirements=SOURCES)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, as_num, before, exact_to, ite, with_unit
 from safeloc.language.spec import Property, always, earlier_bool, within
@@ -11,6 +12,8 @@ from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.dead_reckoning import Track
 from safeloc.models.reflector.variables import Parts
 from safeloc.properties.reflector.figures import IN_ZONE, counts, foremost, ran_mm, rearmost, was, without_sign
+
+for_all_inputs = partial(always, requirements=("RFL-D2",), unconditional=True)
 
 
 def leaving(model: ReflectorMachine) -> Iterator[Property]:
@@ -23,12 +26,10 @@ def _constant(model: ReflectorMachine) -> Iterator[Property]:
     own, anchor = model.own, model.own.anchor
     tracked = model.machine.flag("precise") & ~own.recognised
     reaches = exact_to(anchor.position, NM) + anchor.above >= rearmost(own)
-    yield always(
+    yield for_all_inputs(
         "error is constant",
         tracked.implies(reaches & (foremost(own) >= exact_to(anchor.position, NM) - anchor.below)),
         statement="in the view zone each measured position agrees with the distance run since the reflector came into view",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )
 
 
@@ -40,13 +41,11 @@ def _anchored(model: ReflectorMachine) -> Iterator[Property]:
     ran_on = _no_wider(
         anchor, before(anchor.position) + ran_mm(own), (before(anchor.above), before(anchor.below)), _law_nm(own)
     )
-    yield always(
+    yield for_all_inputs(
         "the anchor runs on by the odometer alone",
         stays.implies(ran_on | afresh),
         statement="what was run since the reflector came into view is the measured distance, and is as uncertain as the "
         "odometer's law says, no more; once that is of no use it is counted from the last position on",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )
 
 
@@ -72,12 +71,10 @@ def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
     ran_on = own.track.position.eq(ran_mm(own) + before(own.track.position))
     grew = (own.track.above > before(own.track.above)) & (own.track.below > before(own.track.below))
     left = was(model, "VIEW") & model.in_mode("COAST", "PASSING", "ODOMETRY") & ~own.balise.position.present
-    yield always(
+    yield for_all_inputs(
         "goes on from the last position",
         left.implies(ran_on & grew) if own.config.odometer.constant_mm else left.implies(ran_on),
         statement="after the view zone the position is the last measured one plus the distance run, and both margins grow",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )
 
 
@@ -87,13 +84,12 @@ def _unaided(model: ReflectorMachine) -> Iterator[Property]:
     unaided = valid & earlier_bool(valid) & ~machine.flag("precise") & ~own.balise.position.present
     ran_on = own.track.position.eq(ran_mm(own) + before(own.track.position))
     kept = (own.track.above >= before(own.track.above)) & (own.track.below >= before(own.track.below))
-    yield always(
+    yield for_all_inputs(
         "margins never shrink unaided",
         unaided.implies(ran_on & kept),
         statement="without a balise and without a measured reflector the position moves by the measured distance alone, and "
         "no margin shrinks",
         requirements=("RFL-1", "RFL-D2", "RFL-D3"),
-        unconditional=True,
     )
 
 
@@ -109,13 +105,11 @@ def _silent_radar(model: ReflectorMachine) -> Iterator[Property]:
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(model.in_mode("COAST") & (waited <= own.pauses + 1)),
     )
-    yield always(
+    yield for_all_inputs(
         "pauses and misses are counted",
         (was(model, "COAST") & model.in_mode("COAST")).implies(
             own.pauses.eq(ite(own.frame, before(own.pauses), before(own.pauses) + 1))
             & own.misses.eq(ite(own.frame, before(own.misses) + 1, before(own.misses)))
         ),
         statement="while a reflector is not measured, cycles without a frame and frames without its echo are counted apart",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, before, between
 from safeloc.language.spec import Property, always
@@ -11,6 +12,11 @@ from safeloc.models.reflector.echo import FITS
 from safeloc.models.reflector.variables import NOT_FOUND
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.reflector.figures import balise_read, begun, found_by, ran_mm, rearmost, was, width
+
+for_all_inputs = partial(always, requirements=("RFL-D3",), unconditional=True)
+under_assumption = partial(
+    always, requirements=("RFL-D3",), assumption="odometer, balise, radar and map keep their laws"
+)
 
 
 def not_found(model: ReflectorMachine) -> Iterator[Property]:
@@ -21,13 +27,11 @@ def not_found(model: ReflectorMachine) -> Iterator[Property]:
 
 def _in_time(model: ReflectorMachine) -> Iterator[Property]:
     own, target, truth = model.own, model.own.target, model.own.ghosts.truth
-    yield always(
+    yield under_assumption(
         "what is looked for is found in time",
         model.in_mode("SEARCH").implies(truth - width(own) <= found_by(own, target.position, target.view_from)),
         statement="a reflector is looked for no farther than the search run, and the interval's width, behind the beginning "
         "of its view zone",
-        requirements=("RFL-D3",),
-        assumption="odometer, balise, radar and map keep their laws",
     )
 
 
@@ -37,13 +41,12 @@ def _reference_in_time(model: ReflectorMachine) -> Iterator[Property]:
     searched = own.run - own.search_from > config.search_run_mm
     waits = was(model, "REFERENCE") & model.in_mode("REFERENCE") & ~begun(own)
     far = config.reference_run_mm
-    yield always(
+    yield for_all_inputs(
         "the reference reflector is found in time",
         waits.implies(~(late & searched) & between(-far, own.run, far)),
         statement="the self-test waits for its reflector no farther than the search run behind the beginning of its view zone "
         "and behind the prescribed line, and never farther than the longest reference run",
         requirements=("RFL-6", "RFL-D3"),
-        unconditional=True,
     )
 
 
@@ -55,21 +58,17 @@ def _missed(model: ReflectorMachine, *modes: str) -> Bool:
 def _not_before(model: ReflectorMachine) -> Iterator[Property]:
     own, target, ahead = model.own, model.own.target, model.own.ahead
     by = found_by(own, before(target.position), before(target.view_from))
-    yield always(
+    yield under_assumption(
         "not found is said only beyond the search",
         _missed(model, "SEARCH").implies(own.ghosts.truth > by),
         statement="a reflector that is looked for is said not to be found only when the vehicle truly is beyond the search run",
-        requirements=("RFL-D3",),
-        assumption="odometer, balise, radar and map keep their laws",
     )
     by_next = found_by(own, ahead.position.value, ahead.view_from)
-    yield always(
+    yield under_assumption(
         "passed unseen is said only beyond the search",
         _missed(model, "ODOMETRY").implies((own.ghosts.truth > by_next) & (ahead.position.value > before(own.found))),
         statement="a reflector is said to be passed unseen only when the vehicle truly is beyond its search run, and when it "
         "is not one found before",
-        requirements=("RFL-D3",),
-        assumption="odometer, balise, radar and map keep their laws",
     )
 
 
@@ -79,26 +78,23 @@ def _reference_not_before(model: ReflectorMachine) -> Iterator[Property]:
     run: Num = before(own.run) + ran_mm(own)
     far = (run > config.reference_run_mm) | (run < -config.reference_run_mm)
     searched = run > before(own.search_from) + config.search_run_mm
-    yield always(
+    yield under_assumption(
         "the reference is missed only beyond the search",
         (_missed(model, "REFERENCE") & ~begun(own)).implies(far | (searched & (own.ghosts.truth > by))),
         statement="the reference reflector is said not to be found only beyond the search run, by truth and by the run since "
         "the balise, or beyond the longest reference run",
         requirements=("RFL-6", "RFL-D3"),
-        assumption="odometer, balise, radar and map keep their laws",
     )
 
 
 def _ends(model: ReflectorMachine) -> Iterator[Property]:
     machine = model.machine
-    yield always(
+    yield for_all_inputs(
         "a missing reflector ends the procedure",
         machine.fired("reflector not found", "reference reflector not found", "reflector passed unseen").implies(
             model.in_mode("NOT_READY") & ~machine.flag("ready") & model.own.error.eq(NOT_FOUND)
         ),
         statement="a reflector that is not found where the map has it leaves the vehicle not ready, with an error",
-        requirements=("RFL-D3",),
-        unconditional=True,
     )
 
 
@@ -106,7 +102,7 @@ def _unfit(model: ReflectorMachine) -> Iterator[Property]:
     """Implausible input moves nothing."""
     machine, own = model.machine, model.own
     unfit = all_of(~slot.judged.eq(FITS) & ~slot.judged_next.eq(FITS) for slot in own.slots)
-    yield always(
+    yield for_all_inputs(
         "unfit echoes change nothing",
         (unfit & ~balise_read(own) & machine.flag("valid")).implies(
             ~machine.flag("precise") & own.track.position.eq(ran_mm(own) + before(own.track.position))
@@ -114,24 +110,20 @@ def _unfit(model: ReflectorMachine) -> Iterator[Property]:
         statement="a weak, foreign, too near, too coarse, ambiguous or out-of-window echo leaves position and source to "
         "odometry",
         requirements=("RFL-1", "RFL-10", "RFL-D3"),
-        unconditional=True,
     )
     nothing = model.own.target.model.eq(NO_MODEL) & machine.output("reflector_model").eq(NO_MODEL)
-    yield always(
+    yield for_all_inputs(
         "nothing is sighted outside its zones",
         model.in_mode("DELOCALIZED", "NOT_READY", "ODOMETRY").implies(nothing),
         statement="no reflector is reported where none is looked for",
-        requirements=("RFL-D3",),
-        unconditional=True,
     )
 
 
 def _route(model: ReflectorMachine) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield for_all_inputs(
         "a contradicted route is not reported",
         own.contradicted.implies(~model.machine.flag("valid")),
         statement="when direction or turn-off contradict the map, nothing is reported from that step on",
         requirements=("RFL-12", "RFL-D5"),
-        unconditional=True,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import abs_, all_of, as_num, before, between, exact_to, ite, minimum
 from safeloc.language.spec import Property, always, earlier_bool
@@ -15,6 +16,8 @@ from safeloc.properties.reflector.figures import LAW, balise_accuracy, balise_re
 
 FAR_STEPS = 24
 """More steps at the highest speed than a cycle can be charged."""
+for_all_inputs = partial(always, requirements=("RFL-1",), unconditional=True)
+under_assumption = partial(always, requirements=("RFL-5", "RFL-D3"), assumption=LAW)
 
 
 def safety(model: ReflectorMachine) -> Iterator[Property]:
@@ -27,25 +30,22 @@ def _contained(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     position = exact_to(machine.output("position_mm"), NM)
     above, below = exact_to(machine.output("margin_above_mm"), NM), exact_to(machine.output("margin_below_mm"), NM)
-    yield always(
+    yield under_assumption(
         "containment",
         machine.flag("valid").implies(between(position - below, own.ghosts.truth, position + above)),
         statement="in every zone the reported interval holds the true position of end A",
         requirements=("RFL-1", "RFL-2", "RFL-3", "RFL-5", "RFL-D2"),
-        assumption=LAW,
     )
 
 
 def _tolerable(model: ReflectorMachine) -> Iterator[Property]:
     machine, tolerance = model.machine, model.own.config.tolerance_mm
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         machine.flag("valid").implies(
             (machine.output("margin_above_mm") <= tolerance) & (machine.output("margin_below_mm") <= tolerance)
         ),
         statement="a reported interval is never wider than the tolerable error, on either side",
-        requirements=("RFL-1",),
-        unconditional=True,
     )
 
 
@@ -53,26 +53,24 @@ def _silent(model: ReflectorMachine) -> Iterator[Property]:
     machine, track = model.machine, model.own.track
     no_reflector = machine.output("reflector_position_mm").eq(NO_POSITION_MM) & machine.output("range_mm").eq(0)
     kept = (track.position, track.above, track.below)
-    yield always(
+    yield for_all_inputs(
         "no report when invalid",
         (~machine.flag("valid")).implies(
             no_interval(machine) & no_reflector & all_of(one.eq(0) for one in kept) & ~machine.flag("precise")
         ),
         statement="nothing is reported without a valid position, and none is kept",
         requirements=("RFL-1", "RFL-D3"),
-        unconditional=True,
     )
 
 
 def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid, heard = machine.flag("valid"), counts(own) | (before(own.odometer.gap) < own.config.gap_limit_cycles)
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(balise_read(own) & ~own.contradicted & heard),
         statement="a position is reported again only through a balise, and only with an odometer",
         requirements=("RFL-5", "RFL-D3"),
-        unconditional=True,
     )
     config, tells = own.config, own.balise
     given = balise_accuracy(own) + without_sign(run_since(own))
@@ -80,44 +78,39 @@ def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
     fine = exact_to(given + ran, NM) + more <= exact_to(as_num(config.tolerance_mm, MM), NM)
     on_map = abs_(tells.position.value) <= config.position_limit_mm - 2 * config.max_step_mm - config.range_limit_mm
-    yield always(
+    yield for_all_inputs(
         "a balise locates",
         (~earlier_bool(valid) & balise_read(own) & ~own.contradicted & heard & fine & on_map).implies(valid),
         statement="without a position, a balise whose accuracy is tolerable gives one, unless odometer or route fail",
         requirements=("RFL-5",),
-        unconditional=True,
     )
 
 
 def _stated(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    yield always(
+    yield for_all_inputs(
         "error stated",
         own.error.eq(NO_ERROR).iff(machine.flag("ready")),
         statement="whenever the machine is not ready for precise positioning, it says why",
         requirements=("RFL-6", "RFL-D3"),
-        unconditional=True,
     )
 
 
 def _no_false_alarm(model: ReflectorMachine) -> Iterator[Property]:
     own, tells = model.own, model.own.balise
-    yield always(
+    yield under_assumption(
         "a sound radar raises no alarm",
         ~own.error.one_of(DRIFT, ECHOES_CONTRADICT),
         statement="while radar, odometer and map keep their laws, no drift and no contradiction of echoes is stated",
         requirements=("RFL-D2", "RFL-D3"),
-        assumption=LAW,
     )
     off = own.ghosts.truth - exact_to(run_since(own) + tells.position.value, NM)
     accuracy = exact_to(balise_accuracy(own), NM)
     new = own.error.eq(BALISE_CONTRADICTS) & before(own.error).ne(BALISE_CONTRADICTS)
-    yield always(
+    yield under_assumption(
         "only a stray balise contradicts",
         new.implies(balise_read(own) & ((off > accuracy) | (-off > accuracy))),
         statement="a balise is said to contradict the position only where it is not where its reading says",
-        requirements=("RFL-5", "RFL-D3"),
-        assumption=LAW,
     )
 
 
@@ -127,31 +120,25 @@ def _stray(model: ReflectorMachine) -> Iterator[Property]:
     floor = 2 * config.odometer.floor_mm_s * config.period_ms // 1_000 + 1
     away = exact_to(balise_accuracy(own) + without_sign(run_since(own)) + (farthest + floor), NM)
     off = own.ghosts.truth - exact_to(run_since(own) + tells.position.value, NM)
-    yield always(
+    yield under_assumption(
         "a balise far away is noticed",
         (balise_read(own) & earlier_bool(model.machine.flag("valid")) & ((off > away) | (-off > away))).implies(
             ~model.machine.flag("valid")
         ),
         statement="a reading that is off by more than any position error takes the position away",
-        requirements=("RFL-5", "RFL-D3"),
-        assumption=LAW,
     )
 
 
 def _silent_odometer(model: ReflectorMachine) -> Iterator[Property]:
     own, limit = model.own, model.own.config.gap_limit_cycles
     longer = minimum(before(own.odometer.gap) + 1, limit + 1)
-    yield always(
+    yield for_all_inputs(
         "cycles without a distance are counted",
         own.odometer.gap.eq(ite(counts(own), 0, longer)),
         statement="the cycles since the last distance that a vehicle can have run are counted, up to one beyond the permitted",
-        requirements=("RFL-1",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "without an odometer nothing is reported",
         model.machine.flag("valid").implies(own.odometer.gap <= limit),
         statement="no position is reported after more cycles without a distance than permitted",
-        requirements=("RFL-1",),
-        unconditional=True,
     )

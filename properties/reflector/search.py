@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, any_of, before, exact_to
 from safeloc.language.spec import Property, always
@@ -11,6 +12,8 @@ from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.variables import Parts
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.reflector.figures import SIGHTED, balise_read, foremost, seen_from, was, width
+
+for_all_inputs = partial(always, requirements=("RFL-1", "RFL-10"), unconditional=True)
 
 
 def search(model: ReflectorMachine) -> Iterator[Property]:
@@ -21,21 +24,19 @@ def search(model: ReflectorMachine) -> Iterator[Property]:
 
 def _clutter(model: ReflectorMachine) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield for_all_inputs(
         "clutter is no reflector",
         (was(model, "ODOMETRY", "NOT_READY", "DELOCALIZED") & ~balise_read(own)).implies(
             ~model.machine.flag("precise") & ~own.recognised
         ),
         statement="in the odometry zone no echo, however strong, is taken for a reflector",
-        requirements=("RFL-1", "RFL-10"),
-        unconditional=True,
     )
 
 
 def _not_too_early(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     begins = seen_from(own, target.position, target.view_from)
-    yield always(
+    yield for_all_inputs(
         "never too early",
         (model.in_mode("SEARCH") & ~was(model, "SEARCH")).implies(
             (exact_to(target.clear, NM) > width(own)) & (foremost(own) >= begins)
@@ -43,36 +44,32 @@ def _not_too_early(model: ReflectorMachine) -> Iterator[Property]:
         statement="the search begins as early as the odometry error asks for, and only if no other reflector of the model "
         "fits into the interval",
         requirements=("RFL-1", "RFL-8"),
-        unconditional=True,
     )
 
 
 def _zone_begins(model: ReflectorMachine) -> Iterator[Property]:
-    yield always(
+    yield for_all_inputs(
         "no unfit neighbour",
         (model.in_mode("VIEW") & ~was(model, "VIEW")).implies(model.machine.fired(*SIGHTED)),
         statement="the view zone begins with a measurement of the reflector that was looked for, and with nothing else",
         requirements=("RFL-1",),
-        unconditional=True,
     )
 
 
 def _as_told(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     changed = any_of(var.ne(before(var)) for var in (*target.kept, target.model))
-    yield always(
+    yield for_all_inputs(
         "the target is the next reflector of the map",
         (changed & target.model.ne(NO_MODEL)).implies(_told(own)),
         statement="a reflector that becomes the target is the one that the map tells next, in all its figures",
         requirements=("RFL-3", "RFL-8"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "what is looked for is on the map",
         model.in_mode("SEARCH", "VIEW", "COAST", "PASSING", "REFERENCE").iff(target.model.ne(NO_MODEL)),
         statement="a reflector is looked for or tracked just while there is a target",
         requirements=("RFL-3",),
-        unconditional=True,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, exact_to, ite, with_unit
 from safeloc.language.spec import Property, always, since
@@ -11,6 +12,8 @@ from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.echo import FITS
 from safeloc.models.reflector.variables import NO_ERROR, Parts
 from safeloc.properties.reflector.figures import FAILED, PASSED, balise_read, begun, ran_mm, run_since, was
+
+for_all_inputs = partial(always, requirements=("RFL-6",), unconditional=True)
 
 
 def self_test(model: ReflectorMachine) -> Iterator[Property]:
@@ -22,19 +25,15 @@ def self_test(model: ReflectorMachine) -> Iterator[Property]:
 def _ready(model: ReflectorMachine) -> Iterator[Property]:
     machine = model.machine
     ready = machine.flag("ready")
-    yield always(
+    yield for_all_inputs(
         "ready only after the self-test",
         ready.implies(since(ready, machine.fired(*PASSED))),
         statement="precise positioning is possible only after a self-test that passed, and since then without a break",
-        requirements=("RFL-6",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "precise only when ready",
         machine.flag("precise").implies(ready),
         statement="no precise position without a passed self-test",
-        requirements=("RFL-6",),
-        unconditional=True,
     )
 
 
@@ -66,49 +65,42 @@ def _agrees(own: Parts, range_: Num, error: Num) -> Bool:
 
 def _prescribed(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    yield always(
+    yield for_all_inputs(
         "the test is the prescribed distance",
         machine.fired(*PASSED).implies(
             _agrees(own, machine.output("range_mm"), machine.output("range_error_mm")) & machine.flag("precise")
         ),
         statement="the self-test passes only with a measured reflector whose distance from the balise is the prescribed one, "
         "within the tolerance, the echo's error and the odometer's over the run since the balise",
-        requirements=("RFL-6",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a test at the balise belongs to it",
         machine.fired("self-test passed at the balise", "self-test failed at the balise").implies(begun(own)),
         statement="a self-test that is decided at the balise is that of the balise just read",
-        requirements=("RFL-6",),
-        unconditional=True,
     )
 
 
 def _fails_rightly(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    yield always(
+    yield for_all_inputs(
         "a test fails only on a wrong distance",
         machine.fired(*FAILED).implies(
             any_of(slot.judged.eq(FITS) & ~_agrees(own, slot.range.value, slot.error) for slot in own.slots)
         ),
         statement="the self-test fails only with a measured reflector whose distance from the balise is not the prescribed one",
-        requirements=("RFL-6",),
-        unconditional=True,
     )
 
 
 def _begins(model: ReflectorMachine) -> Iterator[Property]:
     own, tells = model.own, model.own.balise
-    yield always(
+    yield for_all_inputs(
         "a test begins with a balise",
         begun(own).implies(balise_read(own) & own.procedure.eq(tells.identity.value) & own.ahead.position.present),
         statement="a reference measurement begins with a balise that is read, and with the next reflector of the map",
         requirements=("RFL-5", "RFL-6"),
-        unconditional=True,
     )
     line = ite(~tells.search.present, as_num(0, MM), tells.search.value)
-    yield always(
+    yield for_all_inputs(
         "the test begins with the prescribed distance",
         (begun(own) & model.in_mode("REFERENCE")).implies(
             own.reference.eq(_told_distance(own)) & own.run.eq(run_since(own)) & own.search_from.eq(line)
@@ -116,14 +108,13 @@ def _begins(model: ReflectorMachine) -> Iterator[Property]:
         statement="the prescribed distance is that of the telegram, else of the map, else of the system; the run is counted "
         "from the balise, and the reflector is looked for from the telegram's line on",
         requirements=("RFL-5", "RFL-6", "RFL-8"),
-        unconditional=True,
     )
 
 
 def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
     own = model.own
     kept = (own.reference, own.search_from, own.target.position, own.target.view_from, own.procedure)
-    yield always(
+    yield for_all_inputs(
         "the test goes on with the distance run",
         (was(model, "REFERENCE") & model.in_mode("REFERENCE") & ~begun(own)).implies(
             own.run.eq(before(own.run) + ran_mm(own)) & all_of(var.eq(before(var)) for var in kept)
@@ -131,37 +122,33 @@ def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
         statement="while the reference reflector is waited for, the run since the balise grows by the measured distance, and "
         "what was prescribed stays",
         requirements=("RFL-6", "RFL-8"),
-        unconditional=True,
     )
 
 
 def _from_the_line(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     line = ite(begun(own), ite(~own.balise.search.present, 0, own.balise.search.value), before(own.search_from))
-    yield always(
+    yield for_all_inputs(
         "looked for from the prescribed line",
         (machine.fired(*PASSED) & (line > 0)).implies(_run_now(own) >= line),
         statement="where the telegram says from which distance on the reflector is looked for, it is not found before",
         requirements=("RFL-8",),
-        unconditional=True,
     )
 
 
 def _failed(model: ReflectorMachine) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield for_all_inputs(
         "no retry",
         (was(model, "NOT_READY") & ~model.in_mode("NOT_READY", "DELOCALIZED")).implies(
             balise_read(own) & own.balise.identity.value.ne(before(own.procedure))
         ),
         statement="after a failed self-test only a different balise starts another one",
         requirements=("RFL-6", "RFL-D3"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a mismatch ends the procedure",
         model.machine.fired(*FAILED).implies(model.in_mode("NOT_READY") & own.error.ne(NO_ERROR)),
         statement="a reference measurement that does not fit leaves the vehicle not ready, with an error",
         requirements=("RFL-6", "RFL-D3"),
-        unconditional=True,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, exact_to, with_unit
 from safeloc.language.spec import Property, always
@@ -11,6 +12,9 @@ from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.echo import FITS, NO_FRAME, NONE, OUT_OF_WINDOW, WEAK, Slot
 from safeloc.models.reflector.variables import BY_REFLECTOR, MISMATCH, NO_SOURCE, Parts
 from safeloc.properties.reflector.figures import LAW, looked_for, stands_at, strong
+
+for_all_inputs = partial(always, requirements=("RFL-1", "RFL-10"), unconditional=True)
+under_assumption = partial(always, requirements=("RFL-1", "RFL-3"), assumption=LAW)
 
 
 def view(model: ReflectorMachine) -> Iterator[Property]:
@@ -29,13 +33,12 @@ def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
         ],
     }
     for name, right in verdicts.items():
-        yield always(
+        yield under_assumption(
             f"the {name} is never mistaken",
             all_of(right),
             statement=f"an echo that fits the {name} was reflected by that very reflector, however many others the line "
             "has",
             requirements=("RFL-3", "RFL-10"),
-            assumption=LAW,
         )
 
 
@@ -56,15 +59,13 @@ def _is_reported(model: ReflectorMachine, slot: Slot) -> Bool:
 def _strong_enough(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     shown = machine.output("reflector_model")
-    yield always(
+    yield for_all_inputs(
         "minimum intensity",
         (machine.flag("precise") | machine.output("source").eq(BY_REFLECTOR)).implies(
             any_of(strong(own, slot) & _is_reported(model, slot) & slot.model.eq(shown) for slot in own.slots)
         ),
         statement="only an echo with the minimum intensity and the model of the reported reflector makes that reflector the "
         "source of the position; without one the source is never the reflector",
-        requirements=("RFL-1", "RFL-10"),
-        unconditional=True,
     )
 
 
@@ -75,7 +76,7 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
     most = least + with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
     place = machine.output("reflector_position_mm") + config.radar_offset_mm
-    yield always(
+    yield for_all_inputs(
         "the radar's own bound",
         machine.flag("precise").implies(
             (own.track.position + machine.output("range_mm")).eq(place)
@@ -84,14 +85,13 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
         statement="in the view zone the interval is that of the echo: its range from the reflector's place, its error bound, "
         "the survey's and what was run since the frame; never narrower because of what was known before",
         requirements=("RFL-2", "RFL-3", "RFL-D2"),
-        unconditional=True,
     )
 
 
 def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     place = machine.output("reflector_position_mm")
-    yield always(
+    yield under_assumption(
         "the reported reflector sent the echo",
         machine.flag("precise").implies(
             any_of(
@@ -101,29 +101,24 @@ def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
         ),
         statement="the echo whose range is reported was truly sent by the reflector that is reported",
         requirements=("RFL-2", "RFL-3", "RFL-10"),
-        assumption=LAW,
     )
 
 
 def _used(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
     fits = any_of(slot.judged.eq(FITS) | slot.judged_next.eq(FITS) for slot in own.slots)
-    yield always(
+    yield under_assumption(
         "what fits is used",
         (machine.flag("valid") & fits).implies(machine.flag("precise") | own.error.eq(MISMATCH)),
         statement="an echo that fits gives the position, or fails the self-test",
-        requirements=("RFL-1", "RFL-3"),
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "the target's own echo is in the window",
         all_of(
             (machine.flag("valid") & _from_target(own, slot)).implies(slot.judged.ne(OUT_OF_WINDOW))
             for slot in own.slots
         ),
         statement="what the reflector that is looked for truly reflects is never refused as out of the window",
-        requirements=("RFL-1", "RFL-3"),
-        assumption=LAW,
     )
 
 
@@ -139,22 +134,19 @@ def _reasons(model: ReflectorMachine) -> Iterator[Property]:
         empty, paused = verdict.eq(NONE).iff(~there), verdict.eq(NO_FRAME).iff(there & ~frame)
         return empty & paused & verdict.eq(WEAK).iff((slot.intensity <= floor - 1) & frame & there)
 
-    yield always(
+    yield for_all_inputs(
         "an echo that is not judged has its reason",
         all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.judged, slot.judged_next)),
         statement="an empty slot, a pause of the radar and an echo below the minimum intensity are stated just where there is one",
-        requirements=("RFL-1", "RFL-10"),
-        unconditional=True,
     )
 
 
 def _source(model: ReflectorMachine) -> Iterator[Property]:
     machine = model.machine
     source = machine.output("source")
-    yield always(
+    yield for_all_inputs(
         "the source is stated",
         source.eq(BY_REFLECTOR).iff(machine.flag("precise")) & source.eq(NO_SOURCE).iff(~machine.flag("valid")),
         statement="the source is the reflector just while the position is precise, and none just while there is none",
         requirements=("RFL-1",),
-        unconditional=True,
     )

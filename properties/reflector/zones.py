@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, as_num, before, between, exact_to
 from safeloc.language.spec import Property, always
@@ -11,6 +12,8 @@ from safeloc.models.reflector import ReflectorMachine
 from safeloc.models.reflector.echo import FITS, Slot
 from safeloc.models.reflector.variables import Parts
 from safeloc.properties.reflector.figures import begun, foremost, looked_for, rearmost, seen_from, was
+
+for_all_inputs = partial(always, requirements=("RFL-D2",), unconditional=True)
 
 
 def zones(model: ReflectorMachine) -> Iterator[Property]:
@@ -22,20 +25,16 @@ def zones(model: ReflectorMachine) -> Iterator[Property]:
 def _too_close(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     close = seen_from(own, target.position, target.view_to)
-    yield always(
+    yield for_all_inputs(
         "no echo is waited for when too close",
         model.in_mode("COAST").implies(foremost(own) < close),
         statement="a reflector that is not measured is waited for only while the vehicle surely is before the end of its view "
         "zone",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "too close only when it may be",
         (model.in_mode("PASSING") & was(model, "COAST", "VIEW")).implies(foremost(own) >= close),
         statement="passing begins only where the vehicle may be beyond the end of the view zone",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )
 
 
@@ -43,12 +42,10 @@ def _gone_by(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     offset = own.config.radar_offset_mm
     place, passed = exact_to(target.position + offset, NM), before(target.position)
-    yield always(
+    yield for_all_inputs(
         "passing goes on until it lies behind",
         (was(model, "PASSING") & model.in_mode("PASSING")).implies(rearmost(own) < place),
         statement="a reflector is passed until the whole interval lies beyond it",
-        requirements=("RFL-D2",),
-        unconditional=True,
     )
     yield always(
         "what was passed lies behind",
@@ -62,12 +59,11 @@ def _gone_by(model: ReflectorMachine) -> Iterator[Property]:
 def _search_left(model: ReflectorMachine) -> Iterator[Property]:
     own, target = model.own, model.own.target
     begins = seen_from(own, target.position, target.view_from)
-    yield always(
+    yield for_all_inputs(
         "it is looked for where it may be in view",
         model.in_mode("SEARCH").implies(foremost(own) >= begins),
         statement="the search lasts only while the vehicle may be in the view zone",
         requirements=("RFL-8",),
-        unconditional=True,
     )
     was_begun = seen_from(own, before(target.position), before(target.view_from))
     yield always(
@@ -85,7 +81,7 @@ def _one_story(model: ReflectorMachine) -> Iterator[Property]:
     alone = begun(own) | before(own.target.position).ne(own.ahead.position.value)
     by_target = machine.flag("precise") & of_target & alone
     first, *others = own.slots
-    yield always(
+    yield for_all_inputs(
         "echoes that exclude each other give no position",
         all_of(
             (by_target & first.judged.eq(FITS) & other.judged.eq(FITS)).implies(_agree(own, first, other))
@@ -93,7 +89,6 @@ def _one_story(model: ReflectorMachine) -> Iterator[Property]:
         ),
         statement="a reflector is measured only where every echo that fits it agrees with the one that is reported",
         requirements=("RFL-D3", "RFL-10"),
-        unconditional=True,
     )
 
 

@@ -18,7 +18,7 @@ LAW = (
     "error law; what is sighted stands beside the true route at its range, with its model, and the map names it there; a turn "
     "that is seen is taken"
 )
-TRACE = ("RFL-D6",)
+REQUIREMENTS = ("RFL-D6",)
 
 
 def carried(model: Route) -> Bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, any_of, as_num, between, with_unit
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
@@ -11,7 +12,9 @@ from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.route import Route
 from safeloc.models.route.variables import NO_REASON, SENSOR_FAILURE, TOLERANCE, Parts
 from safeloc.models.vocabulary.measured import ADMITTED
-from safeloc.properties.route.figures import TRACE, Told, bounds, carried, ran
+from safeloc.properties.route.figures import REQUIREMENTS, Told, bounds, carried, ran
+
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def reports(model: Route) -> Iterator[Property]:
@@ -22,47 +25,39 @@ def reports(model: Route) -> Iterator[Property]:
 
 def _silent(model: Route) -> Iterator[Property]:
     silent = all_of(~route.possible for route in model.own.routes)
-    yield always(
+    yield for_all_inputs(
         "nothing is reported without a start",
         carried(model) | (silent & model.machine.output("route").eq(0)),
         statement="idle or lost, no route and no interval is reported",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no route left is no report",
         silent.implies(~carried(model)),
         statement="the cycle in which no route fits any more is the cycle in which nothing is reported",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (carried(model) & ~earlier_bool(carried(model))).implies(model.own.start.present),
         statement="after a contradiction only a new start, with its own reference, begins to report",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _wide(model: Route) -> Iterator[Property]:
     own, most = model.own, as_num(2 * model.own.config.tolerance_mm * NM_PER_MM, NM)
     widths = [high - low <= most for low, high in (bounds(model, route) for route in own.routes)]
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         all_of(widths),
         statement="no reported interval is wider than the tolerable error to either side",
         requirements=("RFL-D6", "RFL-D1"),
-        unconditional=True,
     )
     lost = _given_up(model) & own.reason.eq(TOLERANCE)
-    yield always(
+    yield for_all_inputs(
         "given up for its width only where it may be too wide",
         lost.implies(any_of(_may_be_too_wide(own, Told(own, route)) for route in own.routes)),
         statement="nothing is given up for tolerance unless an interval, run on, may be wider than tolerable to the mm, or "
         "reach beyond the line",
         requirements=("RFL-D6", "RFL-D1"),
-        unconditional=True,
     )
 
 
@@ -80,29 +75,24 @@ def _may_be_too_wide(own: Parts, told: Told) -> Bool:
 
 def _odometer(model: Route) -> Iterator[Property]:
     own, odometer = model.own, model.own.odometer
-    yield always(
+    yield for_all_inputs(
         "a distance is admitted just if it can have been run",
         odometer.judged.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
         statement="a distance counts exactly if it is below the top speed, and within the greatest change of speed since the "
         "last one",
-        requirements=TRACE,
-        unconditional=True,
     )
     counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
-    yield always(
+    yield for_all_inputs(
         "silent cycles are counted",
         (odometer.judged.eq(ADMITTED) & odometer.gap.eq(0)) | (odometer.judged.ne(ADMITTED) & counted),
         statement="cycles without an admitted distance are counted, to one beyond the limit",
-        requirements=TRACE,
-        unconditional=True,
     )
     too_long = odometer.gap > own.config.gap_limit_cycles
-    yield always(
+    yield for_all_inputs(
         "a silent odometer ends the report",
         (earlier_bool(carried(model)) & ~own.start.present).implies(own.reason.eq(SENSOR_FAILURE).iff(too_long)),
         statement="what is carried is given up for the odometer exactly where it was silent for longer than permitted",
         requirements=("RFL-D6", "RFL-D1"),
-        unconditional=True,
     )
 
 
@@ -118,24 +108,21 @@ def _can_be_run(own: Parts) -> tuple[Bool, Bool]:
 
 
 def _reasons(model: Route) -> Iterator[Property]:
-    yield always(
+    yield for_all_inputs(
         "reason stated",
         model.own.reason.eq(NO_REASON).iff(carried(model)),
         statement="a reason is stated exactly while nothing is reported",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _authority(model: Route) -> Iterator[Property]:
     own, machine = model.own, model.machine
     refuted = any_of(own.authorised.eq(route.number) & ~route.possible for route in own.routes)
-    yield always(
+    yield for_all_inputs(
         "authority",
         carried(model).implies(machine.flag("refutes_authority").iff(refuted)),
         statement="that the route of the movement authority is refuted is reported in the same cycle",
         requirements=("RFL-D6", "RFL-12"),
-        unconditional=True,
     )
 
 
@@ -146,5 +133,5 @@ def reached(model: Route) -> Iterator[Property]:
             f"route {route.number} is decided after others were possible",
             model.machine.fired("one route is left") & route.possible,
             statement="the route can be told from the others by what is seen",
-            requirements=TRACE,
+            requirements=REQUIREMENTS,
         )

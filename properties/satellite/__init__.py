@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import all_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
@@ -22,6 +23,8 @@ from safeloc.properties.satellite.state import (
     now_kept,
     run_at,
 )
+
+for_all_inputs = partial(always, requirements=("SAT-1", "SAT-5"), unconditional=True)
 
 
 def properties(model: Satellite) -> list[Property]:
@@ -65,7 +68,7 @@ def _safety(model: Satellite) -> Iterator[Property]:
         assumption=LAW,
     )
     tolerance = own.config.tolerance_mm
-    yield always(
+    yield for_all_inputs(
         "tolerance",
         valid.implies(
             (of.num(machine.output("margin_above_mm")) <= tolerance)
@@ -73,21 +76,17 @@ def _safety(model: Satellite) -> Iterator[Property]:
         ),
         statement="a reported interval is never wider than the tolerable error, on either side",
         requirements=("SAT-5",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(of.bool(machine.fired("trusted reference"))),
         statement="a position is reported again only through a trusted reference: no solution starts it",
-        requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "reason stated",
         of.num(own.reason).eq(LOCATED).iff(valid),
         statement="a reason is stated exactly while nothing is reported",
         requirements=("SAT-5",),
-        unconditional=True,
     )
 
 
@@ -101,24 +100,22 @@ def _restart(model: Satellite) -> Iterator[Property]:
     valid, told = of.bool(machine.flag("valid")), of.bool(own.reference.present)
     good = of.num(own.accuracy) <= own.config.tolerance_mm - 2
     knows = of.bool(own.reference_speed.present)
-    yield always(
+    yield for_all_inputs(
         "a good reference begins a position",
         (told & good & ~earlier_bool(valid)).implies(valid),
         statement="while nothing is reported, a reference that is accurate enough to be reported begins a position",
         requirements=("SAT-1",),
-        unconditional=True,
     )
     place = exact_to(of.num(own.reference.value), NM)
     speed = ite(knows, of.num(own.reference_speed.value), as_num(0, UM_S))
     fresh = [now.position.eq(place), now.speed.eq(speed), now.change.eq(0), of.num(own.coasted).eq(0)]
     anchored = [of.bool(own.anchored), of.num(own.anchor_offset).eq(0)]
-    yield always(
+    yield for_all_inputs(
         "a position begins with nothing of what was before",
         (valid & ~earlier_bool(valid)).implies(told & all_of([*fresh, *anchored])),
         statement="a position begins at the reference, with its speed or none, no change of speed, no cycle coasted, and "
         "odometry counts from there",
         requirements=("SAT-1", "SAT-D1"),
-        unconditional=True,
     )
 
 
@@ -130,20 +127,16 @@ def _references(model: Satellite) -> Iterator[Property]:
     place, accuracy = (exact_to(of.num(one), NM) for one in (own.reference.value, own.accuracy))
     behind = was.low - place > accuracy + most_way(model) - run_at(model, was.slowest)
     ahead = place - was.high > accuracy + most_way(model) + run_at(model, was.fastest)
-    yield always(
+    yield for_all_inputs(
         "a reference that contradicts ends the position",
         (earlier_bool(valid) & told & (behind | ahead)).implies(~valid),
         statement="a reference that lies where the vehicle cannot have come to ends the position in the same cycle",
-        requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
     )
     taken = of.bool(machine.fired("trusted reference", "reference while located"))
-    yield always(
+    yield for_all_inputs(
         "a reference bounds the position",
         taken.implies((now.high - place <= accuracy) & (place - now.low <= accuracy) & of.num(own.coasted).eq(0)),
         statement="with a reference the interval lies within its accuracy, and coasting is counted anew",
-        requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
     )
 
 
@@ -165,20 +158,18 @@ def _coasting(model: Satellite) -> Iterator[Property]:
         now.fastest.eq(ite(was.fastest > fast - gained, as_num(fast, UM_S), was.fastest + gained)),
         now.slowest.eq(ite(was.slowest < gained - fast, as_num(-fast, UM_S), was.slowest - gained)),
     ]
-    yield always(
+    yield for_all_inputs(
         "coasting only grows",
         (coasting & earlier_bool(valid)).implies(all_of([*wider, *faster])),
         statement="without a solution that counts the interval grows in every cycle and shrinks on neither side; that of the "
         "speed grows by the greatest acceleration, until it holds every speed there is",
         requirements=("SAT-1",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "coasting ends",
         coasting.implies(coasted.eq(earlier_num(coasted) + 1)) & (coasted <= own.config.coast_limit_cycles),
         statement="cycles of coasting are counted one by one, and never more than the limit",
         requirements=("SAT-1",),
-        unconditional=True,
     )
 
 
@@ -189,23 +180,19 @@ def _anchor(model: Satellite) -> Iterator[Property]:
     machine, own = model.machine, model.own
     of = model.composition.of(machine)
     now, margin, offset = now_kept(model), of.num(own.anchor_margin), of.num(own.anchor_offset)
-    yield always(
+    yield for_all_inputs(
         "position and odometry meet",
         of.bool(own.anchored).implies(
             (offset - (now.position - now.low) <= margin) & (offset + (now.high - now.position) >= -margin)
         ),
         statement="a position is reported no farther from where odometry has carried the last reference than both may be "
         "wrong by",
-        requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
     )
     if own.config.drift_check == "required":
-        yield always(
+        yield for_all_inputs(
             "nothing without odometry",
             of.bool(machine.flag("valid")).implies(of.bool(own.anchored)),
             statement="nothing is reported that is not held against odometry since a reference",
-            requirements=("SAT-1", "SAT-5"),
-            unconditional=True,
         )
     yield reachable(
         "a drift is found",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, as_num, between, exact_to, ite, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
@@ -23,6 +24,8 @@ from safeloc.properties.satellite.state import (
     run_at,
 )
 
+for_all_inputs = partial(always, requirements=("SAT-1", "SAT-D1"), unconditional=True)
+
 
 def prediction(model: Satellite) -> Iterator[Property]:
     """E* from the state before alone: the way at the speed, and half of what the last change of speed adds."""
@@ -32,28 +35,24 @@ def prediction(model: Satellite) -> Iterator[Property]:
     fast = model.own.config.max_speed_mm_s * 1_000
     twice = run_at(model, was.speed * 2 + was.change)
     kept_speed = maximum(minimum(was.speed + was.change, fast), -fast)
-    yield always(
+    yield for_all_inputs(
         "the prediction is the state before",
         coasting.implies(((now.position - was.position) * 2).eq(twice) & now.speed.eq(kept_speed)),
         statement="without a solution the state is E*(t): place, speed and change of the cycle before, and no input",
-        requirements=("SAT-1", "SAT-D1"),
-        unconditional=True,
     )
     sped, most = now.speed - was.speed, most_change(model)
     possible = (sped <= most) & (sped >= -most)
-    yield always(
+    yield for_all_inputs(
         "the prediction goes on with the change of speed",
         (valid & earlier_bool(valid)).implies(now.change.eq(ite(possible, sped, as_num(0, UM_S)))),
         statement="the acceleration that the next prediction goes on with is that of the last cycle, if a vehicle can have it",
         requirements=("SAT-D1",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a solution meets the prediction",
         of.num(model.own.judged).eq(ACCEPTED).implies(meets(model)),
         statement="a solution counts only where its interval and the predicted one have a place and a speed in common",
         requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite
 from safeloc.language.spec import Property, always, earlier_bool
@@ -27,25 +28,22 @@ from safeloc.properties.satellite.state import (
 )
 from safeloc.properties.satellite_selection import violated
 
+for_all_inputs = partial(always, requirements=("SAT-5",), unconditional=True)
+
 
 def solutions(model: Satellite) -> Iterator[Property]:
     own, of = model.own, model.composition.of(model.machine)
     accepted = of.num(own.judged).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
-    yield always(
+    yield for_all_inputs(
         "only usable satellites count",
         accepted.implies(all_of(~flag | standing.eq(USABLE) for flag, (_, standing) in zip(used, channels(model), strict=True))),
-        statement="the state is computed only from satellites that are in the list of usable ones in the same cycle",
-        requirements=("SAT-5",),
-        unconditional=True,
-    )  # fmt: skip
-    yield always(
+        statement="the state is computed only from satellites that are in the list of usable ones in the same cycle")  # fmt: skip
+    yield for_all_inputs(
         "an excluded one never counts",
         any_of(flag & standing.eq(EXCLUDED) for flag, (_, standing) in zip(used, channels(model), strict=True)).implies(~accepted),
         statement="a solution with a satellite that violates the criterion does not change the state",
-        requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
-    )  # fmt: skip
+        requirements=("SAT-1", "SAT-5"))  # fmt: skip
 
 
 def used(model: Satellite) -> Iterator[Property]:
@@ -55,35 +53,29 @@ def used(model: Satellite) -> Iterator[Property]:
     used = [of.bool(flag) for flag in own.used]
     config = model.selection.own.config
     bad = [chosen.bool(violated(one, config, config.removal)) for one, _ in channels(model)]
-    yield always(
+    yield for_all_inputs(
         "what violates the criterion never counts",
         accepted.implies(all_of(~flag | ~violation for flag, violation in zip(used, bad, strict=True))),
         statement="no satellite of a solution that counts violates the criterion by what was measured of it in this cycle",
         requirements=("SAT-1", "SAT-4", "SAT-5"),
-        unconditional=True,
     )
     valid = [model.composition.of(model.selection.machine).bool(one.ephemeris) for one, _ in channels(model)]
-    yield always(
+    yield for_all_inputs(
         "no expired data count",
         accepted.implies(all_of(~flag | ephemeris for flag, ephemeris in zip(used, valid, strict=True))),
         statement="a solution with a satellite whose ephemeris has expired does not change the state",
         requirements=("SAT-6", "SAT-D1"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no fix below the minimum",
         accepted.implies(_satellites(used) - SPARE[own.config.redundancy] >= of.num(own.unknowns)),
         statement="fewer satellites than the unknowns, and those that the redundancy asks for beyond them, give no fix: "
         "along the track 2 solve, 3 detect, 4 exclude; free of it 4, 5, 6",
-        requirements=("SAT-5",),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "what does not count changes nothing",
         of.bool(model.machine.fired("solution counts")).implies(accepted),
         statement="the state takes on a solution only where it was accepted",
-        requirements=("SAT-5",),
-        unconditional=True,
     )
 
 
@@ -107,18 +99,15 @@ def judged(model: Satellite) -> Iterator[Property]:
     apart = ite(few, told.eq(TOO_FEW), ite(coarse, told.eq(TOO_COARSE), apart))
     apart = ite(located, ite(any_of(foreign), told.eq(NOT_USABLE), apart), told.eq(NOT_LOCATED))
     there = of.bool(own.fix.present)
-    yield always(
+    yield for_all_inputs(
         "a solution is told as what it is",
         ite(there, apart, told.eq(NO_FIX)),
         statement="a solution counts, or has drifted away from odometry, where a position is known, all its satellites are "
         "usable and enough, it is not too coarse and meets the prediction; otherwise the first of these is the reason",
         requirements=("SAT-1", "SAT-5"),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "why there is none is told",
         of.num(own.why_missing).eq(ite(there, MISSING[0], of.num(own.missing))),
         statement="a cycle without a solution tells why",
-        requirements=("SAT-5",),
-        unconditional=True,
     )

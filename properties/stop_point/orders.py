@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, never
@@ -19,7 +20,9 @@ from safeloc.models.stop_point.variables import (
     TOO_COARSE,
     TOO_FAR,
 )
-from safeloc.properties.stop_point.place import TRACE, far_end, foremost, near_end, rearmost
+from safeloc.properties.stop_point.place import REQUIREMENTS, far_end, foremost, near_end, rearmost
+
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def orders(model: StopPoint) -> Iterator[Property]:
@@ -30,38 +33,30 @@ def orders(model: StopPoint) -> Iterator[Property]:
 
 def _without_a_position(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield for_all_inputs(
         "without a position nothing moves",
         (~own.valid).implies(order.one_of(NO_ORDER, HOLD)),
         statement="in the step in which the position is lost, a pending stop holds the vehicle",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a lost position does not end a stop",
         (~own.valid & earlier_num(order).ne(NO_ORDER) & ~own.released).implies(order.eq(HOLD)),
         statement="a stop that was pending stays pending, and holds the vehicle, when the position is lost",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _held(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield for_all_inputs(
         "held with a reason",
         model.in_mode("HELD").implies(own.reason.one_of(NO_POSITION, TOO_FAR) & order.eq(HOLD)),
         statement="a stop that cannot be made holds the vehicle and says why",
-        requirements=TRACE,
-        unconditional=True,
     )
     enters = model.in_mode("HELD") & ~earlier_bool(model.in_mode("HELD"))
-    yield always(
+    yield for_all_inputs(
         "the reason for holding is right",
         enters.implies(ite(own.valid, own.reason.eq(TOO_FAR), own.reason.eq(NO_POSITION))),
         statement="the vehicle is held for a lost position just when it is lost, else for being too far beyond the window",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -71,7 +66,7 @@ def _after_braking(model: StopPoint) -> Iterator[Property]:
         "no movement out of the brake order",
         earlier_num(order).eq(BRAKE) & order.one_of(PROCEED, CREEP, REVERSE),
         statement="after the brake order comes standstill, an overrun or a hold; never at once an order to move",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         unconditional=True,
     )
 
@@ -79,33 +74,27 @@ def _after_braking(model: StopPoint) -> Iterator[Property]:
 def _limit(model: StopPoint) -> Iterator[Property]:
     own, machine = model.own, model.machine
     slow = machine.output("order").one_of(CREEP, REVERSE)
-    yield always(
+    yield for_all_inputs(
         "the reduced speed is shown",
         machine.output("speed_limit_mm_s").eq(ite(slow, own.config.reduced_speed_mm_s, 0 * own.speed)),
         statement="with the order to creep or to reverse the reduced speed is shown as the limit, else none",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _distance(model: StopPoint) -> Iterator[Property]:
     own, machine = model.own, model.machine
     shown = machine.output("distance_mm")
-    yield always(
+    yield for_all_inputs(
         "the distance to the stop is shown",
         (~model.in_mode("IDLE", "HELD")).implies((shown + own.position).eq(own.stop)),
         statement="while a stop is pending, the distance from the reported position to it is shown",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no distance without a stop that can be made",
         (model.in_mode("IDLE") | earlier_bool(model.in_mode("HELD")) & model.in_mode("HELD") | ~own.valid).implies(
             shown.eq(0)
         ),
         statement="without a pending stop or a position, and while the vehicle stays held, no distance is shown",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -114,10 +103,8 @@ def _coarse(model: StopPoint) -> Iterator[Property]:
     coarse = (rearmost(own) < near_end(own)) & (foremost(own) > far_end(own))
     moved = ~earlier_bool(model.in_mode("IDLE")) & ~model.in_mode("IDLE", "HELD")
     chosen = model.machine.fired("another stop selected")
-    yield always(
+    yield for_all_inputs(
         "too coarse a measurement is told",
         (moved & ~chosen).implies(own.reason.eq(ite(coarse, TOO_COARSE, NO_REASON))),
         statement="while a stop is pending, it is told just when the interval reaches beyond both ends of the window",
-        requirements=TRACE,
-        unconditional=True,
     )

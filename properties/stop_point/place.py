@@ -12,7 +12,7 @@ LAW = (
     "a valid interval holds the true position; speed is measured within its error; an order to brake stops the vehicle "
     "within reaction and braking distance"
 )
-TRACE = ("RFL-D7",)
+REQUIREMENTS = ("RFL-D7",)
 
 
 def near_end(own: Parts) -> Num:

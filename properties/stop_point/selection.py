@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, any_of, before, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import NO_ORDER, NO_REASON, NOT_AHEAD, PROCEED, UNKNOWN_STOP
-from safeloc.properties.stop_point.place import LAW, TRACE, far_end, foremost, ordered_before
+from safeloc.properties.stop_point.place import LAW, REQUIREMENTS, far_end, foremost, ordered_before
+
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 def selection(model: StopPoint) -> Iterator[Property]:
@@ -38,22 +41,18 @@ def _mapped(model: StopPoint, number: int) -> Bool:
 
 def _as_the_map_has_it(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield for_all_inputs(
         "the pending stop is the selected one of the map",
         all_of(
             (_selects(model) & own.pending.eq(number)).implies(_mapped(model, number))
             for number in range(1, len(own.stops) + 1)
         ),
         statement="a stop that becomes pending is the one that the mission names, where the map has it and with its window",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "an order belongs to a stop",
         ite(own.pending > 0, order.ne(NO_ORDER), order.eq(NO_ORDER)),
         statement="the vehicle is given an order just while a stop is pending",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -64,36 +63,32 @@ def _ahead(model: StopPoint) -> Iterator[Property]:
         _selects(model).implies(own.valid & (own.truth <= far_end(own))),
         statement="a stop becomes pending only on a valid position, and while the vehicle stands or runs before the far end "
         "of its window",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
         assumption=LAW,
     )
 
 
 def _kept(model: StopPoint) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield for_all_inputs(
         "the stop stays after the brake order",
         (~ordered_before(model).one_of(NO_ORDER, PROCEED) & ~model.in_mode("IDLE")).implies(
             all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after, own.pending))
         ),
         statement="after the brake order another selection no longer moves the stop",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "the stop moves only with another selection",
         (own.pending.eq(before(own.pending))).implies(
             all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after))
         ),
         statement="while the same stop is pending, its place and window stay as they were read from the map",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _left(model: StopPoint) -> Iterator[Property]:
     own, idle = model.own, model.in_mode("IDLE")
-    yield always(
+    yield for_all_inputs(
         "a stop is left only when served or released",
         (earlier_bool(model.in_mode("BRAKING", "STOPPED", "SHORT", "CREEPING", "OVERRUN", "REPOSITIONING", "HELD")) & idle)
         .implies(
@@ -101,47 +96,35 @@ def _left(model: StopPoint) -> Iterator[Property]:
             | (own.released & earlier_bool(model.in_mode("HELD", "SHORT", "OVERRUN")))
         ),
         statement="from the brake order on a pending stop ends by departure from its place, or because whoever is in charge "
-        "releases a vehicle that is held elsewhere",
-        requirements=TRACE,
-        unconditional=True,
-    )  # fmt: skip
-    yield always(
+        "releases a vehicle that is held elsewhere")  # fmt: skip
+    yield for_all_inputs(
         "served or released, a stop is left",
         (
             (own.valid & own.departure & earlier_bool(model.in_mode("STOPPED")))
             | (own.released & earlier_bool(model.in_mode("HELD", "SHORT", "OVERRUN")))
         ).implies(idle),
         statement="the departure order of a stop in place, and the release of a stop that is held elsewhere, end it",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _served(model: StopPoint) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield for_all_inputs(
         "a served stop is not selected at once again",
         (_selects(model) & earlier_bool(model.in_mode("IDLE"))).implies(own.pending.ne(before(own.served))),
         statement="a stop that was just served is selected again only after another selection, or none",
-        requirements=TRACE,
-        unconditional=True,
     )
     left = earlier_bool(~model.in_mode("APPROACH", "IDLE")) & model.in_mode("IDLE")
-    yield always(
+    yield for_all_inputs(
         "a stop that was left counts as served",
         left.implies(own.served.eq(before(own.pending))),
         statement="a stop that was left by departure or release is remembered",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "served is forgotten with the selection",
         (model.in_mode("IDLE") & (~own.selected.present)
          & earlier_bool(model.in_mode("APPROACH", "IDLE"))).implies(own.served.eq(0) | ~own.valid),
-        statement="with no stop selected, the stop that was served before may be selected again",
-        requirements=TRACE,
-        unconditional=True,
-    )  # fmt: skip
+        statement="with no stop selected, the stop that was served before may be selected again")  # fmt: skip
 
 
 def _selectable(model: StopPoint, number: int) -> Bool:
@@ -153,15 +136,13 @@ def _selectable(model: StopPoint, number: int) -> Bool:
 
 def _accepted(model: StopPoint) -> Iterator[Property]:
     own, free = model.own, earlier_bool(model.in_mode("IDLE"))
-    yield always(
+    yield for_all_inputs(
         "a stop ahead is selected",
         all_of(
             (free & _selectable(model, number)).implies(own.pending.eq(number))
             for number in range(1, len(own.stops) + 1)
         ),
         statement="a stop of the map that the mission names, that surely lies ahead and was not just served, becomes pending",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -170,14 +151,12 @@ def _refused(model: StopPoint) -> Iterator[Property]:
     unknown = own.selected.present & ~any_of(
         stop.position.present & own.selected.value.eq(number) for number, stop in enumerate(own.stops, 1)
     )
-    yield always(
+    yield for_all_inputs(
         "a stop that is not on the map is refused",
         (waits & unknown).implies(own.reason.eq(UNKNOWN_STOP)),
         statement="a stop that the mission names and the map does not have is refused with that reason",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a stop that is not ahead is refused",
         all_of(
             (waits & own.valid & ~unknown & own.selected.value.eq(number) & before(own.served).ne(number)
@@ -185,15 +164,10 @@ def _refused(model: StopPoint) -> Iterator[Property]:
             .implies(own.reason.eq(NOT_AHEAD) | ~own.selected.present)
             for number, stop in enumerate(own.stops, 1)
         ),
-        statement="a stop that possibly lies behind is refused with that reason",
-        requirements=TRACE,
-        unconditional=True,
-    )  # fmt: skip
-    yield always(
+        statement="a stop that possibly lies behind is refused with that reason")  # fmt: skip
+    yield for_all_inputs(
         "a pending stop is not refused",
         model.machine.output("order").eq(PROCEED).implies(~own.reason.one_of(UNKNOWN_STOP, NOT_AHEAD))
         & (~own.selected.present & waits).implies(own.reason.eq(NO_REASON)),
         statement="no reason for a refusal is shown while a stop is pending, or while none is selected",
-        requirements=TRACE,
-        unconditional=True,
     )

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import between
 from safeloc.language.spec import Property, always, earlier_bool, once, reachable
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import BRAKE, HOLD
-from safeloc.properties.stop_point.place import LAW, TRACE, far_end, fits, near_end, ordered_before, stands, width
+from safeloc.properties.stop_point.place import (
+    LAW,
+    REQUIREMENTS,
+    far_end,
+    fits,
+    near_end,
+    ordered_before,
+    stands,
+    width,
+)
+
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def standing(model: StopPoint) -> Iterator[Property]:
@@ -19,86 +32,68 @@ def standing(model: StopPoint) -> Iterator[Property]:
         "repositioned",
         model.machine.flag("in_position") & once(model.machine.fired("repositions")),
         statement="a vehicle that ran too far comes to stand in position",
-        requirements=TRACE,
+        requirements=REQUIREMENTS,
     )
 
 
 def _in_position(model: StopPoint) -> Iterator[Property]:
     own, place = model.own, model.machine.flag("in_position")
     fine = width(own) <= far_end(own) - near_end(own)
-    yield always(
+    yield under_assumption(
         "in position within the window",
         (place & own.precise & fine).implies(between(near_end(own), own.truth, far_end(own))),
         statement="a vehicle that is said to be in position stands within the stop window, whenever the measurement is no "
         "coarser than the window",
-        requirements=TRACE,
-        assumption=LAW,
     )
     slowest = own.config.standstill_mm_s + own.config.speed_error_mm_s
-    yield always(
+    yield under_assumption(
         "in position it stands",
         place.implies(between(-slowest, own.true_speed, slowest)),
         statement="a vehicle that is said to be in position truly stands, up to the speed error",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _comes_to_stand(model: StopPoint) -> Iterator[Property]:
     own, place = model.own, model.machine.flag("in_position")
     comes = place & ~earlier_bool(place)
-    yield always(
+    yield for_all_inputs(
         "in position only on a measurement",
         comes.implies(own.valid & own.precise & stands(own)),
         statement="a vehicle is said to be in position only at standstill and on a measured distance",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield under_assumption(
         "it comes to stand within the window",
         comes.implies(between(near_end(own), own.truth, far_end(own))),
         statement="when a vehicle is first said to be in position, its front end truly stands within the stop window",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _said_when_it_stands(model: StopPoint) -> Iterator[Property]:
     own, place = model.own, model.machine.flag("in_position")
     measured = own.valid & own.precise & stands(own) & ~own.released
-    yield always(
+    yield for_all_inputs(
         "in position when it stands there",
         ((ordered_before(model).eq(BRAKE) | earlier_bool(model.in_mode("OVERRUN", "SHORT"))) & measured & fits(own)).implies(
             place
         ),
-        statement="a braked or stopped vehicle that is measured to stand within the window is said to be in position",
-        requirements=TRACE,
-        unconditional=True,
-    )  # fmt: skip
-    yield always(
+        statement="a braked or stopped vehicle that is measured to stand within the window is said to be in position")  # fmt: skip
+    yield for_all_inputs(
         "it stays in position",
         (earlier_bool(place) & own.valid & stands(own) & ~own.departure & (fits(own) | ~own.precise)).implies(place),
         statement="a vehicle in position stays so while it stands and no measurement says otherwise, until it departs",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _found_short_or_beyond(model: StopPoint) -> Iterator[Property]:
     own, place = model.own, model.machine.flag("in_position")
     order = model.machine.output("order")
-    yield always(
+    yield for_all_inputs(
         "out of the window it is not in position",
         (earlier_bool(place) & own.valid & own.precise & ~fits(own) & (width(own) <= far_end(own) - near_end(own))
          & ~own.departure).implies(~place),
-        statement="a vehicle in position that is measured to stand out of the window is no longer in position",
-        requirements=TRACE,
-        unconditional=True,
-    )  # fmt: skip
-    yield always(
+        statement="a vehicle in position that is measured to stand out of the window is no longer in position")  # fmt: skip
+    yield for_all_inputs(
         "out of the window it is held or braked",
         (earlier_bool(place) & ~place & ~own.departure).implies(order.one_of(BRAKE, HOLD)),
         statement="a vehicle that is no longer in position, and did not depart, is held or braked",
-        requirements=TRACE,
-        unconditional=True,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, before, exact_to, product, with_unit
 from safeloc.language.spec import Property, always, earlier_bool
@@ -11,7 +12,7 @@ from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import BRAKE, CREEP, PROCEED, REVERSE
 from safeloc.properties.stop_point.place import (
     LAW,
-    TRACE,
+    REQUIREMENTS,
     far_end,
     foremost,
     near_end,
@@ -22,6 +23,8 @@ from safeloc.properties.stop_point.place import (
 )
 
 UM_PER_MM, ROUNDING_MM = 1_000, 1
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
+under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def towards(model: StopPoint) -> Iterator[Property]:
@@ -34,13 +37,11 @@ def towards(model: StopPoint) -> Iterator[Property]:
 
 def _on(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield under_assumption(
         "never on beyond the window",
         order.one_of(PROCEED, CREEP).implies(own.truth <= far_end(own)),
         statement="while a stop is pending, no order to go on or to start towards the platform's end is given to a vehicle "
         "that stands or runs beyond the stop window",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
@@ -52,33 +53,27 @@ def _proceeds(model: StopPoint) -> Bool:
 
 def _brakes_for_the_window(model: StopPoint) -> Iterator[Property]:
     own = model.own
-    yield always(
+    yield under_assumption(
         "brake order in time",
         _proceeds(model).implies(own.truth + own.run_out <= far_end(own)),
         statement="the vehicle may proceed only while the guaranteed brake, ordered in the next cycle, still brings the true "
         "front end to a stand within the stop window or before it",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _brakes_for_the_stop(model: StopPoint) -> Iterator[Property]:
     own, stop = model.own, exact_to(model.own.stop, NM)
-    yield always(
+    yield under_assumption(
         "brakes to the stop by the measurement",
         (_proceeds(model) & own.precise).implies(own.run_out <= stop - exact_to(own.position, NM)),
         statement="with a measured distance the vehicle may proceed only while the guaranteed brake brings it to a stand at "
         "the stop, counted from the measured position, or before it",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "brakes to the stop by odometry",
         (_proceeds(model) & ~own.precise).implies(own.run_out <= stop - foremost(own)),
         statement="without a measured distance the vehicle may proceed only while the guaranteed brake brings it to a stand at "
         "the stop, counted from the foremost possible place, or before it",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
@@ -90,71 +85,57 @@ def _no_early_brake(model: StopPoint) -> Iterator[Property]:
     left = exact_to(own.stop - own.position, UM) - exact_to(own.above + ROUNDING_MM, UM)
     braking = left - with_unit(fastest * config.reaction_ms, UM)
     due = (fastest > 0) & (squared >= braking * (2 * config.brake_mm_s2))
-    yield always(
+    yield for_all_inputs(
         "no brake order before it is due",
         (ordered_before(model).eq(PROCEED) & model.machine.output("order").eq(BRAKE)).implies(
             due | (foremost(own) >= exact_to(own.stop, NM)) | (rearmost(own) >= near_end(own))
         ),
         statement="the brake order comes from the braking distance of the highest possible speed before the stop on, counted "
         "from the foremost possible place and a millimetre for rounding, or when the vehicle surely reached the window",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
 def _creeping(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield under_assumption(
         "creeping is slow",
         order.eq(CREEP).implies(own.true_speed <= own.config.reduced_speed_mm_s),
         statement="the order to creep into the window is taken back before the vehicle can be faster than the reduced speed",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield for_all_inputs(
         "creeping begins at standstill",
         (order.eq(CREEP) & ordered_before(model).ne(CREEP)).implies(stands(own) & (foremost(own) <= far_end(own))),
         statement="creeping begins only at standstill, and where the vehicle surely stands before the window's far end",
-        requirements=TRACE,
-        unconditional=True,
     )
-    yield always(
+    yield under_assumption(
         "creeping ends in the window",
         order.eq(CREEP).implies(own.truth < near_end(own) + width(own)),
         statement="the order to creep ends when the vehicle is no longer possibly before the window",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _reversing(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield under_assumption(
         "reversing is slow",
         order.eq(REVERSE).implies(-own.true_speed <= own.config.reduced_speed_mm_s),
         statement="the order to reverse is never given, and never upheld, to a vehicle that may run backwards faster than the "
         "reduced speed",
-        requirements=TRACE,
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "never back before the window",
         order.eq(REVERSE).implies(own.truth >= near_end(own)),
         statement="no order to reverse is given, or upheld, to a vehicle that stands or runs before the stop window",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _may_move(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
     for name, given in (("reversing", REVERSE), ("creeping", CREEP)):
-        yield always(
+        yield for_all_inputs(
             f"{name} is permitted and measured",
             order.eq(given).implies(own.permitted & own.precise & own.valid),
             statement=f"{name} needs, in every cycle, the permission and a measured distance to the reflector",
-            requirements=TRACE,
-            unconditional=True,
         )
 
 
@@ -162,32 +143,26 @@ def _begins_to_reverse(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
     limit = exact_to(own.after + own.stop + own.config.reposition_limit_mm, NM)
     begins = order.eq(REVERSE) & ordered_before(model).ne(REVERSE)
-    yield always(
+    yield for_all_inputs(
         "reversing begins at standstill",
         begins.implies(stands(own) & (foremost(own) > far_end(own)) & (foremost(own) <= limit)),
         statement="reversing begins only at standstill, after an overrun, and no farther beyond the window than allowed",
-        requirements=TRACE,
-        unconditional=True,
     )
     slowest = own.config.standstill_mm_s + own.config.speed_error_mm_s
-    yield always(
+    yield under_assumption(
         "reversing begins near the window",
         begins.implies((own.truth <= limit) & (own.true_speed <= slowest) & (own.true_speed >= -slowest)),
         statement="a vehicle that is told to reverse truly stands, up to the speed error, and is no farther beyond the window "
         "than allowed",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
 def _keeps_reversing(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
-    yield always(
+    yield under_assumption(
         "reversing ends in the window",
         order.eq(REVERSE).implies(own.truth + width(own) > far_end(own)),
         statement="the order to reverse ends when the vehicle is no longer possibly beyond the window",
-        requirements=TRACE,
-        assumption=LAW,
     )
 
 
@@ -196,13 +171,11 @@ def _reverses_when_it_may(model: StopPoint) -> Iterator[Property]:
     limit = exact_to(own.after + own.stop + own.config.reposition_limit_mm, NM)
     may = own.valid & own.precise & own.permitted & stands(own) & ~own.released
     where = (rearmost(own) >= near_end(own)) & (foremost(own) > far_end(own)) & (foremost(own) <= limit)
-    yield always(
+    yield for_all_inputs(
         "repositions when it may",
         (earlier_bool(model.in_mode("OVERRUN")) & may & where).implies(model.machine.output("order").eq(REVERSE)),
         statement="after an overrun a standing, measured vehicle that is permitted to reverse, surely not before the window and "
         "possibly beyond it by no more than allowed, is ordered back",
-        requirements=TRACE,
-        unconditional=True,
     )
 
 
@@ -210,10 +183,8 @@ def _creeps_when_it_may(model: StopPoint) -> Iterator[Property]:
     own = model.own
     may = own.valid & own.precise & own.permitted & stands(own) & ~own.released
     where = (rearmost(own) < near_end(own)) & (foremost(own) <= far_end(own))
-    yield always(
+    yield for_all_inputs(
         "creeps when it may",
         (earlier_bool(model.in_mode("SHORT")) & may & where).implies(model.machine.output("order").eq(CREEP)),
         statement="stopped short, a standing, measured vehicle that is permitted to move creeps on",
-        requirements=TRACE,
-        unconditional=True,
     )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from safeloc.language.expr import Bool, all_of, any_of, before, between, exact_to, ite, minimum, was
-from safeloc.language.spec import Property, always, reachable
+from safeloc.language.spec import Property, always, reachable, since
 from safeloc.language.units import NM, UM
 from safeloc.models.verification import Verification
 from safeloc.models.verification import variables as v
@@ -22,13 +23,17 @@ SAFE = ("FVA-4", "FVA-13", "FVA-5", "FVA-14")
 COURSE = ("FVA-6", "FVA-15")
 CONTROL = ("FVA-7", "FVA-16")
 EMITTER = ("FVA-8", "FVA-17")
+for_all_inputs = partial(always, requirements=(*CLAIM, *STAY), unconditional=True)
+under_assumption = partial(always, requirements=(*CLAIM, "FVA-D1"), assumption=LAW)
 
 
 def properties(model: Verification) -> list[Property]:
     """Only what is verified is given out; a mismatch withholds at once and until another accepted reference."""
     return [
         *_truth(model),
+        *_age(model),
         *_latch(model),
+        *_revoked(model),
         *_inputs(model),
         *_entry(model),
         *mismatch_properties(model),
@@ -44,105 +49,119 @@ def _truth(model: Verification) -> Iterator[Property]:
     position = machine.output("position_mm")
     low, high = position - machine.output("margin_below_mm"), position + machine.output("margin_above_mm")
     tolerance = own.config.length_tolerance_mm * 2_000
-    yield always(
+    yield under_assumption(
         "containment",
         trusted.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
         statement="a position that is given out as trusted holds the front of the train",
         requirements=CLAIM,
-        assumption=LAW,
     )
     now = trusted & machine.output("verified_cycles_ago").eq(0)
-    yield always(
+    yield under_assumption(
         "verified count is the train's",
         (now & machine.flag("verified_count")).implies(own.axles.eq(own.kept_count)),
         statement="in a cycle verified by count, the train followed has as many axles as the counter counted: identity",
-        requirements=(*CLAIM, "FVA-D1"),
-        assumption=LAW,
     )
-    yield always(
+    yield under_assumption(
         "verified length is the train's",
         (now & machine.flag("verified_length")).implies(
             between(exact_to(own.kept_low, UM) - tolerance, own.length, exact_to(own.kept_high, UM) + tolerance)
         ),
         statement="in a cycle verified by length, the train's length agrees with the counter's within both tolerances",
-        requirements=(*CLAIM, "FVA-D1"),
-        assumption=LAW,
     )
     counted = own.associated & own.seen_count.present
-    yield always(
+    yield under_assumption(
         "another train is withheld",
         (counted & own.axles.ne(own.kept_count)).implies(~trusted),
         statement="in a cycle in which the fibre counts a train with another number of axles, nothing is trusted: whether "
         "it is another train or has lost a wagon",
         requirements=(*CLAIM, *STAY),
-        assumption=LAW,
     )
 
 
-def _latch(model: Verification) -> Iterator[Property]:
+def _age(model: Verification) -> Iterator[Property]:
+    """How trust begins, and how long a verification serves."""
     machine, own = model.machine, model.own
-    none, withheld, trusted_mode, untrusted = machine.modes
+    _, withheld, trusted_mode, _ = machine.modes
     mode, trusted = machine.mode, machine.flag("trusted")
-    was_untrusted = before(mode).eq(untrusted)
-    yield always(
+    yield for_all_inputs(
         "trusted is currently verified",
         trusted.implies((own.age <= own.config.currency_cycles) & (own.by_count | own.by_length)),
         statement="nothing is trusted without a verification by count or length at most so many cycles ago",
-        requirements=(*CLAIM, *STAY),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "trust begins with a verification",
         (trusted & before(mode).ne(trusted_mode)).implies(own.age.eq(0) & _verified_now(own)),
         statement="a position is trusted again only in a cycle in which count or length was determined and matched",
         requirements=CLAIM,
-        unconditional=True,
     )
     follows = before(mode).one_of(withheld, trusted_mode) & mode.one_of(withheld, trusted_mode)
     older = ite(own.due, own.age.high, minimum(before(own.age) + 1, own.age.high))
-    yield always(
+    yield for_all_inputs(
         "the age of a verification is counted",
         follows.implies(own.age.eq(ite(_verified_now(own), 0, older))),
         statement="a verification is as old as the cycles since the last one in which count or length was determined and matched",
-        requirements=(*CLAIM, *STAY),
-        unconditional=True,
     )
-    yield always(
+
+
+def _latch(model: Verification) -> Iterator[Property]:
+    """How trust ends, and until when."""
+    machine, own = model.machine, model.own
+    none, withheld, _, untrusted = machine.modes
+    mode, trusted = machine.mode, machine.flag("trusted")
+    was_untrusted = before(mode).eq(untrusted)
+    yield for_all_inputs(
         "mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(
             own.leaves | (own.due & own.sound & own.source.ne(v.NOBODY) & (own.record_count > 0))
         ),
         statement="an untrusted train becomes anything else only by an accepted reference, or by leaving",
-        requirements=(*CLAIM, *STAY),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "first reason is kept",
         (was_untrusted & mode.eq(untrusted)).implies(own.reason.eq(before(own.reason))),
         statement="the first reason stays until the train is trusted again or gone",
         requirements=COURSE,
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "withheld is nothing",
         (~trusted).implies(no_interval(machine) & ~machine.flag("handover_trusted")),
         statement="a position that is not trusted is not given out, and not handed over as trusted",
         requirements=CLAIM,
-        unconditional=True,
     )
-    yield always(
-        "what was given out is revoked",
-        (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
-        statement="a mismatch revokes in the same cycle what was given out before",
-        requirements=(*CLAIM, *COURSE),
-        unconditional=True,
-    )
-    yield always(
+    yield for_all_inputs(
         "a reason is told",
         mode.one_of(none, withheld, untrusted).implies(own.reason.ne(v.VERIFIED)),
         statement="whatever is not trusted has a reason",
         requirements=COURSE,
-        unconditional=True,
+    )
+
+
+def _revoked(model: Verification) -> Iterator[Property]:
+    """What was given out before a mismatch, with or without a pause, is revoked by it."""
+    machine, own = model.machine, model.own
+    _, withheld, trusted_mode, untrusted = machine.modes
+    mode, trusted = machine.mode, machine.flag("trusted")
+    was_untrusted, believed = before(mode).eq(untrusted), mode.one_of(withheld, trusted_mode)
+    given_out = since(believed & ~own.due, trusted)
+    yield for_all_inputs(
+        "what was given out is revoked",
+        (before(mode).eq(trusted_mode) & mode.eq(untrusted)).implies(machine.flag("revoked")),
+        statement="a mismatch revokes in the same cycle what was given out before",
+        requirements=(*CLAIM, *COURSE),
+    )
+    yield for_all_inputs(
+        "whether something was given out is kept",
+        believed.implies(own.given.iff(given_out))
+        & (was_untrusted & mode.eq(untrusted)).implies(own.given.iff(was(own.given))),
+        statement="that a position was given out is kept while the train is withheld, from its last trusted cycle on, until "
+        "another reference comes; and once the train is untrusted, until that ends",
+        requirements=(*CLAIM, *COURSE),
+    )
+    yield for_all_inputs(
+        "what was given out is revoked after a pause too",
+        (before(mode).eq(withheld) & mode.eq(untrusted)).implies(machine.flag("revoked").iff(was(own.given))),
+        statement="a mismatch of a train that is withheld for the time being revokes what was given out before, if anything was",
+        requirements=(*CLAIM, *COURSE),
     )
 
 
@@ -160,30 +179,27 @@ def _inputs(model: Verification) -> Iterator[Property]:
         silent = ~own.control_count.present & ~own.control_length.present
         unusable["control data missing"] = (silent, "train control data that do not come", CONTROL)
     for name, (fault, what, trace) in unusable.items():
-        yield always(
+        yield for_all_inputs(
             f"{name} withholds",
             fault.implies(~trusted),
             statement=f"{what} withholds the position in the same cycle",
             requirements=trace,
-            unconditional=True,
         )
     silent = ~own.control_count.present & ~own.control_length.present
-    yield always(
+    yield for_all_inputs(
         "silence is no success",
         (silent & own.by_control).implies(was(own.by_control)),
         statement="train control data count as verified only where they came and matched",
         requirements=CONTROL,
-        unconditional=True,
     )
     came, new_control = own.control_count.present | own.control_length.present, own.by_control & ~was(own.by_control)
     agrees = own.control_count.present.implies(own.control_count.value.eq(own.kept_count))
     believed = machine.mode.one_of(*machine.modes[1:3])
-    yield always(
+    yield for_all_inputs(
         "train control is listed where it agreed",
         new_control.implies(agrees & came) & (believed & came).implies(own.by_control),
         statement="train control data are listed as verified from the first cycle on in which they came and agreed",
         requirements=CONTROL,
-        unconditional=True,
     )
 
 
@@ -196,50 +212,44 @@ def _entry(model: Verification) -> Iterator[Property]:
     known = machine.flag("trusted") | mode.eq(machine.modes[1])
     same = all_of(one.eq(before(one)) for one in kept)
     new = all_of(one.eq(told) for one, told in zip(kept, record, strict=True))
-    yield always(
+    yield for_all_inputs(
         "reference is taken once",
         known.implies(same | (own.due & new)),
         statement="the stored reference changes only in the cycle of another accepted record",
         requirements=(*STAY, *ENTRY),
-        unconditional=True,
     )
     recent = own.record_age <= own.config.reference_age_limit_cycles
-    yield always(
+    yield for_all_inputs(
         "only sound references",
         (own.due & known).implies(own.sound & recent & own.source.ne(v.NOBODY) & (own.record_count > 0)),
         statement="a record that is disturbed, old, empty or did not come is not accepted",
         requirements=(*SAFE, *STAY),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "a lost hand-over is untrusted",
         (own.due & own.source.eq(v.NOBODY) & ~own.leaves).implies(mode.eq(machine.modes[3])),
         statement="a train for which no reference came when it was due is untrusted in the same cycle",
         requirements=("FVA-D1", *STAY),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "no train without a reference",
         (before(mode).eq(none) & mode.ne(none)).implies(own.due),
         statement="without a reference nothing is ever verified",
         requirements=CLAIM,
-        unconditional=True,
     )
     at_entry = own.reason.one_of(v.SPEED_AT_ENTRY, v.PLACE_AT_ENTRY)
-    yield always(
+    yield for_all_inputs(
         "place and speed at entry only",
         (at_entry & own.reason.ne(before(own.reason))).implies(own.due & own.source.eq(v.AXLE_COUNTER)),
         statement="place and speed are compared with the record only in its own cycle, and never later",
         requirements=ENTRY,
-        unconditional=True,
     )
     newly = (own.by_speed & ~was(own.by_speed)) | (own.by_place & ~was(own.by_place))
-    yield always(
+    yield for_all_inputs(
         "verified at entry in that cycle",
         newly.implies(own.due & own.associated),
         statement="place and speed are listed as verified only from a cycle in which they were compared at the counter",
         requirements=ENTRY,
-        unconditional=True,
     )
 
 
@@ -258,19 +268,17 @@ def _handed_over(model: Verification) -> Iterator[Property]:
     said = (
         machine.output("handover_axles").eq(own.kept_count) & length[0].eq(own.kept_low) & length[1].eq(own.kept_high)
     )
-    yield always(
+    yield for_all_inputs(
         "the record is handed over",
         machine.flag("handover_trusted").implies(machine.flag("trusted") & said),
         statement="what is handed over as trusted is the stored record, while the train is trusted",
         requirements=("FVA-D1", *STAY),
-        unconditional=True,
     )
-    yield always(
+    yield for_all_inputs(
         "listed with the emitter",
         machine.flag("verified_by_emitter").implies(machine.flag("trusted") & own.chain_tested),
         statement="the chain is listed as tested only in a cycle in which it is",
         requirements=EMITTER,
-        unconditional=True,
     )
 
 

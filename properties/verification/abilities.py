@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 from safeloc.language.expr import Bool, Lit, Num, before, between, exact_to, ite, maximum, minimum, was, with_unit
 from safeloc.language.spec import Property, always
@@ -12,7 +12,8 @@ from safeloc.language.units import MM_S2, NM, UM_S
 from safeloc.models.verification import Verification
 from safeloc.models.verification.variables import Parts
 
-TRACE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16")
+REQUIREMENTS = ("FVA-6", "FVA-15", "FVA-7", "FVA-16")
+for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,24 +82,20 @@ def properties(model: Verification) -> Iterator[Property]:
     less, more = Abilities(own).changes
     seen, cap = own.associated & own.seen_speed.present, own.slower.high
     slower, faster = minimum(before(own.slower) + less, cap), minimum(before(own.faster) + more, cap)
-    yield always(
+    yield for_all_inputs(
         "speed is bounded by the train's abilities",
         follows.implies(own.slower.eq(ite(seen, 0, slower)) & own.faster.eq(ite(seen, 0, faster))),
         statement="without a speed its bounds grow by brake and traction, by the brakes that train control tells where it does; "
         "with one they begin anew",
-        requirements=TRACE,
-        unconditional=True,
     )
     placed = own.associated & own.located & own.place.present
     grown = exact_to(own.reach - before(own.reach), NM) - Abilities(own).run_nm
     charged = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
-    yield always(
+    yield for_all_inputs(
         "reach grows by the fastest run",
         follows.implies(ite(placed, own.reach.eq(0), charged)),
         statement="without a place the front may have come farther by the run of the cycle at its greatest speed, rounded up to "
         "a millimetre",
-        requirements=TRACE,
-        unconditional=True,
     )
     last = [
         (own.associated & own.seen_length.present, own.last_length, own.seen_length, own.length_known),
@@ -106,10 +103,8 @@ def properties(model: Verification) -> Iterator[Property]:
         (placed, own.last_place, own.place, own.place_known),
     ]
     for given, kept, told, known in last:
-        yield always(
+        yield for_all_inputs(
             f"{kept.name} is the last one told",
             follows.implies(ite(given, kept.eq(told.value) & known, kept.eq(before(kept)) & known.iff(was(known)))),
             statement="what later readings are compared with is the last reading of the train's own pattern",
-            requirements=TRACE,
-            unconditional=True,
         )

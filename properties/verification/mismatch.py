@@ -7,6 +7,7 @@ figures of a jump: from one millimetre beyond the reach on it must withhold, and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, before, was, with_unit
 from safeloc.language.spec import Property, always
@@ -80,6 +81,7 @@ NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
         COURSE,
     ),
 }
+for_all_inputs = partial(always, requirements=(*CLAIM, *COURSE), unconditional=True)
 
 
 def properties(model: Verification) -> Iterator[Property]:
@@ -90,22 +92,19 @@ def properties(model: Verification) -> Iterator[Property]:
     must, may = mismatches(own, was_known, 1), mismatches(own, was_known, 0)
     for name, (reason, statement, trace) in NAMED.items():
         withholds = must[reason].implies(~machine.flag("trusted"))
-        yield always(name, withholds, statement=statement, requirements=trace, unconditional=True)
+        yield for_all_inputs(name, withholds, statement=statement, requirements=trace)
     compared = any_of([own.due, *(before(mode).eq(one) for one in (withheld, trusted))]) & ~own.leaves
-    yield always(
+    yield for_all_inputs(
         "mismatch withholds in the same cycle",
         (compared & any_of(must.values())).implies(mode.eq(untrusted)),
         statement="whatever does not match, the train is untrusted in the same cycle",
-        requirements=(*CLAIM, *COURSE),
-        unconditional=True,
     )
     newly = before(mode).ne(untrusted) & mode.eq(untrusted)
-    yield always(
+    yield for_all_inputs(
         "untrusted is for the reason told",
         newly.implies(compared & any_of(own.reason.eq(reason) & one for reason, one in may.items())),
         statement="a train becomes untrusted only by a mismatch of that cycle, and the reason names it",
         requirements=COURSE,
-        unconditional=True,
     )
 
 

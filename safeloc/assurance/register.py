@@ -7,16 +7,21 @@ figure and document, and how it can be checked in operation. It is made from the
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 from pydantic import BaseModel
 
 from safeloc.config import figures
 from safeloc.language.machine import Machine
+from safeloc.language.observable import seen
 from safeloc.language.terms import text
 from safeloc.language.world import Law
+from safeloc.runtime.source_clocks import BORDER, LAW, ONE_CLOCK
 from safeloc.target import Target
 
+Observed = Literal["whole", "part", "no"]
+CLOCK_TERM = "(< lag_ms period_ms)"
 FROM_MEMORY = "[M]"
 """What the source of a figure begins with that nobody has read anywhere."""
 
@@ -42,6 +47,8 @@ class Assumption:
 
     id          machine and number in the order of declaration, such as "odometry/A3"
     guaranteed  another machine of the target guarantees it, and that is proved: nobody else has to see to it
+    observable  whether inputs and state show a breach in operation: of all that it says, or of a part of it
+    against     laws of which they show that these and this one cannot both hold
     """
 
     id: str
@@ -54,6 +61,15 @@ class Assumption:
     owner: str
     check: str
     guaranteed: bool
+    observable: Observed = "no"
+    against: tuple[str, ...] = ()
+
+    @property
+    def monitored(self) -> str:
+        """How far a breach shows in operation, in words."""
+        alone = {"whole": "as a whole", "part": "in part"}.get(self.observable, "")
+        beside = f"against {', '.join(self.against)}" if self.against else ""
+        return "; ".join(part for part in (alone, beside) if part) or "no: only with the truth"
 
     @property
     def lacks(self) -> tuple[str, ...]:
@@ -67,9 +83,31 @@ class Assumption:
 def register(target: Target) -> list[Assumption]:
     """Return every law of every machine of the target, in order."""
     guaranteed = {part.machine: part.guaranteed for part in target.system.parts}
+    observed = _observed(target)
     return [
-        one for machine in target.machines for one in _of_machine(machine, target.config, guaranteed.get(machine, ()))
+        replace(one, **observed[machine, one.name])
+        for machine in target.machines
+        for one in _of_machine(machine, target.config, guaranteed.get(machine, ()))
     ]
+
+
+def of_border() -> Assumption:
+    """Return the law that every target rests on when it is run on records: they are of the cycle that their time says."""
+    said = BORDER, ONE_CLOCK, LAW.statement, CLOCK_TERM, (), LAW.source, LAW.owner, LAW.check
+    return Assumption(f"{BORDER}/B1", *said, guaranteed=False, observable="whole")
+
+
+def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
+    """Machine and name of a law -> what is observable of it."""
+    around = seen(target.system)
+    told: dict[tuple[Machine, str], dict[str, Any]] = {}
+    for clause in around.stated:
+        found = around.of(clause)
+        alone = [one for one in found if len(one.clauses) == 1]
+        against = tuple(str(other) for one in found for other in one.clauses if other is not clause)
+        observable: Observed = "no" if not alone else "whole" if alone[0].is_whole else "part"
+        told[clause.machine, clause.name] = {"observable": observable, "against": against}
+    return told
 
 
 def to_confirm(targets: Iterable[Target]) -> dict[str, Figure]:

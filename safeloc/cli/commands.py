@@ -78,7 +78,11 @@ COMMANDS: Mapping[str, Known] = {
         "Prove the properties and obligations of a machine for all streams that obey its assumption.",
     ),
     "test": Known("verify", "test", "Run property tests along plausible and faulty streams."),
-    "replay": Known("verify", "replay", "Run a recorded stream through a machine and check every property on it."),
+    "replay": Known(
+        "verify",
+        "replay",
+        "Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world.",
+    ),
     "report": Known(
         "verify", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
     ),

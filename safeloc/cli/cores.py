@@ -68,7 +68,8 @@ def _lines(target: Target, found: Sequence[Core], *, whole: bool) -> Iterator[st
             names = [f"{one.machine}: {one.name}" for one in unused if one.kind == kind]
             yield f"{words} that no proof needs: {'; '.join(names) or 'none'}"
     others = sum(1 for one in found if one.why_none and one.why_none != "shown by a run")
-    yield f"{len(found)} claims; of {others} no smallest set was found"
+    missing = f"; no smallest set was found for {others}" if others else ""
+    yield f"{len(found)} {'claim' if len(found) == 1 else 'claims'}{missing}"
 
 
 def _row_count(target: Target, one: Core) -> int:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from safeloc.assurance.evidence.cut_sets import TOP, CutSets, cut_sets, numbered, to_open_psa
-from safeloc.assurance.evidence.effects import CYCLES, Effect
-from safeloc.assurance.evidence.fault_work import Breaking
+from safeloc.assurance.evidence.effects import Effect
+from safeloc.assurance.evidence.fault_data import SCHEMA, cycles, end_in_words, faults_data
+from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.evidence.interval import holds_truth
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
@@ -22,8 +22,6 @@ from safeloc.proof.cores.clauses import laws
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.fault_tree import fault_tree
 
-SCHEMA = "safeloc-faults/1"
-
 
 def faults(
     target: TargetArgument,
@@ -31,7 +29,7 @@ def faults(
     order: Annotated[
         int, typer.Option(help="1: every clause alone; 2: also every two that alone do no harm", min=1, max=2)
     ] = 1,
-    seconds: Annotated[float, typer.Option(help="limit for each claim, as solvers count", min=0.1)] = 10.0,
+    seconds: Annotated[float, typer.Option(help="limit for each claim, as solvers count", min=0.1)] = SECONDS_A_CLAIM,
     jobs: JobsOption = 2,
     open_psa: Annotated[
         Path | None, typer.Option("--open-psa", help="write the cut sets here, in the Open-PSA format", dir_okay=False)
@@ -57,7 +55,7 @@ def faults(
     if picture is not None:
         picture.write_text(fault_tree(loaded.name, sets, numbers), encoding="utf-8")
     if as_json:
-        print_json(_as_data(loaded, effects, sets))
+        print_json(faults_data(loaded, effects, sets))
     else:
         for line in _lines(loaded, effects, sets):
             out.print(line, markup=False, soft_wrap=True)
@@ -69,18 +67,11 @@ def _broken(
     target: Target, order: int, limits: Limits, jobs: int, cache: Path | None, *, fresh: bool, quiet: bool
 ) -> list[Effect]:
     store = store_in(cache)
-    with Progressing(1, quiet=quiet) as progress:
-        begun = list[int]()
-
-        def tick(one: Effect, of: int) -> None:
-            if of not in begun:
-                begun.append(of)
-                progress.say(f"breaking clauses of {target.name}", of)
-            progress.tick(f"{one.end:11} {' and '.join(map(str, one.broken))}")
-
-        breaking = Breaking(limits, jobs, tick, None if fresh else store, store)
-        singles = breaking.singles(target)
-        return singles if order == 1 else [*singles, *breaking.pairs(target, singles)]
+    with Progressing(planned(target), quiet=quiet) as progress:
+        breaking = Breaking(limits, jobs, progress, None if fresh else store, store)
+        cores = breaking.cores(target)
+        singles = breaking.singles(target, cores)
+        return singles if order == 1 else [*singles, *breaking.pairs(target, cores, singles)]
 
 
 def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator[str]:
@@ -91,12 +82,12 @@ def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator
         owners = {declared[clause].owner or "nobody" for clause in one.broken}
         yield f"{' and '.join(numbers[clause] for clause in one.broken)}  {' and '.join(clause.name for clause in one.broken)}"
         yield f"    owner         {', '.join(sorted(owners))}"
-        lost = ", ".join(f"{name} (after {_cycles(cycles)})" for name, cycles in one.lost.items())
+        lost = ", ".join(f"{name} (after {cycles(number)})" for name, number in one.lost.items())
         if len(one.broken) == 1:
             yield f"    claims lost   {lost or 'none'}" + (
                 f"; not decided: {', '.join(one.open_)}" if one.open_ else ""
             )
-        yield f"    end effect    {_end(one)}"
+        yield f"    end effect    {end_in_words(one)}"
         if one.withdrawn_by:
             yield f"    withdrawn by  {', '.join(one.withdrawn_by)}"
     pairs = [one for one in effects if len(one.broken) > 1]
@@ -104,25 +95,6 @@ def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator
         kept = sum(one.end == "contained" for one in pairs)
         yield f"{kept} of {len(pairs)} pairs of clauses that alone do no harm do none together either"
     yield from _told(target, sets)
-
-
-def _end(one: Effect) -> str:
-    run = f"; shortest run: {_cycles(one.run.cycles)}, ends with {one.run.fired!r}" if one.run is not None else ""
-    match one.end:
-        case "contained":
-            return "the reported interval holds the truth all the same (proved)"
-        case "withdrawn":
-            return f"a wrong interval is right again or withdrawn within {_cycles(one.within_cycles)} (proved){run}"
-        case "wrong":
-            return f"the reported interval can miss the truth for more than {CYCLES[-1]} cycles{run}"
-        case "undecided":
-            return f"not decided within the limits{run}"
-        case "no interval":
-            return "none on an interval: the target reports none"
-
-
-def _cycles(number: int) -> str:
-    return f"{number} cycle" if number == 1 else f"{number} cycles"
 
 
 def _told(target: Target, sets: CutSets) -> Iterator[str]:
@@ -134,27 +106,3 @@ def _told(target: Target, sets: CutSets) -> Iterator[str]:
     if sets.undecided:
         open_ = ["+".join(numbers[clause] for clause in one) for one in sets.undecided]
         yield f"not decided: {', '.join(open_)}"
-
-
-def _as_data(target: Target, effects: Sequence[Effect], sets: CutSets) -> dict[str, Any]:
-    numbers, declared = numbered(target.system), laws(target.system)
-    rows = []
-    for one in effects:
-        row = asdict(one)
-        row["not_decided"] = row.pop("open_")
-        row["broken"] = [
-            {
-                "id": numbers[clause],
-                **asdict(clause),
-                "owner": declared[clause].owner,
-                "statement": declared[clause].statement,
-            }
-            for clause in one.broken
-        ]
-        rows.append(row)
-    told = {
-        "top": TOP,
-        "minimal": [[numbers[clause] for clause in one] for one in sets.found],
-        "not_decided": [[numbers[clause] for clause in one] for one in sets.undecided],
-    }
-    return {"schema": SCHEMA, "target": target.name, "effects": rows, "cut_sets": told}

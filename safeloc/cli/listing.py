@@ -10,15 +10,24 @@ from typing import Annotated, Any
 import typer
 
 from safeloc.assurance.independence import Shared, follows_machine, shared_terms
-from safeloc.assurance.register import Assumption, register, to_confirm
+from safeloc.assurance.mutation.strength import Strength, as_data, as_text, strengths_of
+from safeloc.assurance.register import Assumption, of_border, register, to_confirm
 from safeloc.assurance.requirements import Item, Link, traceability
+from safeloc.assurance.source_places import Place
+from safeloc.assurance.splits.covered import Covered, covered, folder_of
+from safeloc.assurance.splits.deciding import Change
+from safeloc.assurance.splits.observed import Split
+from safeloc.assurance.splits.places import source_of
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import out, print_json
+from safeloc.cli.keeping import CacheOption, store_in
 from safeloc.errors import InputError
 from safeloc.language.spec import Property
+from safeloc.proof.cache.store import Store
 
 SHOWN = 3
 TERM_CHARACTERS = 200
+HIDDEN = "live in no configuration"
 Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines."""
 
@@ -57,7 +66,7 @@ class _Chosen:
 
 def list_(
     what: Annotated[
-        str, typer.Argument(help="machines, properties, assumptions, shared, requirements or lines")
+        str, typer.Argument(help="machines, properties, assumptions, shared, splits, requirements or lines")
     ] = "machines",
     machines: Annotated[
         list[str] | None,
@@ -69,13 +78,14 @@ def list_(
     text: Annotated[
         str | None, typer.Option("--text", help="only properties with this text in name or statement")
     ] = None,
+    cache: CacheOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only")] = False,
 ) -> None:
     """List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.
 
     `assumptions` is the register of all assumptions of the proofs. `shared` lists the sub-terms that claims and clauses
     have in common with what their machine computes: a wrong edit of
-    such a term moves both.
+    such a term moves both. `splits` lists the cases that the defaults fold away, and the configurations that prove them.
     """
     chosen = _Chosen(machines or (), requirement, text)
     kinds: Mapping[str, Callable[[], Listed]] = {
@@ -83,15 +93,16 @@ def list_(
         "properties": lambda: _properties(chosen),
         "assumptions": lambda: _assumptions(chosen),
         "shared": lambda: _shared(chosen),
-        "requirements": _requirements,
+        "splits": lambda: _splits(chosen),
+        "requirements": lambda: _requirements(store_in(cache)),
         "lines": _shipped_lines,
     }
     if what not in kinds:
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
     if chosen.by_text and what != "properties":
         raise typer.BadParameter(f"--id and --text filter properties, not {what}.")
-    if chosen and what not in ("properties", "assumptions", "shared"):
-        raise typer.BadParameter(f"--machine filters properties, assumptions or shared terms, not {what}.")
+    if chosen and what not in ("properties", "assumptions", "shared", "splits"):
+        raise typer.BadParameter(f"--machine filters properties, assumptions, shared terms or splits, not {what}.")
     data, lines = kinds[what]()
     if as_json:
         print_json(data)
@@ -127,9 +138,14 @@ def _assumptions(chosen: _Chosen) -> Listed:
     """Return the register: every law with its figures, its owner and its missing fields."""
     targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
     found = [(target.name, one) for target in targets for one in register(target)]
+    found += [("every target on records", of_border())]
     figures = to_confirm(targets)
     lines = [line for target, one in found for line in _assumption_lines(target, one)]
-    lines += [f"{len(found)} assumptions; {len(figures)} figures are from memory, for the operator to confirm."]
+    seen = sum(one.observable != "no" or bool(one.against) for _, one in found)
+    lines += [
+        f"{len(found)} assumptions, {seen} of them observable in operation; {len(figures)} figures are from memory, for the "
+        "operator to confirm."
+    ]
     data = {
         "assumptions": [{"target": target, **asdict(one), "lacks": list(one.lacks)} for target, one in found],
         "to_confirm": {name: asdict(one) for name, one in figures.items()},
@@ -142,6 +158,7 @@ def _assumption_lines(target: str, one: Assumption) -> Iterator[str]:
     for figure in one.figures:
         yield f"    {figure.name} = {figure.value} {figure.unit}  {figure.source}"
     said = {"statement": one.statement, "source": one.source, "owner": one.owner, "check": one.check}
+    said["observable"] = one.monitored
     yield from (f"    {what}: {words}" for what, words in said.items() if words)
     if one.lacks:
         yield f"    missing: {', '.join(one.lacks)}"
@@ -178,6 +195,49 @@ def _first_few(names: Sequence[str]) -> str:
     return ", ".join(names[:SHOWN]) + more
 
 
+def _splits(chosen: _Chosen) -> Listed:
+    """Cases that the defaults of a machine fold away, each with the configurations in which it is live."""
+    unknown = [name for name in chosen.machines if name not in ENTRIES]
+    if unknown:
+        raise InputError(f"no shipped machine {unknown[0]!r}; cases are looked for in {', '.join(ENTRIES)}.")
+    folders = dict.fromkeys(map(folder_of, chosen.machines or ENTRIES))
+    rows = [row for folder in folders for row in _split_rows(covered(folder))]
+    lines = [f"{row['split']}  {row['at']}  {row['source']}\n    {row['folded']}; {row['live']}" for row in rows]
+    hidden = sum(row["live"] == HIDDEN for row in rows)
+    return rows, [
+        *lines,
+        f"{len(rows)} cases are folded away by defaults; {hidden} of them are live in no configuration.",
+    ]
+
+
+def _split_rows(found: Covered) -> Iterator[dict[str, str]]:
+    """Each case once, however often its expression is used; of a hidden one, which figure would make it live."""
+    rows: dict[tuple[str, Place, str], dict[str, str]] = {}
+    figures = found.figures()
+    for split, why in sorted(found.folded().items(), key=lambda pair: pair[0].place):
+        live = [f"{target}, {name}" for target, name in found.live_in(split)]
+        where = f"live in {_first_few(live)}" if live else _not_live(found, split, figures)
+        row = {
+            "split": split.kind,
+            "at": str(split.place),
+            "source": source_of(split.place),
+            "folded": why,
+            "live": where,
+        }
+        rows.setdefault((split.kind, split.place, where), row)
+    yield from rows.values()
+
+
+def _not_live(found: Covered, split: Split, figures: Mapping[Split, Change]) -> str:
+    if split in found.never:
+        return f"never live: {found.never[split]}"
+    if split in found.shared:
+        return "of a room that several machines use"
+    return (
+        f"{HIDDEN}; {figures[split]} makes it live" if split in figures else f"{HIDDEN}; no figure alone makes it live"
+    )
+
+
 def _shipped_lines() -> Listed:
     from safeloc.railway.map.toml_files import load_line, shipped_lines  # maps are read only where they are listed
 
@@ -190,18 +250,24 @@ def _lines(rows: Sequence[dict[str, str]]) -> list[str]:
     return ["  ".join(value for value in row.values() if value) for row in rows]
 
 
-def _requirements() -> Listed:
-    """From every requirement to its transitions and properties, and from each of these back."""
-    traced = traceability(load_target(name) for name in ENTRIES)
+def _requirements(store: Store) -> Listed:
+    """From every requirement to its transitions and properties, how strongly these show it, and from each of these back."""
+    targets = [load_target(name) for name in ENTRIES]
+    traced, found = traceability(targets), strengths_of(store, targets)
     data = {
         "requirements": [
-            {**asdict(link.requirement), "transitions": link.transitions, "properties": link.properties}
+            {
+                **asdict(link.requirement),
+                "transitions": link.transitions,
+                "properties": link.properties,
+                "strength": as_data(found.get(link.requirement.id, [])),
+            }
             for link in traced.links
         ],
         "items": [asdict(item) for item in traced.items],
         "gaps": traced.gaps,
     }
-    lines = [line for link in traced.links for line in _link_lines(link)]
+    lines = [line for link in traced.links for line in _link_lines(link, found.get(link.requirement.id, []))]
     lines += [
         "",
         "Reverse traceability, from transitions and properties to requirements:",
@@ -211,11 +277,13 @@ def _requirements() -> Listed:
     return data, lines
 
 
-def _link_lines(link: Link) -> list[str]:
+def _link_lines(link: Link, found: Sequence[Strength]) -> list[str]:
     one = link.requirement
     lines = [f"{one.id}  {one.status}  {one.machine}  {one.text}"]
     lines += [f"    transition  {name}" for name in link.transitions]
     lines += [f"    property    {name}" for name in link.properties]
+    if link.transitions:
+        lines += [f"    strength    {text}" for text in as_text(found)]
     return lines + ([f"    test        {one.carried_by}"] if one.carried_by else [])
 
 

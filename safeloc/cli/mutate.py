@@ -3,26 +3,48 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
 from typing import Annotated
 
 import typer
 
-from safeloc.assurance.mutation.declared import declared
-from safeloc.assurance.mutation.mutants import mutants, sample
-from safeloc.assurance.mutation.places import noted
-from safeloc.assurance.mutation.results import SCHEMA, as_data
+from safeloc.assurance.mutation.choosing import by_id, chosen, judge
+from safeloc.assurance.mutation.composed_work import JudgingComposed
+from safeloc.assurance.mutation.composed_work import parts as parts_of
+from safeloc.assurance.mutation.declared import whole_of
+from safeloc.assurance.mutation.members import composed
+from safeloc.assurance.mutation.places import Places, noted
+from safeloc.assurance.mutation.results import SCHEMA, Judged, Of, as_data
+from safeloc.assurance.mutation.strength import keep_strengths
 from safeloc.assurance.mutation.table import lines
-from safeloc.assurance.mutation.work import Plan, judge_all
+from safeloc.assurance.mutation.work import Judging, Plan
+from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.show import Progressing
 from safeloc.cli.verify import ConfigOption, JobsOption, TargetArgument
+from safeloc.errors import InputError
+from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
+
+
+class Part(Enum):
+    """What is made wrong."""
+
+    MACHINE = "machine"
+    WORLD = "world"
+    CLAIMS = "claims"
 
 
 def mutate(
     target: TargetArgument,
     config: ConfigOption = None,
+    of: Annotated[
+        list[Part] | None,
+        typer.Option("--of", help="what is made wrong: machine (the default), world or claims (repeatable)"),
+    ] = None,
     most: Annotated[
         int | None, typer.Option("--sample", help="judge so many, of each kind in its share", min=1)
     ] = None,
@@ -41,32 +63,64 @@ def mutate(
 ) -> None:
     """Make a machine wrong on purpose, term by term, and say which proof notices, and which wrong machines nothing notices.
 
-    Exit code 0, whatever is noticed: a mutant that survives is a question to whoever wrote the claims.
+    With --of also the clauses of its world, and its claims. Exit code 0, whatever is noticed: a mutant that survives is a
+    question to whoever wrote the claims.
     """
     began = time.monotonic()
     with noted() as places:
-        loaded, whole = declared(target, config)
-    every = mutants(whole, places)
-    chosen = [one for one in every if one.id in only] if only else sample(every, most or len(every), seed)
-    if only and len(chosen) < len(set(only)):
-        missing = sorted(set(only) - {one.id for one in chosen})
-        raise typer.BadParameter(f"{loaded.name} has no mutant {missing[0]!r}; --json lists them.")
-    store = store_in(cache)
-    with Progressing(len(chosen), quiet=as_json) as progress:
-        progress.say(f"mutants of {loaded.name}", len(chosen))
-
-        judged = judge_all(
-            loaded,
-            whole,
-            chosen,
-            Plan(Limits(seconds=seconds, seed=seed), seed, jobs),
-            on_judged=lambda one: progress.tick(f"{one.everywhere.fate:32} {one.id}"),
-            look_in=None if fresh else store,
-            keep_in=store,
-        )
+        loaded = load_target(target, config)
+    store, plan = store_in(cache), Plan(Limits(seconds=seconds, seed=seed), seed, jobs)
+    parts: list[Of] = [one.value for one in of or [Part.MACHINE]]
+    with Progressing(1, quiet=as_json) as progress:
+        job = _Job(loaded, places, plan, most, tuple(only or ()), progress, None if fresh else store, store)
+        judged, number = job.of_composition(parts) if loaded.system.parts else job.of_machine(parts)
+    if not only:
+        keep_strengths(store, loaded, judged, number)
     took = time.monotonic() - began
     if as_json:
-        print_json(as_data(loaded.name, judged, of=len(every), seed=seed, seconds=took))
+        print_json(as_data(loaded.name, judged, of=number, seed=seed, seconds=took))
         return
-    for line in lines(loaded.name, judged, of=len(every), machine_only=machine_only):
+    for line in lines(loaded.name, judged, of=number, machine_only=machine_only):
         out.print(line, markup=False)
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    """What was asked for; the results come with how many mutants there are."""
+
+    target: Target
+    places: Places
+    plan: Plan
+    most: int | None
+    only: tuple[str, ...]
+    progress: Progressing
+    look_in: Store | None
+    keep_in: Store
+
+    def of_machine(self, parts: Sequence[Of]) -> tuple[list[Judged], int]:
+        whole, seed = whole_of(self.target), self.plan.seed
+        some = (
+            by_id(whole, self.places, self.only, most=self.most, seed=seed)
+            if self.only
+            else chosen(whole, self.places, parts, most=self.most, seed=seed)
+        )
+        self._begin(some.number)
+        judging = Judging(self.target, whole, self.plan, self._heard, self.look_in, self.keep_in)
+        return judge(judging, some), some.of
+
+    def of_composition(self, asked: Sequence[Of]) -> tuple[list[Judged], int]:
+        whole = composed(self.target, self.places)
+        if [*asked] != [Part.MACHINE.value]:
+            raise InputError(
+                f"{self.target.name} is a composition: only its machines and wires are made wrong. For worlds and claims "
+                f"give one of its machines: {', '.join(whole.members)}."
+            )
+        some = parts_of(whole, self.places, most=self.most, seed=self.plan.seed, only=self.only)
+        self._begin(some.number)
+        return JudgingComposed(whole, self.plan, self._heard, self.look_in, self.keep_in).all(some), some.of
+
+    def _begin(self, number: int) -> None:
+        self.progress.say(f"mutants of {self.target.name}", number)
+
+    def _heard(self, one: Judged) -> None:
+        self.progress.tick(f"{one.everywhere.fate:32} {one.id}")

@@ -91,6 +91,13 @@ def run(
     alive: Annotated[
         Path | None, typer.Option("--alive", help="file to touch every second while the process is healthy")
     ] = None,
+    assumptions: Annotated[
+        bool,
+        typer.Option(
+            "--assumptions/--no-assumptions",
+            help="judge in each cycle what of the proofs' assumptions can be seen; a breach stands in the cycle's report",
+        ),
+    ] = True,
     to_its_end: Annotated[
         bool, typer.Option("--until-end", help="stop at the end of the file; do not wait for more lines")
     ] = False,
@@ -103,7 +110,7 @@ def run(
     most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
     ways = Ways(
         period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
-        first=_first(first),
+        first=_first(first), assumptions=assumptions,
     )  # fmt: skip
     fleet, journal = Fleet(program, ways, _own(target, vehicles)), Journal(STDERR)
     selector = getattr(

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from pydantic import BaseModel
 
-from safeloc.catalogue import ENTRIES, Target, load_target
+from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
+from safeloc.assurance.mutation.strength import stamp, strengths_of
+from safeloc.catalogue import ENTRIES, Target, configured, load_target
 from safeloc.cli.console import err, out, print_json
+from safeloc.cli.judged import tell
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in, told
 from safeloc.cli.show import Progressing, code, findings_table, result, summed_up
 from safeloc.cli.verifying import Verifying
@@ -26,14 +31,16 @@ from safeloc.proof.cache.targets import asked, found_before, keep
 from safeloc.proof.cache.times import keep_seconds, seconds_before
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
+from safeloc.proof.verification.assumptions import judge_recording
 from safeloc.proof.verification.many import in_order, verify_targets
 from safeloc.proof.verification.memory import Memory
 from safeloc.proof.verification.one import Plan, Work, claims, owed
 from safeloc.proof.verification.replay import as_table, replay_stream
 from safeloc.proof.verification.unasked import nothing_asked, nothing_tested
-from safeloc.report.data import report_data
+from safeloc.report.data import NOT_ASKED, report_data
 from safeloc.report.extract import extract
 from safeloc.report.folder import PAGE, cleared, files_of, render_folder, usable, write_folder
+from safeloc.report.proof_evidence import evidence_data
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
@@ -68,6 +75,13 @@ def prove(
     target: TargetArgument,
     config: ConfigOption = None,
     only: Annotated[list[str] | None, typer.Option("--property", help="only this property (repeatable)")] = None,
+    configurations: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--configurations",
+            help="instead of the defaults: `all` declared configurations of a shipped machine, or one by name (repeatable)",
+        ),
+    ] = None,
     depth: DepthOption = 25,
     seconds: SecondsOption = 30.0,
     jobs: JobsOption = 2,
@@ -80,21 +94,77 @@ def prove(
     """Prove the properties and obligations of a machine for all streams that obey its assumption."""
     if again:
         raise typer.Exit(watch(sys.argv[1:], beside([target], config)))
-    loaded = load_target(target, config)
-    chosen = _chosen(loaded, only)
-    limits, store = Limits(depth=depth, seconds=seconds, seed=seed), store_in(cache)
-    question = asked(loaded, "proved", limits, only)
-    findings = None if fresh else found_before(store, question)
-    if findings is None:
-        planned = claims(loaded, chosen) + (owed(loaded) if only is None else 0)
-        with kept_in(store, fresh=fresh), Progressing(planned, quiet=as_json) as progress:
-            work = Work(loaded, jobs, progress.say, progress.add)
-            findings = [*nothing_asked(loaded), *work.proved(chosen, limits)]
-            if only is None:
-                findings += work.obliged(limits)
-        keep(store, question, findings)
-    _tell_kept(findings, quiet=as_json)
-    raise typer.Exit(result(findings, [loaded], as_json=as_json))
+    proving = _Proving(only, Limits(depth=depth, seconds=seconds, seed=seed), jobs, store_in(cache), fresh, as_json)
+    if configurations is None:
+        loaded = load_target(target, config)
+        raise typer.Exit(result(proving.findings(loaded), [loaded], as_json=as_json))
+    if config is not None:
+        raise typer.BadParameter(
+            "--config and --configurations exclude each other; name the declared ones, or give a file."
+        )
+    raise typer.Exit(proving.in_each(configured(target, configurations)))
+
+
+@dataclass(frozen=True)
+class _Proving:
+    """How a machine is proved: which properties, within which limits."""
+
+    only: list[str] | None
+    limits: Limits
+    jobs: int
+    store: Store
+    fresh: bool
+    quiet: bool
+
+    def findings(self, loaded: Target) -> list[Finding]:
+        """Prove one target, or return what an earlier run found."""
+        chosen = _chosen(loaded, self.only)
+        question = asked(loaded, "proved", self.limits, self.only)
+        found = None if self.fresh else found_before(self.store, question)
+        if found is None:
+            found = self._proved(loaded, chosen)
+            keep(self.store, question, found)
+        _tell_kept(found, quiet=self.quiet)
+        return found
+
+    def _proved(self, loaded: Target, chosen: Sequence[Property]) -> list[Finding]:
+        expected = claims(loaded, chosen) + (owed(loaded) if self.only is None else 0)
+        with kept_in(self.store, fresh=self.fresh), Progressing(expected, quiet=self.quiet) as progress:
+            work = Work(loaded, self.jobs, progress.say, progress.add)
+            found = [*nothing_asked(loaded), *work.proved(chosen, self.limits)]
+            return found if self.only is not None else [*found, *work.obliged(self.limits)]
+
+    def in_each(self, configured: Iterable[tuple[str, Target]]) -> int:
+        """Prove a machine in each of its configurations; return the exit code of the worst finding."""
+        every: dict[str, list[Finding]] = {}
+        reports: dict[str, Any] = {}
+        for name, loaded in configured:
+            self._head(name, loaded)
+            every[name] = self.findings(loaded)
+            if self.quiet:
+                reports[name] = report_data(every[name], [loaded])
+            else:
+                _summary(every[name])
+        if self.quiet:
+            print_json({"configurations": reports})
+        else:
+            self._table(every)
+        return code([finding for findings in every.values() for finding in findings])
+
+    def _head(self, name: str, loaded: Target) -> None:
+        if not self.quiet:
+            out.print(f"\n{loaded.name}, {name}: {_own_figures(loaded.config)}", markup=False)
+
+    def _table(self, every: Mapping[str, Sequence[Finding]]) -> None:
+        out.print("")
+        for name, findings in every.items():
+            out.print(f"{name:30}  {summed_up(findings)}", markup=False)
+
+
+def _own_figures(config: BaseModel | None) -> str:
+    """The figures of a configuration that are not the defaults."""
+    own = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
+    return ", ".join(f"{name} = {value}" for name, value in own.items()) or "no figure is changed"
 
 
 def _tell_kept(findings: Sequence[Finding], *, quiet: bool) -> None:
@@ -144,14 +214,26 @@ def replay(
     ] = None,
     form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
     folder: Annotated[Path | None, typer.Option("--out", help="folder for a report with pictures")] = None,
+    assumptions: Annotated[
+        bool,
+        typer.Option(
+            "--assumptions",
+            help="judge the laws of the worlds instead: how near each came to being broken, and every breach",
+        ),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run a recorded stream through a machine and check every property on it."""
+    """Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world."""
     if form not in ("table", "jsonl"):
         raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
     if run is not None and period is not None:
         raise typer.BadParameter("--period-ms is for single records; the run of --run has steps already.")
     loaded = load_target(target, config)
+    if assumptions:
+        if folder is not None or form != "table":
+            raise typer.BadParameter("--assumptions goes with neither --out nor --format; give --json for data.")
+        judged = judge_recording(loaded, stream, period_ms=period, run=run)
+        raise typer.Exit(tell(loaded, stream.name, judged, as_json=as_json))
     if folder is not None:
         usable(folder)
     rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
@@ -204,6 +286,13 @@ def verify(
     check: Annotated[
         bool, typer.Option("--recheck", help="check every proof of the report again, as `recheck` does")
     ] = False,
+    evidence: Annotated[
+        bool,
+        typer.Option(
+            "--evidence",
+            help="also find what each proof rests on, and break every clause of the world, as `cores` and `faults` do",
+        ),
+    ] = False,
     single: SingleOption = False,
     again: WatchOption = False,
     as_json: JsonOption = False,
@@ -216,22 +305,27 @@ def verify(
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed)
     store = store_in(cache)
-    key = None if as_json else report_key(names, config, plan, single)
+    key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store))
     usable(folder)
     if not fresh and _put_back(kept_report(store, key), folder):
         _checked(folder, jobs, 0, wanted=check)
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
     findings = _verified(loaded, plan, jobs, store, fresh=fresh, quiet=as_json)
+    rests = _evidence(loaded, jobs, store, fresh=fresh, quiet=as_json) if evidence else NOT_ASKED
 
     def keep_it() -> None:
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    page = write_folder(folder, findings, loaded, single=single, on_written=keep_it)
+    strengths = strengths_of(store, loaded)
+    page = write_folder(
+        folder, findings, loaded, evidence=rests, strengths=strengths, single=single, on_written=keep_it
+    )
     store.trim()
     if as_json:
-        raise typer.Exit(result(findings, loaded, as_json=True))
+        print_json(report_data(findings, loaded, rests, strengths))
+        raise typer.Exit(code(findings))
     _summary(findings)
     _tell_kept(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
@@ -269,6 +363,19 @@ def _verified(
     if memory.most_bytes and not quiet:
         err.print(f"memory of all processes: at most {memory.most_bytes / 1e9:.1f} GB", markup=False)
     return in_order(found)
+
+
+def _evidence(
+    targets: Sequence[Target], jobs: int, store: Store, *, fresh: bool, quiet: bool
+) -> dict[str, dict[str, Any]]:
+    """Return, for each target, what its proofs rest on, and what becomes of it when a clause is broken."""
+    found = {}
+    with Progressing(sum(map(planned, targets)), quiet=quiet) as progress:
+        for target in targets:
+            breaking = Breaking(Limits(seconds=SECONDS_A_CLAIM), jobs, progress, None if fresh else store, store)
+            cores = breaking.cores(target)
+            found[target.name] = evidence_data(target, cores, breaking.singles(target, cores))
+    return found
 
 
 def _checked(folder: Path, jobs: int, found: int, *, wanted: bool) -> None:

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from safeloc.codegen.python_code import terms_to_python, to_python
+from safeloc.codegen.python_code import rows_to_python, terms_to_python, to_python
 from safeloc.language.interpret import fired_names, read_inputs, start
 from safeloc.language.nodes import Expr, Value, Var
 from safeloc.language.system import TransitionSystem
 
-__all__ = ["Compiled", "Row", "Tick", "compile_system", "compile_terms", "to_python"]
+__all__ = ["Compiled", "Row", "Tick", "compile_rows", "compile_system", "compile_terms", "to_python"]
 
 Row = tuple[Value, ...]
 Tick = Callable[[Row], tuple[int, ...]]
@@ -84,4 +84,12 @@ def compile_terms(reads: Sequence[Var], terms: Sequence[Expr]) -> Callable[[Sequ
     space: dict[str, Any] = {}
     exec(compile(terms_to_python(reads, terms), "<safeloc terms>", "exec"), space)
     function: Callable[[Sequence[Value]], Row] = space["terms"]
+    return function
+
+
+def compile_rows(rows: Mapping[str, Sequence[Var]], terms: Sequence[Expr]) -> Callable[..., Row]:
+    """Return the terms as a function of several rows of values, in order; of each it takes only what it reads."""
+    space: dict[str, Any] = {}
+    exec(compile(rows_to_python(rows, terms), "<safeloc terms>", "exec"), space)
+    function: Callable[..., Row] = space["terms"]
     return function

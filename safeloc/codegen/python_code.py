@@ -13,7 +13,7 @@ from safeloc.codegen.stages import Stage, stages
 from safeloc.errors import InputError
 from safeloc.language.nodes import Expr, Past, Var
 from safeloc.language.system import TransitionSystem
-from safeloc.language.terms import in_order
+from safeloc.language.terms import in_order, variables
 
 
 def to_python(system: TransitionSystem) -> str:
@@ -43,6 +43,20 @@ def to_python(system: TransitionSystem) -> str:
 def terms_to_python(reads: Sequence[Var], terms: Sequence[Expr]) -> str:
     """Return the source text of a function of a row of values of `reads`; without cases, so quickly made."""
     return _told("terms", _names(reads), reads, terms)
+
+
+def rows_to_python(rows: Mapping[str, Sequence[Var]], terms: Sequence[Expr]) -> str:
+    """Return the source text of a function of several rows of values, by their names; it takes out of them what it reads."""
+    names = _names(var for row in rows.values() for var in row)
+    read = set(variables(terms))
+    given = "".join(
+        f"    {names[var]} = {name}[{place}]\n"
+        for name, row in rows.items()
+        for place, var in enumerate(row)
+        if var in read
+    )
+    shown = Blocks(PythonTerms(names)).ending([(f"out_{number}", term) for number, term in enumerate(terms)])
+    return f"def terms({', '.join(rows)}):\n{given}{_lines(shown, _shown, '    ')}"
 
 
 def _told(name: str, names: Mapping[Var, str], reads: Sequence[Var], terms: Sequence[Expr]) -> str:

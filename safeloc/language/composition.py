@@ -138,8 +138,8 @@ def compose(
             now,
             step.bool(_may_be_heard(system, wired)),
             step.bool(all_of([ghosts, owed])),
+            {key: step.bool(term) for key, term in machine.world.terms.items()},
             _guaranteed(machine, discharge),
-            {key: step.bool(term) for key, term in _left(machine, discharge).items()},
         )
         rename[machine] = now
         merged = replace(

@@ -44,16 +44,21 @@ class Part:
     into   rewrites terms over its state into terms of the composition
     heard  the condition that all wired inputs are in range, over the composition's state before the step and inputs
     owed   the ranges of its wired ghosts, and the part of its assumption that the machines before it discharge
-    guaranteed  names of its world's clauses that the machines before it guarantee
-    assumed     the other clauses by name, over the composition's state before the step and inputs
+    clauses     every clause of its world by name, over the composition's state before the step and inputs
+    guaranteed  names of the clauses that the machines before it guarantee
     """
 
     alone: TransitionSystem
     into: Substitution
     heard: Bool
     owed: Bool
+    clauses: Mapping[str, Bool] = field(default_factory=dict)
     guaranteed: tuple[str, ...] = ()
-    assumed: Mapping[str, Bool] = field(default_factory=dict)
+
+    @property
+    def assumed(self) -> dict[str, Bool]:
+        """The clauses that no machine before it guarantees, by name."""
+        return {name: term for name, term in self.clauses.items() if name not in self.guaranteed}
 
     @property
     def machine(self) -> Machine:

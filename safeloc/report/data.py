@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import platform
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, assert_never
 
 from safeloc.assurance.independence import shared_terms
+from safeloc.assurance.mutation.strength import Strengths, as_text
 from safeloc.assurance.register import register, to_confirm
 from safeloc.assurance.requirements import Link, traceability
 from safeloc.catalogue import Target
@@ -26,6 +28,7 @@ from safeloc.report.pictures import pictures_data
 SCHEMA = "safeloc-report/4"
 SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
 VERSIONED = ("safeloc", "z3-solver", "cvc5", "hypothesis", "numpy", "transitions", "pydantic")
+NOT_ASKED: Mapping[str, Any] = MappingProxyType({})
 MOST_CELLS = 10_000  # values of a witness that stand in the data; the localizer has 500 in every step
 
 
@@ -35,8 +38,17 @@ def schema() -> dict[str, Any]:
     return loaded
 
 
-def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[str, Any]:
-    """Return everything that was found, as JSON-ready data."""
+def report_data(
+    findings: Sequence[Finding],
+    targets: Iterable[Target],
+    evidence: Mapping[str, Any] = NOT_ASKED,
+    strengths: Strengths | None = None,
+) -> dict[str, Any]:
+    """Return everything that was found, as JSON-ready data.
+
+    evidence   target's name -> what its proofs rest on (safeloc.report.proof_evidence), where that was asked
+    strengths  how strongly each requirement is shown, where that was asked
+    """
     targets = list(targets)
     traced = traceability(targets)
     return {
@@ -46,9 +58,16 @@ def report_data(findings: Sequence[Finding], targets: Iterable[Target]) -> dict[
         "versions": versions(),
         "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
         "conditions": _conditions(targets),
-        "machines": [{**machine_data(target), "pictures": pictures_data(target, findings)} for target in targets],
+        "machines": [
+            {
+                **machine_data(target),
+                "pictures": pictures_data(target, findings),
+                "evidence": evidence.get(target.name),
+            }
+            for target in targets
+        ],
         "results": _results(findings, targets),
-        "requirements": [_requirement(link, findings) for link in traced.links],
+        "requirements": [_requirement(link, findings, strengths) for link in traced.links],
         "items": [{**asdict(item), "requirements": list(item.requirements)} for item in traced.items],
     }
 
@@ -192,7 +211,7 @@ def trace_data(trace: Trace | None, truth_mm: Sequence[int | None] = ()) -> dict
     return {"first": dict(trace.initial), "steps": steps, "truth_mm": list(truth_mm)}
 
 
-def _requirement(link: Link, findings: Sequence[Finding]) -> dict[str, Any]:
+def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths | None) -> dict[str, Any]:
     one = link.requirement
     shown = {finding.id: word(finding.result) for finding in findings if one.id in finding.requirements}
     return {
@@ -206,4 +225,5 @@ def _requirement(link: Link, findings: Sequence[Finding]) -> dict[str, Any]:
         "transitions": list(link.transitions),
         "results": list(shown),
         "verdict": worst(shown.values()) if shown else "",
+        "strength": as_text(strengths.get(one.id, ())) if link.transitions and strengths is not None else [],
     }

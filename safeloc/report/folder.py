@@ -20,13 +20,14 @@ from typing import Any, assert_never
 
 from jinja2 import UndefinedError
 
+from safeloc.assurance.mutation.strength import Strengths
 from safeloc.catalogue import Target
 from safeloc.errors import InputError
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, kept
-from safeloc.report.data import SCHEMA, report_data, schema
+from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
 from safeloc.runtime.streams.columns import Shown, runs_file
@@ -58,18 +59,22 @@ def write_folder(
     findings: Sequence[Finding],
     targets: Sequence[Target],
     *,
+    evidence: Mapping[str, Any] = NOT_ASKED,
     single: bool = False,
+    strengths: Strengths | None = None,
     on_written: Callable[[], None] = lambda: None,
 ) -> Path:
     """Write everything and return the path of the page. Evidence of an earlier report in this folder is removed.
 
+    evidence    target's name -> what its proofs rest on (safeloc.report.proof_evidence), where that was asked
     single      the page holds everything it shows, however large, and loads nothing
+    strengths   how strongly each requirement is shown, as far as that was measured
     on_written  is called when all is written, before another run may write here
 
     Of two runs that write into one folder at once the second waits, so that the report is always of one run.
     Raises InputError where the folder cannot be written.
     """
-    whole = report_data(findings, targets)
+    whole = report_data(findings, targets, evidence, strengths)
     archives = certificates.archives(findings)
     runs = _runs(findings)
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}

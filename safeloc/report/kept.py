@@ -24,7 +24,7 @@ from safeloc.runtime.streams.columns import Runs, read_runs
 DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX = ".json.xz"
-BULKY = ("parts", "pictures", "signals", "figures")
+BULKY = ("parts", "pictures", "signals", "figures", "evidence")
 Data = dict[str, Any]
 T = TypeVar("T")
 

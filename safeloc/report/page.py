@@ -30,6 +30,8 @@ PARTS = "page"
 MOST_OF_ONE_PAGE = 1_000_000
 """Characters of a page that has no parts: it opens within a second."""
 LONGEST_NAME = 150
+MANY_ROWS = 4
+"""More transitions than that, on which a claim rests, are told by their number."""
 LONGEST_RUN, LAST_STEPS = 40, 20
 """A longer run is folded but for its last steps."""
 SUMMARY: Mapping[str, tuple[str, ...]] = {
@@ -152,6 +154,7 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
         "rows": [row for row in own if row["kind"] == "property"],
         "evidence": runs_table(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
+        "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in own if row["kind"] in ("obligation", "lemma")],
         "counts": [(name, _counted(own, kinds)) for name, kinds in SUMMARY.items()],
@@ -163,6 +166,32 @@ def _machine(machine: Data, results: Sequence[Data], shown: Mapping[tuple[str, i
             }  # labels are escaped
             for number, part in enumerate(machine["parts"])
         ],
+    }
+
+
+def _rests(evidence: Data | None) -> dict[str, Any] | None:
+    """What each claim rests on as rows of a table, and the picture of the cut sets; None where it was not asked."""
+    if evidence is None:
+        return None
+    return {
+        **evidence,
+        "cores": [_core(one) for one in evidence["cores"] if one["why_none"] != "shown by a run"],
+        "picture": Markup(evidence["picture"]),  # labels are escaped
+    }
+
+
+def _core(one: Data) -> dict[str, Any]:
+    """Rows by their number where there are many; else elements by name."""
+    named: dict[str, list[str]] = {"clause": [], "contract": [], "lemma": [], "range": [], "row": []}
+    for element in one["rests_on"]:
+        named[element["kind"]].append(element["name"])
+    rows = named["row"]
+    return {
+        **one,
+        "clauses": named["clause"],
+        "others": [*named["contract"], *named["lemma"], *named["range"]],
+        "rows": f"{len(rows)} of {one['rows_of']}" if len(rows) > MANY_ROWS else "; ".join(rows),
+        "open_names": [element["name"] for element in one["undecided"]],
     }
 
 

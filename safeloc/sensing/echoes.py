@@ -1,15 +1,15 @@
 """Echoes in whole numbers with bounds: what leaves the radar front end.
 
-A reflector's three corners each bound the range to its nearest one; the hull of the three is reported, which is right
-as long as one of the three is.
+A reflector's three corners each bound range and sine of its nearest one, by what was read of that corner alone; the hull
+of the three is reported, which is right as long as one of the three is.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 from safeloc.language.units import NM_PER_MM
+from safeloc.sensing.corners import nearest
 from safeloc.sensing.figures import RadarConfig
 from safeloc.sensing.images import in_cdb
 from safeloc.sensing.interpolation import Points
@@ -47,7 +47,7 @@ def echoes(found: Points, config: RadarConfig) -> list[Echo]:
     spots = spots_of(found, config)
     grouped = groups(spots, config)
     taken = {member for group in grouped for member in group.members}
-    alone = [Group(Model.UNKNOWN, (one,), (0.0,), Doubt.SHAPE) for one in range(len(spots.power)) if one not in taken]
+    alone = [Group(Model.UNKNOWN, (one,), (0,), Doubt.SHAPE) for one in range(len(spots.power)) if one not in taken]
     made = [_echo(group, found, spots, config) for group in [*grouped, *alone]]
     return sorted(made, key=lambda echo: (echo.range_mm, echo.sine_ppm))
 
@@ -63,29 +63,24 @@ def spots_of(found: Points, config: RadarConfig) -> Spots:
 def _echo(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Echo:
     weakest = min(group.members, key=lambda one: float(spots.power[one]))
     power = float(spots.power[weakest])
+    far, aside = _nearest(group, found, config)
     return Echo(
         Model.UNKNOWN if group.doubt else group.model,
         group.doubt,
-        *outward(_nearest_nm(group, found, config), NM_PER_MM),
-        *outward(_nearest_ppb(group, found, spots, config), PPB_PER_PPM),
+        *outward(far, NM_PER_MM),
+        *outward(aside, PPB_PER_PPM),
         in_cdb(power),
         section_cdbsm(power, float(spots.range_mm[weakest]), config),
     )
 
 
-def _nearest_nm(group: Group, found: Points, config: RadarConfig) -> Interval:
-    """Range of the nearest corner, from each of them."""
-    bounds = [range_nm(one, found, config.sensor) for one in group.members]
-    return hull(
-        [bound.moved(-round(farther * NM_PER_MM)) for bound, farther in zip(bounds, group.farther_mm, strict=True)]
-    )
-
-
-def _nearest_ppb(group: Group, found: Points, spots: Spots, config: RadarConfig) -> Interval:
-    """Sine of the nearest corner, from each of them: all stand equally far aside, so sine x range is the same."""
-    bounds = [sine_ppb(one, found, config.sensor) for one in group.members]
-    if len(bounds) == 1:
-        return bounds[0]
-    nearest = float(spots.range_mm[group.members[0]])
-    ratios = [Fraction(float(spots.range_mm[one]) / nearest) for one in group.members]
-    return hull([bound * Interval(ratio, ratio) for bound, ratio in zip(bounds, ratios, strict=True)])
+def _nearest(group: Group, found: Points, config: RadarConfig) -> tuple[Interval, Interval]:
+    """Range (nm) and sine (1e-9) of the nearest corner: what each of the corners says of it, and the hull of these."""
+    sensor = config.sensor
+    bounds = [
+        nearest(
+            range_nm(one, found, sensor), sine_ppb(one, found, sensor), mark * config.reflectors.unit_mm * NM_PER_MM
+        )
+        for one, mark in zip(group.members, group.marks, strict=True)
+    ]
+    return hull([one for one, _ in bounds]), hull([one for _, one in bounds])

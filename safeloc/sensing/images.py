@@ -9,6 +9,7 @@ import hashlib
 import math
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from safeloc.runtime.border import Deliveries, Raw, Reason
 from safeloc.sensing.figures import Sensor
 
 Power = NDArray[np.float64]
+DOUBTFUL_CDB = 1e-6
+"""No logarithm of a float is off by that much."""
 
 
 class Refusal(Enum):
@@ -85,8 +88,15 @@ def floor_cdb(power: Power) -> int | None:
 
 
 def in_cdb(power: float) -> int:
-    """Return positive power in hundredths of dB, rounded down."""
-    return math.floor(1_000 * math.log10(power))
+    """Return positive power in hundredths of dB, rounded down: never told stronger than it is.
+
+    A logarithm in floats may come out at a whole number that the power does not reach; then powers decide, exactly.
+    """
+    level = 1_000 * math.log10(power)
+    nearest = round(level)
+    if abs(level - nearest) > DOUBTFUL_CDB:
+        return math.floor(level)
+    return nearest if Fraction(power) ** 1_000 >= Fraction(10) ** nearest else nearest - 1
 
 
 class Order:

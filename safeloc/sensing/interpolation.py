@@ -89,7 +89,8 @@ def _places(peak: Numbers, before: Numbers, after: Numbers, noise: Numbers, samp
     short = 4.0 / samples**2 + FLOAT_CELLS
     tall, beside = np.sqrt(peak), np.sqrt(np.maximum(before, after))
     near = _offset((beside - noise) / (tall + noise)) - short
-    far = np.where(tall > noise, _offset((beside + noise) / np.maximum(tall - noise, 1e-300)), 2.0) + short
+    left = np.where(tall > noise, tall - noise, 1.0)
+    far = np.where(tall > noise, _offset((beside + noise) / left), 2.0) + short
     near = np.maximum(near, -1.0)
     ahead = after >= before
     best = _offset(beside / tall)

@@ -36,6 +36,13 @@ class Interval:
         return Interval(self.low - by, self.high + by)
 
 
+def exactly(value: float) -> Fraction:
+    """Return the rational number that a float stands for. InputError when it is not finite: such a figure bounds nothing."""
+    if not math.isfinite(value):
+        raise InputError(f"a measured figure is {value}; leave out what is not finite before bounds are made of it.")
+    return Fraction(value)
+
+
 def hull(intervals: Sequence[Interval]) -> Interval:
     """Return the smallest interval that holds them all: it holds the truth if any single one does."""
     return Interval(min(one.low for one in intervals), max(one.high for one in intervals))

@@ -17,8 +17,17 @@ NEAREST_MM = 1_000
 def range_nm(one: int, found: Points, sensor: Sensor) -> Interval:
     """Return the slant range of a peak, with bounds for noise and other echoes, scale, offset, ground."""
     measured = _scaled(int(found.peaks.row[one]), found.range, one, sensor.cell_mm * NM_PER_MM)
-    scale = -(-int(measured.high) * sensor.scale_error_ppm // MILLION)
-    return measured.widened(scale + sensor.offset_error_mm * NM_PER_MM + ground_nm(sensor, int(measured.low)))
+    offset = sensor.offset_error_mm * NM_PER_MM
+    scale = scale_nm(sensor, int(measured.high) + offset)
+    return measured.widened(scale + offset + ground_nm(sensor, int(measured.low) - scale - offset))
+
+
+def scale_nm(sensor: Sensor, measured_nm: int) -> int:
+    """Return how far a range may be from the measured one by the sensor's scale.
+
+    The error is a share of the true range: measured = true (1 +- e), so the true one is off by measured e / (1 - e).
+    """
+    return -(-measured_nm * sensor.scale_error_ppm // (MILLION - sensor.scale_error_ppm))
 
 
 def ground_nm(sensor: Sensor, range_nm: int) -> int:

@@ -58,11 +58,11 @@ class Spots:
 
 @dataclass(frozen=True)
 class Group:
-    """Echoes at the marks of a model, nearest first, and how much farther than the nearest each should be, in mm."""
+    """Echoes at the marks of a model, nearest first, and these marks, in units along the track from the nearest."""
 
     model: Model
     members: tuple[int, ...]
-    farther_mm: tuple[float, ...]
+    marks: tuple[int, ...]
     doubt: Doubt | None = None
 
 
@@ -83,16 +83,15 @@ def _shaped(spots: Spots, config: RadarConfig) -> Iterator[Group]:
         whole = np.logical_and.reduce([mark.there for mark in found])
         for first in np.flatnonzero(whole):
             members = tuple(int(mark.strongest[first]) for mark in found)
-            yield Group(model, members, tuple(float(mark.farther_mm[first]) for mark in found))
+            yield Group(model, members, marks)
 
 
 @dataclass(frozen=True, eq=False)
 class _Beyond:
-    """For each echo, the echoes at one mark: presence, the strongest one, and the range to add for the mark."""
+    """For each echo, the echoes at one mark: presence, and the strongest one."""
 
     there: NDArray[np.bool_]
     strongest: NDArray[np.intp]
-    farther_mm: Numbers
 
 
 def _beyond(along_mm: float, spots: Spots, config: RadarConfig) -> _Beyond:
@@ -104,7 +103,7 @@ def _beyond(along_mm: float, spots: Spots, config: RadarConfig) -> _Beyond:
         close &= np.eye(len(close), dtype=np.bool_)
     strongest = np.argmax(np.where(close, spots.power, -1.0), axis=1)
     there: NDArray[np.bool_] = np.logical_or.reduce(close, axis=1)
-    return _Beyond(there, strongest, range_mm - spots.range_mm)
+    return _Beyond(there, strongest)
 
 
 def seen_at(range_mm: Numbers, sine: Numbers, along_mm: float) -> tuple[Numbers, Numbers]:

@@ -20,12 +20,17 @@ from safeloc.models import (
     train_order,
     verification,
 )
+from safeloc.models.axle_counter import configurations as axle_counter_configurations
 from safeloc.models.axle_counter import simulate as axle_counter_streams
 from safeloc.models.axle_head import simulate as axle_head_streams
 from safeloc.models.axle_section import simulate as axle_section_streams
+from safeloc.models.emitter import configurations as emitter_configurations
 from safeloc.models.emitter import simulate as emitter_streams
+from safeloc.models.fibre import configurations as fibre_configurations
 from safeloc.models.fibre import picture as fibre_picture
+from safeloc.models.fibre_area import configurations as fibre_area_configurations
 from safeloc.models.train_order import simulate as train_order_streams
+from safeloc.models.verification import configurations as verification_configurations
 from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as axle_section_properties
@@ -161,15 +166,28 @@ def _fibre_handover(config: BaseModel) -> Target:
 
 
 ENTRIES = (
-    Entry("fibre", "place from localization sections in a fibre", fibre.FibreConfig, _fibre),
+    Entry(
+        "fibre",
+        "place from localization sections in a fibre",
+        fibre.FibreConfig,
+        _fibre,
+        fibre_configurations.CONFIGURATIONS,
+    ),
     Entry(
         "verification",
         "a train's fibre position, verified against an axle counter",
         verification.VerificationConfig,
         _verification,
+        verification_configurations.CONFIGURATIONS,
     ),
     Entry("axle_head", "axles and direction from two overlapping pulses", axle_head.AxleHeadConfig, _axle_head),
-    Entry("axle_counter", "a train's entry record from its axles", axle_counter.AxleCounterConfig, _axle_counter),
+    Entry(
+        "axle_counter",
+        "a train's entry record from its axles",
+        axle_counter.AxleCounterConfig,
+        _axle_counter,
+        axle_counter_configurations.CONFIGURATIONS,
+    ),
     Entry(
         "axle_section",
         "clear or occupied by axles counted in and out",
@@ -177,8 +195,20 @@ ENTRIES = (
         _axle_section,
     ),
     Entry("train_order", "whose a pattern is, by order on the track", train_order.TrainOrderConfig, _train_order),
-    Entry("emitter", "function check of the fibre by a test emitter", emitter.EmitterConfig, _emitter),
-    Entry("fibre_area", "a train and its area in one step", fibre_area.FibreAreaConfig, _fibre_area),
+    Entry(
+        "emitter",
+        "function check of the fibre by a test emitter",
+        emitter.EmitterConfig,
+        _emitter,
+        emitter_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "fibre_area",
+        "a train and its area in one step",
+        fibre_area.FibreAreaConfig,
+        _fibre_area,
+        fibre_area_configurations.CONFIGURATIONS,
+    ),
     Entry(
         "fibre_handover",
         "a train between two neighbouring areas",

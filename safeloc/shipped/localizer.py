@@ -8,14 +8,36 @@ from functools import partial
 
 from pydantic import BaseModel
 
-from safeloc.models import arbitration, localizer, localizer_sections, transmission
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.models import (
+    arbitration,
+    balise,
+    delocalized,
+    localizer,
+    localizer_sections,
+    odometry,
+    reflector,
+    satellite_selection,
+    transmission,
+    verification,
+)
+from safeloc.models.arbitration import configurations as arbitration_configurations
 from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer import configurations as localizer_configurations
 from safeloc.models.localizer import picture as localizer_picture
 from safeloc.models.localizer_sections import LocalizerSectionsConfig
+from safeloc.models.transmission import configurations as transmission_configurations
 from safeloc.properties import arbitration as arbitration_properties
+from safeloc.properties import balise as balise_properties
+from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import localizer_sections as localizer_sections_properties
+from safeloc.properties import odometry as odometry_properties
+from safeloc.properties import reflector as reflector_properties
+from safeloc.properties import satellite_selection as selection_properties
 from safeloc.properties import transmission as transmission_properties
+from safeloc.properties import verification as verification_properties
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.shipped.making import recorded, single
@@ -47,8 +69,42 @@ def _localizer(config: BaseModel) -> Target:
     system, streams = whole.composition.system, recorded("localizer")
     return Target(
         "localizer", whole.machines, system, properties, config, doc, streams, localizer_picture.PASSED_ON,
-        partial(_simulated, config), (localizer_picture.picture(config, _says),),
+        partial(_simulated, config), (localizer_picture.picture(config, _says),), members=_members(whole),
     )  # fmt: skip
+
+
+def _members(whole: localizer.Localizer) -> dict[str, tuple[Property, ...]]:
+    """What is claimed of each machine by itself; of `motion` and of the satellites' position nothing is."""
+    config = whole.config
+    guard = delocalized.DelocalizedConfig(
+        tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm
+    )
+    links = [link for link in (whole.downlink, whole.uplink) if link is not None]
+    own = {whole.guard.name: tuple(delocalized_properties.properties(whole.guard, guard))}
+    for model in [one for piece in whole.pieces.values() for one in piece.models] + [*links, whole.arbitration]:
+        machine, claims = _claimed(model)
+        own[machine.name] = tuple(claims)
+    return own
+
+
+def _claimed(model: object) -> tuple[Machine, Sequence[Property]]:
+    match model:
+        case odometry.Odometry():
+            return model.machine, odometry_properties.properties(model)
+        case balise.Balise():
+            return model.machine, balise_properties.properties(model)
+        case reflector.ReflectorMachine():
+            return model.machine, reflector_properties.properties(model)
+        case satellite_selection.Selection():
+            return model.machine, selection_properties.properties(model)
+        case verification.Verification():
+            return model.machine, verification_properties.properties(model)
+        case transmission.Transmission():
+            return model.machine, transmission_properties.properties(model)
+        case arbitration.Arbitration():
+            return model.machine, arbitration_properties.properties(model)
+        case _:
+            raise TypeError(f"nothing is known of what is claimed of {model!r}")
 
 
 def _says(recording: str) -> str:
@@ -92,9 +148,27 @@ def _says_of_sections(recording: str) -> str:
 
 
 ENTRIES = (
-    Entry("arbitration", "what several positions have in common", arbitration.ArbitrationConfig, _arbitration),
-    Entry("transmission", "a position on its way; its age is charged", transmission.TransmissionConfig, _transmission),
-    Entry("localizer", "all ways of locating together, and which of them counts", LocalizerConfig, _localizer),
+    Entry(
+        "arbitration",
+        "what several positions have in common",
+        arbitration.ArbitrationConfig,
+        _arbitration,
+        arbitration_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "transmission",
+        "a position on its way; its age is charged",
+        transmission.TransmissionConfig,
+        _transmission,
+        transmission_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "localizer",
+        "all ways of locating together, and which of them counts",
+        LocalizerConfig,
+        _localizer,
+        localizer_configurations.CONFIGURATIONS,
+    ),
     Entry(
         "localizer_sections",
         "the located train in virtual sections: one truth on board and trackside",

@@ -10,14 +10,18 @@ from pydantic import BaseModel
 
 from safeloc.language.system import lower
 from safeloc.models import balise, reflector, route, stop_point, travel_direction, turn_off
+from safeloc.models.balise import configurations as balise_configurations
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.balise.variables import parts as balise_parts
+from safeloc.models.reflector import configurations as reflector_configurations
 from safeloc.models.reflector.picture import picture as reflector_picture
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.reflector.variables import parts as reflector_parts
+from safeloc.models.route import configurations as route_configurations
 from safeloc.models.route.picture import picture as route_picture
 from safeloc.models.route.variables import RouteConfig
 from safeloc.models.route.variables import parts as route_parts
+from safeloc.models.stop_point import configurations as stop_point_configurations
 from safeloc.models.stop_point.picture import picture as stop_picture
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.models.stop_point.variables import parts as stop_point_parts
@@ -102,10 +106,34 @@ def _route(config: BaseModel) -> Target:
 
 
 ENTRIES = (
-    Entry("balise", "balise groups, supervised by linking, and an odometer between them", BaliseConfig, _balise),
-    Entry("reflector", "radar reflectors, and odometry between them", ReflectorConfig, _reflector),
-    Entry("stop_point", "precise stop at a platform, with repositioning", StopPointConfig, _stop_point),
-    Entry("route", "which route through switches, from models and places of reflectors", RouteConfig, _route),
+    Entry(
+        "balise",
+        "balise groups, supervised by linking, and an odometer between them",
+        BaliseConfig,
+        _balise,
+        balise_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "reflector",
+        "radar reflectors, and odometry between them",
+        ReflectorConfig,
+        _reflector,
+        reflector_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "stop_point",
+        "precise stop at a platform, with repositioning",
+        StopPointConfig,
+        _stop_point,
+        stop_point_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "route",
+        "which route through switches, from models and places of reflectors",
+        RouteConfig,
+        _route,
+        route_configurations.CONFIGURATIONS,
+    ),
     Entry("turn_off", "straight on or turning off, seen by radar", turn_off.TurnOffConfig, _turn_off),
     Entry(
         "travel_direction",

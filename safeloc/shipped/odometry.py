@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower
 from safeloc.models import delocalized, odometry, supervised_odometry
+from safeloc.models.odometry import configurations as odometry_configurations
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.properties import delocalized as delocalized_properties
 from safeloc.properties import odometry as odometry_properties
@@ -65,11 +66,22 @@ def _supervised(config: BaseModel) -> Target:
         truth="odometry.truth_nm",
     )
     system = whole.composition.system
-    return Target("supervised_odometry", machines, system, properties, config, doc, reported=reported)
+    guard = delocalized.DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.position_limit_mm)
+    members = {
+        whole.source.machine.name: tuple(odometry_properties.properties(whole.source)),
+        whole.guard.name: tuple(delocalized_properties.properties(whole.guard, guard)),
+    }
+    return Target("supervised_odometry", machines, system, properties, config, doc, reported=reported, members=members)
 
 
 ENTRIES = (
-    Entry("odometry", "odometry between markers read at the front and at the rear", OdometryConfig, _odometry),
+    Entry(
+        "odometry",
+        "odometry between markers read at the front and at the rear",
+        OdometryConfig,
+        _odometry,
+        odometry_configurations.CONFIGURATIONS,
+    ),
     Entry("delocalized", "the restrictive state behind any source", delocalized.DelocalizedConfig, _delocalized),
     Entry("supervised_odometry", "odometry and delocalized in one step", OdometryConfig, _supervised),
 )

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower
 from safeloc.models import guard
+from safeloc.models.guard import configurations as guard_configurations
 from safeloc.models.guard.variables import GuardConfig, parts
 from safeloc.properties import guard as guard_properties
 from safeloc.reported import Reported
@@ -38,4 +39,12 @@ def _simulated(config: GuardConfig, seed: int) -> Sequence[Mapping[str, Value]]:
     return simulate(config, seed=seed)
 
 
-ENTRIES = (Entry("guard", "of a receiver's positions, those that map and motion allow", GuardConfig, _guard),)
+ENTRIES = (
+    Entry(
+        "guard",
+        "of a receiver's positions, those that map and motion allow",
+        GuardConfig,
+        _guard,
+        guard_configurations.CONFIGURATIONS,
+    ),
+)

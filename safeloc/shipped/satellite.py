@@ -9,7 +9,9 @@ from pydantic import BaseModel
 
 from safeloc.language.spec import Property
 from safeloc.models import satellite, satellite_selection
+from safeloc.models.satellite import configurations as satellite_configurations
 from safeloc.models.satellite.variables import SatelliteConfig
+from safeloc.models.satellite_selection import configurations as satellite_selection_configurations
 from safeloc.properties import satellite as satellite_properties
 from safeloc.properties import satellite_selection as selection_properties
 from safeloc.railway.pictures import Deviation, Picture, Standing, Standings, Stanford
@@ -98,7 +100,20 @@ ENTRIES = (
         "usable satellites, by a map-bound prediction",
         satellite_selection.SelectionConfig,
         _selection,
+        satellite_selection_configurations.CONFIGURATIONS,
     ),
-    Entry("satellite", "position along the track from usable satellites", SatelliteConfig, _satellite),
-    Entry("satellite_drift", "how far false signals can lead that position away", SatelliteConfig, _satellite_drift),
+    Entry(
+        "satellite",
+        "position along the track from usable satellites",
+        SatelliteConfig,
+        _satellite,
+        satellite_configurations.CONFIGURATIONS,
+    ),
+    Entry(
+        "satellite_drift",
+        "how far false signals can lead that position away",
+        SatelliteConfig,
+        _satellite_drift,
+        satellite_configurations.CONFIGURATIONS,
+    ),
 )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from pydantic import BaseModel
 
-from safeloc.assurance.register import FROM_MEMORY, Assumption, register, to_confirm
+from safeloc.assurance.register import FROM_MEMORY, Assumption, of_border, register, to_confirm
 from safeloc.config import Config, quantity
 from safeloc.language.composition import Clause, compose
-from safeloc.language.expr import Bool, Var, number
+from safeloc.language.expr import Bool, NumVar, Var, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import lower
 from safeloc.language.units import MM
@@ -83,6 +85,30 @@ def test_a_law_that_another_machine_guarantees_is_marked() -> None:
         )
         found = register(Target("both", (first, second), whole.system, ()))
         assert expected == [one.guaranteed for one in found]
+
+
+def test_what_is_observable_is_told() -> None:
+    """As a whole, in part, against another law, or not at all."""
+    made = machine("m", low=NEXT < 50)
+    own = next(var for var in made.inputs if isinstance(var, NumVar))
+    laws = {
+        "small": own < 8,
+        "partly": (own < 9) & (TRUTH < 90),
+        "same": NEXT.eq(own),
+        "near": own + 1 < NEXT,
+        "far": TRUTH > 1,
+    }
+    told = {one.name: one.monitored for one in registered(replace(made, world=replace(made.world, clauses=laws)))}
+    assert {
+        "small": "as a whole", "partly": "in part", "same": "against m: near", "near": "against m: same",
+        "far": "no: only with the truth",
+    } == told  # fmt: skip
+
+
+def test_the_law_of_the_border_is_complete() -> None:
+    """Every target that is run on records rests on it."""
+    border = of_border()
+    assert ("border/B1", "as a whole", ()) == (border.id, border.monitored, border.lacks)
 
 
 def test_figures_from_memory_are_counted_by_target() -> None:

@@ -35,10 +35,14 @@ def test_list_shared_terms(call: Call) -> None:
     data = json.loads(call("list", "shared", "--machine", DOOR, "--json").out)
     assert {"shared": [], "reads_machine": []} == data
     assert 2 == call("list", "shared", "--text", "x").code
-    lines = call("list", "shared", "--machine", "guard").out.splitlines()
-    assert lines[0].startswith("guard  ") and lines[0].endswith(" ...")
-    assert lines[1].startswith("    computed for  ") and lines[1].endswith(" more")
+    lines = call("list", "shared", "--machine", "fibre_area").out.splitlines()
+    assert lines[0].startswith("fibre_area  ")
+    assert lines[1].startswith("    computed for  ")
     assert lines[2].startswith("    shared by     ")
+    assert (
+        "guard  clause 'the vehicle moves within its figures' of guard  reads mode"
+        in call("list", "shared", "--machine", "guard").out
+    )
     assert 2 == call("list", "lines", "--machine", "x").code
 
 
@@ -48,7 +52,10 @@ def test_list_assumptions(call: Call) -> None:
     assert "delocalized  delocalized/A1  " in listed
     assert "figures are from memory, for the operator to confirm." in listed
     data = json.loads(call("list", "assumptions", "--machine", "delocalized", "--json").out)
-    assert ["delocalized/A1"] == [one["id"] for one in data["assumptions"]]
+    assert ["delocalized/A1", "border/B1"] == [one["id"] for one in data["assumptions"]]
+    assert ["no", "whole"] == [one["observable"] for one in data["assumptions"]]
+    assert "    observable: no: only with the truth" in listed and "    observable: as a whole" in listed
+    assert "2 assumptions, 1 of them observable in operation; " in listed
     assert 2 == call("list", "assumptions", "--text", "x").code
 
 

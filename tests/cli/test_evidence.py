@@ -8,7 +8,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tests.cli.conftest import Call
+from safeloc.assurance.evidence import fault_work
+from safeloc.assurance.evidence.effects import Effect
+from safeloc.catalogue import Target
+from safeloc.proof.cores.clauses import ClauseId
+from tests.cli.calling import DOOR, Call
 
 KEPT = "cache"
 
@@ -35,7 +39,7 @@ def test_cores_of_one_property(call: Call) -> None:
     told = call("cores", "transmission", "--property", "containment", "--cache", KEPT)
     assert told.out.startswith("containment")
     assert "no proof needs" not in told.out
-    assert "1 claims; of 0 no smallest set was found" in told.out
+    assert told.out.endswith("\n1 claim\n")
     wrong = call("cores", "transmission", "--property", "contain")
     assert 2 == wrong.code
     assert "has no property 'contain'" in " ".join(wrong.err.replace("│", " ").split())
@@ -69,8 +73,27 @@ def test_faults_of_a_machine_without_an_interval(call: Call) -> None:
     assert "turn_off reports no interval" in " ".join(wrong.err.replace("│", " ").split())
 
 
-def test_what_is_not_decided_is_the_exit_code(call: Call) -> None:
-    """With hardly any effort nothing is claimed."""
-    told = call("faults", "transmission", "--seconds", "0.1", "--cache", KEPT)
-    assert told.code in (0, 3)
-    assert (3 == told.code) is ("not decided" in told.out)
+def test_what_is_not_decided_is_the_exit_code(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A clause whose breach was not decided is told, and the run does not end as if all were known."""
+
+    def undecided(_target: Target, broken: tuple[ClauseId, ...], _names: object, _limits: object) -> Effect:
+        return Effect(broken, (), {}, ("containment",), "undecided")
+
+    monkeypatch.setattr(fault_work, "effect", undecided)
+    told = call("faults", "transmission", "--jobs", "1", "--fresh", "--cache", KEPT)
+    assert 3 == told.code
+    assert "    claims lost   none; not decided: containment" in told.out
+    assert "    end effect    not decided within the limits" in told.out
+    assert "not decided: transmission/A1" in told.out
+
+
+def test_the_report_has_both_where_it_is_asked(call: Call) -> None:
+    """Of a user's machine: what its claims rest on, in the page; without the option the page says how to ask."""
+    asked = ["verify", DOOR, "--examples", "2", "--steps", "5", "--jobs", "1", "--cache", KEPT]
+    assert 0 == call(*asked, "--out", "plain").code
+    page = Path("plain/index.html").read_text(encoding="utf-8")
+    assert "--evidence</code>" in page
+    assert 0 == call(*asked, "--out", "both", "--evidence").code
+    page = Path("both/index.html").read_text(encoding="utf-8")
+    assert "What the proofs of door rest on" in page
+    assert "Every clause of the world broken, alone" in page

@@ -95,7 +95,10 @@ def test_filters_are_joined(call: Call) -> None:
             ["machines", "--text", "odometry"],
             "--id and --text filter properties, not machines",
         ),
-        (["lines", "--machine", "odometry"], "--machine filters properties, assumptions or shared terms, not lines"),
+        (
+            ["lines", "--machine", "odometry"],
+            "--machine filters properties, assumptions, shared terms or splits, not lines",
+        ),
         (
             ["requirements", "--id", ""],
             "--id and --text filter properties, not requirements",

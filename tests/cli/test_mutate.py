@@ -39,8 +39,20 @@ def test_an_unknown_mutant(call: Call, tmp_path: Path) -> None:
     assert "no mutant 'brake-0'; --json lists them" in called.err
 
 
-def test_a_composition(call: Call) -> None:
+def test_the_world(call: Call, tmp_path: Path) -> None:
+    """Clauses made wrong, which way each went, and what it asks too much."""
+    called = call("mutate", "tests.assurance.mutation.gate:machine", "--of", "world", "--cache", str(tmp_path))
+    assert 0 == called.code
+    assert "a clause of the world wrong: " in called.out
+    assert "asks for more than the claims need (all claims are proved in the weaker world): gate-" in called.out
+    assert "[weaker]" in called.out
+
+
+def test_the_world_of_a_composition(call: Call) -> None:
     """Exit code 2, with the machines to give instead."""
-    called = call("mutate", "supervised_odometry")
+    called = call("mutate", "supervised_odometry", "--of", "world")
     assert 2 == called.code
-    assert "supervised_odometry is a composition of" in called.err
+    assert "supervised_odometry is a composition: only its machines and wires are made wrong." in " ".join(
+        called.err.split()
+    )
+    assert "odometry, delocalized" in " ".join(called.err.split())

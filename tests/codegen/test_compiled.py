@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.codegen import case_splitting
-from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.codegen.compiled import Compiled, compile_rows, compile_system
 from safeloc.codegen.python_code import to_python
 from safeloc.errors import InputError
 from safeloc.language.expr import (
@@ -42,7 +42,7 @@ from safeloc.language.nodes import Past, Value
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.terms import variables
 from safeloc.language.trace import Trace
-from safeloc.language.units import COUNT
+from safeloc.language.units import COUNT, MM
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, streams
 
@@ -278,3 +278,12 @@ def test_past_operators_are_refused() -> None:
     looking_back = replace(system, next={**system.next, flag: Past("once", (flag,))}, state=(*system.state, flag))
     with pytest.raises(InputError, match=r"^odometer: past operators cannot run; observe the property first\.$"):
         to_python(looking_back)
+
+
+def test_terms_over_several_rows_take_what_they_read() -> None:
+    """Each variable comes from its own row; what is not read may be anything, even missing."""
+    far, near, flag = number("far", MM, 0, 9), number("near", MM, 0, 9), boolean("flag")
+    judge = compile_rows({"before": (near,), "inputs": (flag, far)}, [flag & (near < far), far - near])
+    assert (True, 2) == judge((3,), (True, 5))
+    assert (False, -1) == judge((3,), (True, 2))
+    assert (7,) == compile_rows({"before": (near,), "inputs": (flag, far)}, [near + 4])((3,), ())

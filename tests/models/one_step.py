@@ -29,7 +29,7 @@ def not_kept_by(system: TransitionSystem, prop: Property) -> set[str]:
         if not ghosts & set(variables([term]))
     }
     after = Substitution(dict(goal.system.next))
-    wanted = {**known, prop.name: goal.good}
+    wanted = {**known, prop.name: goal.good & goal.helper}
     given = [environment(goal.system), in_range(goal.system.state), *wanted.values()]
     later = Query("one step", given, {name: after.bool(term) for name, term in wanted.items()})
     return set(unproved(later, 60))

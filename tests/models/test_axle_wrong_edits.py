@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -18,6 +19,7 @@ from safeloc.properties import axle_counter as counter_properties
 from safeloc.properties import axle_head as head_properties
 from safeloc.properties import axle_section as section_properties
 from tests.models.one_step import not_kept
+from tests.models.spoilt import rebuilt
 
 Term = Callable[[Parts], Bool | Num]
 
@@ -37,6 +39,18 @@ def test_figures_that_are_refused_lose_a_proof(wrong: dict[str, int], claim: str
     config = AxleHeadConfig.model_construct(None, **(AxleHeadConfig().model_dump() | wrong))
     assert _head_lacks(config, claim)
     assert set() == _head_lacks(AxleHeadConfig(), claim)
+
+
+def test_a_disturbed_head_that_is_told_free_is_noticed() -> None:
+    """A head that cannot tell whether a wheel is on it says that it is damped."""
+    model, claim = axle_head.build(axle_head.parts(AxleHeadConfig())), "damped unless free and sound"
+    machine, mode = model.machine, model.machine.mode
+    free, *_, disturbed = machine.modes
+    told = {**machine.outputs, "damped": mode.ne(free) & mode.ne(disturbed)}
+    wrong = replace(model, machine=rebuilt(machine, machine.transitions, outputs=told))
+    [prop] = [one for one in head_properties.properties(wrong) if one.name == claim]
+    assert claim in not_kept(wrong.machine, prop)
+    assert claim not in _head_lacks(AxleHeadConfig(), claim)
 
 
 # ------------------------------------------------------------------ sections

@@ -13,7 +13,7 @@ from safeloc.models import fibre, guard, sections
 from safeloc.models.area import AreaConfig
 from safeloc.models.area.slot import Reach, Slot
 from safeloc.models.fibre.cycle import Cycle
-from safeloc.models.guard import box, law
+from safeloc.models.guard import box
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.models.guard.variables import Parts as GuardParts
 from safeloc.models.guard.variables import parts as guard_parts
@@ -88,8 +88,7 @@ def test_a_fix_without_its_age_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
     def error_only(own: GuardParts) -> Num:
         return exact_to(as_num(own.config.fix_error_mm, MM), NM)
 
-    for module in (box, law):
-        monkeypatch.setattr(module, "half_nm", error_only)
+    monkeypatch.setattr(box, "half_nm", error_only)
     assert _lost("guard") == list(CHARGES["guard"])
 
 

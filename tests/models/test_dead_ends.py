@@ -18,7 +18,16 @@ from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped import ENTRIES
 
-SLOW = {"localizer", "localizer_sections", "fibre_area", "guard", "odometry", "supervised_odometry", "reflector"}
+SLOW = {
+    "localizer",
+    "localizer_sections",
+    "fibre_area",
+    "guard",
+    "odometry",
+    "supervised_odometry",
+    "reflector",
+    "balise",
+}
 SYSTEMS = [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in ENTRIES]
 
 

@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.expr import TRUE
+from safeloc.language.expr import FALSE, TRUE
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check_all
 from safeloc.language.nodes import Value
@@ -137,6 +137,8 @@ def spoilt(part: str, row: str, **fields: object) -> FibreHandover:
         ("border", "record lost on the way", {"set": {}}, "a lost handover is untrusted"),
         ("border", "trust lost on the way", {"set": {}}, "and stays so"),
         ("border", "record arrives", {"when": TRUE}, "only a trusted train goes over"),
+        ("border", "record is sent", {"when": TRUE}, "a record goes over from the shared stretch on"),
+        ("border", "record is sent", {"when": FALSE}, "a record goes over from the shared stretch on"),
         ("speaker", "both agree", {"when": TRUE}, "both only where the place is shared"),
         ("speaker", "the taking area speaks", {"when": TRUE}, "each speaks of its own stretch"),
         ("speaker", "nobody speaks", {"set": {}}, "nobody trusts, nothing is given out"),

@@ -84,11 +84,12 @@ BELIEVED = [at(0), at(0), at(0)]
 @pytest.mark.parametrize(
     "figures",
     [
-        {},
+        {"confirmations": 3, "speed_window_ms": 400},
+        pytest.param({}, marks=pytest.mark.slow),
         pytest.param({"period_ms": 400, "confirmations": 2}, marks=pytest.mark.slow),
         pytest.param({"acceleration_mm_s2": 181, "brake_mm_s2": 2_000, "speed_window_ms": 800}, marks=pytest.mark.slow),
     ],
-    ids=["default", "slow", "freight"],
+    ids=["short", "default", "slow", "freight"],
 )  # fmt: skip
 def test_everything_is_proved(figures: Mapping[str, int]) -> None:
     """Without a bound, for configurations that differ in period, row and brake."""
@@ -203,7 +204,17 @@ def _age_forgotten(right: Callable[[Parts], Num]) -> Callable[[Parts], Num]:
     return lambda own: right(own) - exact_to(Lit(own.config.max_speed_mm_s * 1_000, UM_S) * own.age, NM)
 
 
+def _contradiction_forgiven(_: object) -> property:
+    return property(lambda judged: TRUE)
+
+
+def _farther_than_run(right: Callable[[Parts], tuple[Num, Num]]) -> Callable[[Parts], tuple[Num, Num]]:
+    return lambda own: (right(own)[0] - 1_000_000, right(own)[1])
+
+
 COSTS = "an implausible fix costs the trust"
+CONTRADICTS = "a receiver that contradicts itself loses the trust"
+COMPARED = "the last fix near the way is what the next is compared with"
 EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "trusted with any fix that agrees": (Judged, "confirmed", _trusted_at_once, "no resurrection"),
     "trusted with one fix too few": (Judged, "confirmed", _one_too_few, "no resurrection"),
@@ -214,13 +225,16 @@ EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
     "anything begins a row": (Judged, "begins", _begins_by_anything, "a row begins with a fix that may be true"),
     "brakes are not reckoned with": (judgement, "moved", _brake_forgotten, "what is withheld narrows nothing"),
     "age is not charged": (box, "half_nm", _age_forgotten, "a fix is charged all it may be off"),
+    "a receiver may contradict itself": (Judged, "follows", _contradiction_forgiven, CONTRADICTS),
+    "a vehicle runs farther than it can": (judgement, "near_now", _farther_than_run, COMPARED),
     "whatever is held is kept": (guard, "usable", lambda _: lambda config, held: TRUE, "what is held is given up when it bounds nothing"),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "edit", [pytest.param(edit, marks=pytest.mark.slow if edit == "the row grows by two" else ()) for edit in EDITS]
-)
+SLOW = ("the row grows by two", "whatever is held is kept", "a jump costs no trust")
+
+
+@pytest.mark.parametrize("edit", [pytest.param(edit, marks=pytest.mark.slow if edit in SLOW else ()) for edit in EDITS])
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """MRK-D6: gates, charges and trust are claimed in figures of their own."""
     where, name, wrong, broken = EDITS[edit]
@@ -244,6 +258,14 @@ def test_a_jump_costs_the_trust() -> None:
     trace = driven(*BELIEVED, at(200_000), at(0), at(0), at(0))
     assert ["PROBATION", "PROBATION", "PROBATION", "PASSING"] == modes(trace)[3:]
     assert ["JUMP", "UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)[3:]
+
+
+def test_a_contradiction_costs_the_trust() -> None:
+    """Two fixes beside what is held, one before it and one behind: one of them is false, and a row has to be filled anew."""
+    trace = driven(*BELIEVED, at(-14_600), at(19_500), at(0), at(0), at(0))
+    assert ["PASSING", "PROBATION", "PROBATION", "PROBATION", "PASSING"] == modes(trace)[3:]
+    assert ["DOUBTFUL", "DOUBTFUL", "UNCONFIRMED", "UNCONFIRMED", "PASSED"] == reasons(trace)[3:]
+    assert 0 == trace.steps[4].outputs["agreed_fixes"]
 
 
 def test_silence_widens_and_ends_it() -> None:

@@ -53,6 +53,7 @@ def told(whole: Localizer) -> Num:
     return first.stated.position
 
 
+@pytest.mark.slow
 def test_a_reference_is_owed_not_assumed() -> None:
     """What a balise tells the satellites' position is proved to be true, and then the truth is inside."""
     known = base(up_to_the_position(referring(), {}))

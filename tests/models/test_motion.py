@@ -47,7 +47,7 @@ def test_motion_keeps_its_obligations() -> None:
         assert [one.id for one in findings if not isinstance(one.result, Proved)] == []
 
 
-@pytest.mark.parametrize("source", ["balise", "reflector"])
+@pytest.mark.parametrize("source", ["balise", pytest.param("reflector", marks=pytest.mark.slow)])
 def test_the_law_is_owed_and_kept(source: SourceName) -> None:
     """What a user of the distance assumes of it is proved for either unit at fault, and with it that its interval is true."""
     known = base(one_user(compose_machines(LocalizerConfig(sources=(source,))), {}))
@@ -68,7 +68,9 @@ def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
     return {"odometer_mm": step.value, "odometer_mm.present": step.present}
 
 
-@pytest.mark.parametrize("wrong", [_no_charge, _a_little_less, _as_measured])
+@pytest.mark.parametrize(
+    "wrong", [_a_little_less, *(pytest.param(one, marks=pytest.mark.slow) for one in (_no_charge, _as_measured))]
+)
 def test_a_smaller_charge_is_not_enough(wrong: Callable[[Localizer], Mapping[str, Expr]]) -> None:
     """No charge, one nm less, or the odometer as it measured: owed, and not kept."""
     whole = compose_machines(LocalizerConfig(sources=("balise",)))

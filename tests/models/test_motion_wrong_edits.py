@@ -62,7 +62,12 @@ def owed(patch: pytest.MonkeyPatch, edit: Edit | None) -> Base:
     return base(one_user(compose_machines(LocalizerConfig(sources=("balise",))), {}), seconds=120)
 
 
-@pytest.mark.parametrize("name", EDITS)
+QUICK = ("no more than 0.1 m a cycle is charged", "silence is charged with half the top speed")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in EDITS]
+)
 def test_a_wrong_edit_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The balise machine is not kept what it is owed, or a fact of motion falls."""
     refuted = owed(monkeypatch, EDITS[name]).refuted

@@ -9,13 +9,14 @@ from typing import Any
 import pytest
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.expr import TRUE, Num, as_num
+from safeloc.language.expr import TRUE, Bool, Num, all_of, as_num
 from safeloc.language.spec import observe
 from safeloc.language.system import environment, in_range, lower
 from safeloc.language.terms import Substitution, variables
 from safeloc.language.units import MM
 from safeloc.models import odometry
-from safeloc.models.odometry.distance_device import Cycle
+from safeloc.models.odometry import distance_device
+from safeloc.models.odometry.distance_device import Cycle, Device
 from safeloc.models.odometry.marker_reading import Fix, Reader, fix
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT, ErrorLaw
@@ -23,6 +24,7 @@ from safeloc.models.vocabulary.measured import Limits
 from safeloc.proof.provers.implication import Refuted, unproved
 from safeloc.proof.provers.proved_base import ranges_and_lemmas
 from safeloc.properties.odometry import properties
+from tests.models.one_step import not_kept
 
 FIX = "safeloc.models.odometry.cycle.fix"
 Patch = pytest.MonkeyPatch
@@ -158,3 +160,27 @@ def test_a_forgotten_drift_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_an_edit_nothing_is_refuted(claim: str) -> None:
     """The machine as it is keeps all that the edits break."""
     assert refuted(odometry.build(parts(OdometryConfig())), claim) == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kept", [0, 1])
+def test_a_unit_that_may_be_silent_for_ever_is_noticed(kept: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lone limit holds for either unit of a device: asked of one of them only, the other one's claim is lost."""
+    claims = [f"front device is given up without front_{unit}" for unit in ("wheel", "radar")]
+    right = odometry.build(parts(OdometryConfig()))
+    assert [_lacks(right, claim) for claim in claims] == [set(), set()]
+
+    def failed(device: Device, admitted: tuple[Bool, Bool]) -> Bool:
+        gaps = [unit.gap + 1 for unit in device.units]
+        limits, missing = device.limits, [~ok for ok in admitted]
+        both = all_of(one & (gap > limits.gap_limit) for one, gap in zip(missing, gaps, strict=True))
+        return both | (missing[kept] & (gaps[kept] > limits.lone_limit))
+
+    monkeypatch.setattr(distance_device, "_failed", failed)
+    wrong = odometry.build(parts(OdometryConfig()))
+    assert claims[1 - kept] in _lacks(wrong, claims[1 - kept])
+    assert _lacks(wrong, claims[kept]) == set()
+
+
+def _lacks(model: odometry.Odometry, claim: str) -> set[str]:
+    return not_kept(model.machine, next(one for one in properties(model) if one.name == claim))

@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from safeloc.language.expr import FALSE, TRUE, Lit, Num, any_of
+from safeloc.language.expr import FALSE, TRUE, Bool, Lit, Num, any_of
 from safeloc.language.monitor import check_all
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
@@ -25,6 +25,7 @@ from safeloc.properties.verification.mismatch import NAMED
 from safeloc.runtime.streams.steps import Cell
 from tests.models.fibre_family import labels, mode_labels, replayed, unproved_of
 from tests.models.one_step import changed, not_kept
+from tests.models.wrong_edits import lost
 
 CONFIG = VerificationConfig()
 ENTRY = 2
@@ -228,6 +229,33 @@ def test_a_broken_row_is_noticed(row: str, fields: dict[str, object], broken: st
     wrong = replace(made(), machine=changed(made().machine, row, **given))
     prop = next(one for one in properties(wrong) if one.name == broken)
     assert not_kept(wrong.machine, prop)
+
+
+def giving(row: str, given: Bool) -> Verification:
+    """The machine whose row says itself whether something was given out."""
+    model = made()
+    [right] = [one for one in model.machine.transitions if one.name == row]
+    return replace(model, machine=changed(model.machine, row, set={**right.set, model.own.given: given}))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("row", "given"), [("not verified now", FALSE), ("not verified now", TRUE), ("mismatch is kept", FALSE)]
+)
+def test_what_was_given_out_and_is_forgotten_is_noticed(row: str, given: Bool) -> None:
+    """What was given out stays known while the train is withheld, and while it is untrusted."""
+    claim, wrong = "whether something was given out is kept", giving(row, given)
+    assert set(lost(wrong.machine, properties(wrong), claim)) == {claim}
+    assert lost(made().machine, properties(made()), claim) == {}
+
+
+@pytest.mark.parametrize("given", [FALSE, TRUE])
+def test_revoked_says_whether_something_was_given_out(given: Bool) -> None:
+    """A mismatch after a pause revokes just what was given out: not nothing, and not always."""
+    claim, wrong = "what was given out is revoked after a pause too", giving("mismatch", given)
+    [prop] = [one for one in properties(wrong) if one.name == claim]
+    assert claim in not_kept(wrong.machine, prop)
+    assert lacking(claim) == set()
 
 
 NAMES = {

@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from safeloc.assurance.mutation.strength import Strength
 from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.language.interpret import run
@@ -109,6 +110,20 @@ def test_requirement_table_goes_both_ways(data: dict[str, Any]) -> None:
     assert rows["MRK-1"]["verdict"] == "proved"
     assert rows["MRK-D1"]["verdict"] == "violated"
     assert (rows["SAT-1"]["transitions"], rows["SAT-1"]["results"], rows["SAT-1"]["verdict"]) == ([], [], "")
+
+
+def test_how_strongly_a_requirement_is_shown() -> None:
+    """Where strengths were looked up, each requirement that rows carry tells its own, or that it was not measured."""
+    weak = Strength("lamp", 9, 9, 5, 3, 0)
+    told = report_data(findings(), [target()], strengths={"MRK-1": [weak]})
+    jsonschema.validate(told, schema())
+    rows = {row["id"]: row["strength"] for row in told["requirements"]}
+    assert ["lamp: of 5 wrong rules 0 noticed by its properties, 3 by any proof", "NOT SHOWN"] == [
+        rows["MRK-1"][0], rows["MRK-1"][1].partition(":")[0],
+    ]  # fmt: skip
+    assert rows["MRK-D1"][0].startswith("not measured: ") and [] == rows["SAT-1"]
+    assert "how strongly: NOT SHOWN: " in to_html(told)
+    assert {0} == {len(row["strength"]) for row in report_data(findings(), [target()])["requirements"]}
 
 
 # ------------------------------------------------------------------ page

@@ -163,8 +163,8 @@ def test_marks_are_seen_where_they_stand(range_mm: float, sine: float, along_mm:
 
 
 def test_members_come_nearest_first() -> None:
-    """With how much farther each should be."""
+    """With the marks at which they stand."""
     (group,) = groups(spots(*corners(Model.D, 100_000), left_mm=0.0), CONFIG)
     assert isinstance(group, Group)
     assert (0, 1, 2) == group.members
-    assert group.farther_mm == pytest.approx((0, 2 * UNIT, 8 * UNIT))
+    assert (0, 2, 8) == group.marks

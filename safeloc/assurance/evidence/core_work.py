@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
 from safeloc.language.spec import Property
-from safeloc.proof.cache.engine import undisturbed
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.proof.cores.clauses import assumed_clauses
@@ -16,7 +15,7 @@ from safeloc.proof.cores.cores import Core, core
 from safeloc.proof.cores.elements import Element
 from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.portfolio import proved_base
-from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 SCHEMA = "safeloc-cores/1"
@@ -40,29 +39,25 @@ def cores_of(
     look_in  where an earlier run kept what it found; None looks at nothing
     keep_in  where each core is kept as soon as it is found
     """
-    key = asked(target, KIND, limits).key
+    keeping = Keeping(KIND, asked(target, KIND, limits).key, look_in, keep_in)
+    by_name = {prop.name: prop for prop in properties}
     found = dict[str, Core]()
-    for prop in properties:
-        entry = None if look_in is None else look_in.get(KIND, f"{key}-{prop.name}")
-        if entry is not None:
-            found[prop.name] = from_data(json.loads(entry.data))
-            on_core(found[prop.name])
-    left = [prop for prop in properties if prop.name not in found]
-    if left:
-        proved_base(target.system, limits)
-    for number, data, _ in in_processes([_task(target, prop, limits) for prop in left], jobs):
-        name = left[number].name
+    for name, data in kept_or_done([*by_name], lambda left: _work(target, by_name, left, limits), keeping, jobs):
         found[name] = Core(name, why_none=data.reason) if isinstance(data, Lost) else from_data(data)
-        if keep_in is not None and not isinstance(data, Lost) and undisturbed():
-            keep_in.put(KIND, f"{key}-{name}", json.dumps(data).encode())
         on_core(found[name])
     return [found[prop.name] for prop in properties]
+
+
+def _work(target: Target, properties: Mapping[str, Property], left: Sequence[str], limits: Limits) -> list[Batch]:
+    """What is proved of the target for all claims is proved before the processes begin."""
+    proved_base(target.system, limits)
+    return [Batch((name,), _task(target, properties[name], limits)) for name in left]
 
 
 def _task(target: Target, prop: Property, limits: Limits) -> Task:
     return Task(
         f"{target.name}: what {prop.name} rests on",
-        lambda: asdict(core(target.system, prop, limits)),
+        lambda: [asdict(core(target.system, prop, limits))],
         CLOCK * QUESTIONS * limits.seconds,
     )
 

@@ -2,105 +2,119 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import combinations
-from typing import Any
+from typing import Any, Protocol
 
 from safeloc.assurance.evidence.core_work import cores_of
 from safeloc.assurance.evidence.effects import CYCLES, Effect, End, Run, effect
 from safeloc.assurance.evidence.interval import HOLDS, holds_truth
+from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
 from safeloc.language.expr import TRUE
-from safeloc.proof.cache.engine import undisturbed
+from safeloc.language.spec import Property
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses
 from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import CLOCK, Limits
-from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 KIND = "faults"
+SECONDS_A_CLAIM = 10.0
+"""The limit for each claim where none is given, as solvers count."""
+
+
+class Progress(Protocol):
+    """Hears what begins, with the number of results that will come, and of each result."""
+
+    def say(self, text: str, planned: int) -> None:
+        """Hear what begins."""
+
+    def tick(self, line: str) -> None:
+        """Hear of one more result."""
 
 
 @dataclass(frozen=True, eq=False)
 class Breaking:
-    """How clauses are broken: limits for each claim, processes, and where results are kept.
-
-    on_effect  hears of each effect as it comes, and how many there will be
-    """
+    """How clauses are broken: limits for each claim, processes, who hears of it, and where results are kept."""
 
     limits: Limits
     jobs: int
-    on_effect: Callable[[Effect, int], None]
+    progress: Progress
     look_in: Store | None = None
     keep_in: Store | None = None
 
-    def singles(self, target: Target) -> list[Effect]:
-        """Return what becomes of the target when each clause of its world is broken alone."""
-        rests = self._cores(target)
-        clauses = assumed_clauses(target.system)
-        return self._effects(target, {(one,): _may_rest_on(target, rests, (one,)) for one in clauses})
+    def cores(self, target: Target) -> list[Core]:
+        """Return what the claims of the target, and that its interval holds the truth, rest on."""
+        every = _claims(target)
+        self.progress.say(f"what the proofs of {target.name} rest on", len(every))
+        return cores_of(
+            target,
+            every,
+            self.limits,
+            jobs=self.jobs,
+            on_core=lambda one: self.progress.tick(f"{len(one.rests_on):3} elements  {one.claim}"),
+            look_in=self.look_in,
+            keep_in=self.keep_in,
+        )
 
-    def pairs(self, target: Target, singles: Sequence[Effect]) -> list[Effect]:
+    def singles(self, target: Target, cores: Sequence[Core]) -> list[Effect]:
+        """Return what becomes of the target when each clause of its world is broken alone. `cores`: of this target."""
+        clauses = assumed_clauses(target.system)
+        return self._effects(target, {(one,): _may_rest_on(target, cores, (one,)) for one in clauses})
+
+    def pairs(self, target: Target, cores: Sequence[Core], singles: Sequence[Effect]) -> list[Effect]:
         """Return the same for every two clauses that do no harm to the interval alone, as far as the interval is concerned.
 
         Of a composition, for two clauses of different machines.
         """
         harmless = [one.broken[0] for one in singles if one.end == "contained"]
-        rests = [one for one in self._cores(target) if one.claim == HOLDS]
+        rests = [one for one in cores if one.claim == HOLDS]
         both = dict[tuple[ClauseId, ...], frozenset[str]]()
         for first, second in combinations(harmless, 2):
             if not target.system.parts or first.machine != second.machine:
                 both[first, second] = _may_rest_on(target, rests, (first, second))
         return self._effects(target, both, interval_only=True)
 
-    def _cores(self, target: Target) -> list[Core]:
-        top = holds_truth(target)
-        claims = [prop for prop in target.properties if prop.kind != "reachable"]
-        every = [*claims, *([top] if top is not None else [])]
-        return cores_of(
-            target, every, self.limits, jobs=self.jobs, on_core=_heard, look_in=self.look_in, keep_in=self.keep_in
-        )
-
     def _effects(
         self, target: Target, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]], *, interval_only: bool = False
     ) -> list[Effect]:
+        self.progress.say(f"breaking clauses of {target.name}", len(wanted))
         key = asked(target, KIND, self.limits, CYCLES, interval_only).key
-        found = dict(self._kept(key, wanted))
-        for known in found.values():
-            self.on_effect(known, len(wanted))
-        left = [one for one in wanted if one not in found]
         told = _only_interval(target) if interval_only else target
-        tasks = [self._task(told, one, wanted[one]) for one in left]
-        for number, data, _ in in_processes(tasks, self.jobs):
-            one = left[number]
-            found[one] = _undecided(target, one, wanted[one]) if isinstance(data, Lost) else from_data(data)
-            if self.keep_in is not None and not isinstance(data, Lost) and undisturbed():
-                self.keep_in.put(KIND, _place(key, one), json.dumps(data).encode())
-            self.on_effect(found[one], len(wanted))
-        return [found[one] for one in wanted]
+        by_name = {"-".join(map(str, one)): one for one in wanted}
+        found = dict[tuple[ClauseId, ...], Effect]()
 
-    def _kept(
-        self, key: str, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]]
-    ) -> Iterator[tuple[tuple[ClauseId, ...], Effect]]:
-        for one in wanted if self.look_in is not None else ():
-            entry = None if self.look_in is None else self.look_in.get(KIND, _place(key, one))
-            if entry is not None:
-                yield one, from_data(json.loads(entry.data))
+        def work(left: Sequence[str]) -> list[Batch]:
+            return [Batch((name,), self._task(told, by_name[name], wanted[by_name[name]])) for name in left]
+
+        for name, data in kept_or_done([*by_name], work, Keeping(KIND, key, self.look_in, self.keep_in), self.jobs):
+            one = by_name[name]
+            found[one] = _undecided(target, one, wanted[one]) if isinstance(data, Lost) else from_data(data)
+            self.progress.tick(f"{found[one].end:11} {' and '.join(map(str, one))}")
+        return [found[one] for one in wanted]
 
     def _task(self, target: Target, broken: tuple[ClauseId, ...], names: frozenset[str]) -> Task:
         questions = 2 * (len(names) + len(CYCLES) + 2)
         return Task(
             f"{target.name} without {' and '.join(map(str, broken))}",
-            lambda: asdict(effect(target, broken, names, self.limits)),
+            lambda: [asdict(effect(target, broken, names, self.limits))],
             CLOCK * questions * self.limits.seconds,
         )
 
 
-def _heard(_: Core) -> None:
-    """Progress tells of effects."""
+def planned(target: Target) -> int:
+    """Return how many results cores and single breaches of a target give."""
+    return len(_claims(target)) + len(assumed_clauses(target.system))
+
+
+def _claims(target: Target) -> list[Property]:
+    """Its claims but those that a run shows, and that its interval holds the truth."""
+    top = holds_truth(target)
+    claims = [prop for prop in target.properties if prop.kind != "reachable"]
+    return [*claims, *([top] if top is not None else [])]
 
 
 def _only_interval(target: Target) -> Target:
@@ -130,10 +144,6 @@ def _undecided(target: Target, broken: tuple[ClauseId, ...], names: frozenset[st
     open_ = tuple(prop.name for prop in target.properties if prop.name in names)
     end: End = "undecided" if HOLDS in names else "contained"
     return Effect(broken, kept, {}, open_, "no interval" if holds_truth(target) is None else end)
-
-
-def _place(key: str, broken: tuple[ClauseId, ...]) -> str:
-    return f"{key}-{'-'.join(map(str, broken))}"
 
 
 def from_data(data: Mapping[str, Any]) -> Effect:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Num, NumVar, exact_to
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from safeloc.language.expr import Bool, Expr, Num, NumVar, exact_to
 from safeloc.language.spec import Property, always, within
 from safeloc.language.units import NM
+from safeloc.reported import Reported
 from safeloc.target import Target
 
 HOLDS = "the reported interval holds the truth"
@@ -30,9 +34,24 @@ def withdrawn_within(target: Target, cycles: int) -> Property:
 def valid_term(target: Target) -> Bool:
     """Return whether an interval is reported, over the state."""
     assert target.reported is not None
-    flag = target.system.outputs[target.reported.valid]
-    assert isinstance(flag, Bool)
-    return flag if target.reported.valid_is else ~flag
+    return ReportedTerms.of(target.reported, target.system.outputs).valid
+
+
+@dataclass(frozen=True, eq=False)
+class ReportedTerms:
+    """A reported interval as terms over the state: whether one is reported, and its ends, in mm."""
+
+    valid: Bool
+    low: Num
+    high: Num
+
+    @classmethod
+    def of(cls, reported: Reported, outputs: Mapping[str, Expr]) -> ReportedTerms:
+        """Return the interval of these outputs."""
+        flag = outputs[reported.valid]
+        assert isinstance(flag, Bool)
+        place, below, above = (_number(outputs[name]) for name in (reported.position, reported.below, reported.above))
+        return cls(flag if reported.valid_is else ~flag, place - below, place + above)
 
 
 def _term(target: Target) -> Bool | None:
@@ -40,12 +59,11 @@ def _term(target: Target) -> Bool | None:
     truth = None if reported is None else next((var for var in system.ghosts if var.name == reported.truth), None)
     if reported is None or not isinstance(truth, NumVar):
         return None
-    place, below, above = (_number(target, name) for name in (reported.position, reported.below, reported.above))
-    return valid_term(target).implies((_in_nm(place - below) <= truth) & (truth <= _in_nm(place + above)))
+    told = ReportedTerms.of(reported, system.outputs)
+    return told.valid.implies((_in_nm(told.low) <= truth) & (truth <= _in_nm(told.high)))
 
 
-def _number(target: Target, name: str) -> Num:
-    term = target.system.outputs[name]
+def _number(term: Expr) -> Num:
     assert isinstance(term, Num)
     return term
 

@@ -56,16 +56,21 @@ class Canon:
     def __init__(self) -> None:
         self.share = Sharing()
         self.asked = Standing()
-        self._known: dict[tuple[str, str], Var] = {}
+        self._known: dict[tuple[object, ...], Var] = {}
 
     def observers(self, made: tuple[Var, ...]) -> Substitution:
         """Rewrites observers into those of the same names that came first."""
-        return Substitution({var: self._known.setdefault((var.name, str(var.__class__)), var) for var in made})
+        return Substitution({var: self._known.setdefault(_alike(var), var) for var in made})
 
     def twin(self, var: Var) -> Var:
         """The variable of a second copy."""
-        name = f"mutant.{var.name}"
-        return self._known.setdefault((name, str(var.__class__)), replace(var, name=name))
+        twin = replace(var, name=f"mutant.{var.name}")
+        return self._known.setdefault(_alike(twin), twin)
+
+
+def _alike(var: Var) -> tuple[object, ...]:
+    """What tells two observers apart: name and kind, and for a number its range."""
+    return (var.name, var.low, var.high) if isinstance(var, NumVar) else (var.name,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,11 +137,13 @@ def _layer(
 ) -> Layer:
     watched = watch(system, goals)
     settle = canon.observers(watched.observers)
-    moves: dict[Var, Expr] = {_var(settle(var)): canon.share(settle(term)) for var, term in watched.system.next.items()}
-    initial = {_var(settle(var)): value for var, value in watched.system.initial.items()}
+    moves: dict[Var, Expr] = {
+        variable(settle(var)): canon.share(settle(term)) for var, term in watched.system.next.items()
+    }
+    initial = {variable(settle(var)): value for var, value in watched.system.initial.items()}
     made = replace(
         watched.system,
-        state=tuple(_var(settle(var)) for var in watched.system.state),
+        state=tuple(variable(settle(var)) for var in watched.system.state),
         next=moves,
         initial=initial,
         init=canon.share.bool(settle.bool(watched.system.init)),
@@ -152,7 +159,13 @@ def _helper(goal: Goal, settle: Substitution, canon: Canon) -> Bool:
     return canon.share.bool(settle.bool(goal.helper & in_range(goal.observers)))
 
 
-def _var(term: Expr) -> Var:
+def layer_of(system: TransitionSystem, goals: list[Goal], canon: Canon) -> Layer:
+    """These goals as one layer, with nothing else claimed or known."""
+    return _layer(system, goals, (), (), canon)
+
+
+def variable(term: Expr) -> Var:
+    """A term that is a variable."""
     assert isinstance(term, Var)
     return term
 

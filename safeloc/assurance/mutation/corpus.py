@@ -49,16 +49,19 @@ class Run:
     whole: bool = True
 
 
-def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int) -> list[Run]:
-    """All runs, the short ones first: what they find is told by a short run."""
+def corpus(target: Target, system: TransitionSystem, limits: Limits, seed: int, *, searched: bool = True) -> list[Run]:
+    """All runs, the short ones first: what they find is told by a short run.
+
+    searched  runs that show rows to fire are looked for, which without recordings takes minutes
+    """
     properties = [prop for prop in target.properties if prop.kind != "reachable"]
-    recorded = [run for path in target.streams if (run := whole_run(target, path)) is not None]
-    witnesses = _witnesses(target, system, limits)
-    known = [*witnesses, *recorded]
+    shipped = [run for path in target.streams if (run := whole_run(target, path)) is not None]
+    witnesses = _witnesses(target, system, limits) if searched else []
+    known = [*witnesses, *shipped]
     runs = [_run(system, f"witness {number}", trace) for number, trace in enumerate(witnesses, 1)]
     with suppress(NoFirstStateError):
         runs += _drawn(system, properties, known, seed)
-    return [*sorted(runs, key=lambda run: len(run.rows)), *_recorded(target, system)]
+    return [*sorted(runs, key=lambda run: len(run.rows)), *recorded(target, system)]
 
 
 def _run(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = False) -> Run:
@@ -66,7 +69,8 @@ def _run(system: TransitionSystem, name: str, trace: Trace, *, recorded: bool = 
     return Run(name, trace.initial, rows, recorded)
 
 
-def _recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
+def recorded(target: Target, system: TransitionSystem) -> Iterator[Run]:
+    """What ships with a target."""
     for path in target.streams:
         whole = whole_run(target, path)
         if whole is not None:

@@ -60,6 +60,8 @@ class Declared:
 
     machine: Machine
     properties: tuple[Property, ...]
+    further: tuple[Property, ...] = ()
+    """Of a machine of a composition: the claims of the composition, which may have the machine's terms."""
 
     @property
     def roots(self) -> Iterator[Root]:
@@ -75,7 +77,7 @@ class Declared:
         yield from (Root(Part.MOVE, name, term) for name, term in world.moves(machine))
         yield Root(Part.INITIALLY, "the first state", machine.initially)
         yield from (Root(Part.LEMMA, name, term) for name, term in machine.lemmas.items())
-        for prop in self.properties:
+        for prop in (*self.properties, *self.further):
             for term in (prop.term, prop.response, prop.further_assumption):
                 yield Root(Part.CLAIM, prop.name, term)
 
@@ -100,7 +102,13 @@ def declared(spec: str, config: Any = None) -> tuple[Target, Declared]:
         raise InputError(
             f"{target.name} is a composition of {', '.join(one.name for one in target.machines)}; give one of them."
         )
-    return target, Declared(target.machines[0], target.properties)
+    return target, whole_of(target)
+
+
+def whole_of(target: Target) -> Declared:
+    """The declaration of a target of one machine."""
+    [machine] = target.machines
+    return Declared(machine, target.properties)
 
 
 def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | None) -> Declared:
@@ -120,7 +128,8 @@ def exchanged(whole: Declared, on_board: Substitution, beyond: Substitution | No
         lemmas={name: beyond.bool(term) for name, term in whole.machine.lemmas.items()},
         **world.rewritten(whole.machine, beyond),
     )
-    return Declared(changed, tuple(claimed(prop, beyond) for prop in whole.properties))
+    own, further = (tuple(claimed(prop, beyond) for prop in some) for some in (whole.properties, whole.further))
+    return Declared(changed, own, further)
 
 
 def remade(machine: Machine, **fields: Any) -> Machine:

@@ -26,7 +26,7 @@ def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still
     for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")):
         if _same_step(known, mutant, canon, limits, layers=layers):
             return f"the same step and outputs in every reachable state, {words}"
-    if _Side(known, mutant, canon, limits, still_proved=still_proved).tells_the_same():
+    if Side(known, mutant, canon, limits, still_proved=still_proved).tells_the_same():
         return "the same outputs on every run under the assumption, by two copies side by side"
     return ""
 
@@ -52,10 +52,10 @@ def _same_step(known: Held, mutant: Held, canon: Canon, limits: Limits, *, layer
 
 
 def _changed(pairs: Mapping[str, tuple[Expr, Expr]]) -> dict[str, Bool]:
-    return {name: _equal(new, old) for name, (old, new) in pairs.items() if new is not old}
+    return {name: equal(new, old) for name, (old, new) in pairs.items() if new is not old}
 
 
-def _equal(one: Expr, other: Expr) -> Bool:
+def equal(one: Expr, other: Expr) -> Bool:
     if isinstance(one, Num):
         assert isinstance(other, Num)
         return one.eq(other)
@@ -64,16 +64,20 @@ def _equal(one: Expr, other: Expr) -> Bool:
     return one.iff(other)
 
 
-class _Side:
-    """Two copies side by side, which hear the same; the mutant's variables have names of their own."""
+class Side:
+    """Two copies side by side, which hear the same; the mutant's variables have names of their own.
+
+    twins    of each variable on board the mutant's
+    outputs  of each output the machine's term and the mutant's
+    """
 
     def __init__(self, known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> None:
         self._one, self._canon, self._limits = known.system, canon, limits
-        self._twins: dict[Var, Var] = {var: canon.twin(var) for var in _on_board(self._one)}
-        self._second = Substitution(dict(self._twins))
+        self.twins: dict[Var, Var] = {var: canon.twin(var) for var in _on_board(self._one)}
+        self._second = Substitution(dict(self.twins))
         other = mutant.system
-        self._outputs = {name: (term, self._second(other.outputs[name])) for name, term in self._one.outputs.items()}
-        moves = {twin: canon.share(self._second(other.next[var])) for var, twin in self._twins.items()}
+        self.outputs = {name: (term, self._second(other.outputs[name])) for name, term in self._one.outputs.items()}
+        moves = {twin: canon.share(self._second(other.next[var])) for var, twin in self.twins.items()}
         self._after = Substitution({**self._one.next, **moves})
         self._facts = [*_facts(known, 2), in_range(self._one.state)]
         if still_proved:
@@ -81,21 +85,33 @@ class _Side:
 
     def tells_the_same(self) -> bool:
         """Whether the outputs are equal on every run."""
-        plain = {var.name: _equal(var, twin) for var, twin in self._twins.items()}
-        if self._told(self._lasting(plain)):
+        goals = {name: equal(one, other) for name, (one, other) in self.outputs.items()}
+        plain = self.all_equal()
+        if self.follow(self.lasting(plain), goals):
             return True
-        finer = {name: term for var in self._twins for name, term in self._by_mode(var)}
-        return self._told(self._lasting({**plain, **finer}))
+        return self.follow(self.lasting({**plain, **self.equal_by_mode()}), goals)
+
+    def all_equal(self) -> dict[str, Bool]:
+        """Return for each variable on board that both copies have the same value."""
+        return {var.name: equal(var, twin) for var, twin in self.twins.items()}
+
+    def equal_by_mode(self) -> dict[str, Bool]:
+        """Return for each variable and each mode that both have the same value in that mode."""
+        return {name: term for var in self.twins for name, term in self._by_mode(var)}
 
     def _by_mode(self, var: Var) -> Iterator[tuple[str, Bool]]:
-        """That a variable is equal in a mode, for each of the modes."""
         for machine in self._one.machines:
             mode = machine.mode
-            for value in range(mode.low, mode.high + 1) if mode in self._twins and mode is not var else ():
-                yield f"{var.name} in {value}", mode.eq(Lit(value, mode.unit)).implies(_equal(var, self._twins[var]))
+            for value in range(mode.low, mode.high + 1) if mode in self.twins and mode is not var else ():
+                yield f"{var.name} in {value}", mode.eq(Lit(value, mode.unit)).implies(equal(var, self.twins[var]))
 
-    def _lasting(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
-        """The greatest part of the relations that lasts from step to step; at first the copies are equal."""
+    def at_first(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
+        """Return those of the relations that hold in every first state; there the copies are equal."""
+        failed = self._fails([self._one.init, *self.all_equal().values()], relations)
+        return {key: term for key, term in relations.items() if key not in failed}
+
+    def lasting(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
+        """Return the greatest part of the relations that lasts from step to step; all of them hold at first."""
         kept = dict(relations)
         while kept:
             goals = {key: self._after.bool(term) for key, term in kept.items()}
@@ -105,9 +121,8 @@ class _Side:
             kept = {key: term for key, term in kept.items() if key not in failed}
         return kept
 
-    def _told(self, kept: Mapping[str, Bool]) -> bool:
-        """Whether equal outputs follow."""
-        goals = {name: _equal(one, other) for name, (one, other) in self._outputs.items()}
+    def follow(self, kept: Mapping[str, Bool], goals: Mapping[str, Bool]) -> bool:
+        """Whether the goals follow from relations that last."""
         return not self._fails(list(kept.values()), goals)
 
     def _fails(self, given: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:

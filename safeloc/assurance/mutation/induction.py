@@ -121,10 +121,13 @@ def excluded(mutant: Held, known: Held, canon: Canon, limits: Limits) -> list[st
     return list(canon.asked.failures(given, changed, limits.seconds)) if changed else []
 
 
-def impossible(mutant: Held, seen: Collection[tuple[str, int]], canon: Canon, limits: Limits) -> list[str]:
+def impossible(
+    mutant: Held, seen: Collection[tuple[str, int]], canon: Canon, limits: Limits, *, lawful: bool = False
+) -> list[str]:
     """Rows that never fire any more, modes that are never come to, and what a property says can happen and cannot.
 
-    seen  rows and modes that are known to be come to, by number
+    seen    rows and modes that are known to be come to, by number
+    lawful  only what the world allows is looked at; otherwise all inputs in range
     """
     board, system = mutant.layers[0], mutant.system
     after = Substitution(dict(system.next))
@@ -139,7 +142,7 @@ def impossible(mutant: Held, seen: Collection[tuple[str, int]], canon: Canon, li
         if ("mode", label.value) in seen:
             continue
         goals[f"mode {label.label} is come to"] = mode.ne(label).implies(after.bool(mode.ne(label)))
-    given = [environment(system, assume=False), *(claim.good for claim in board.claims if claim.goal is None)]
+    given = [environment(system, assume=lawful), *(claim.good for claim in board.claims if claim.goal is None)]
     possible = canon.asked.failures(given, goals, limits.seconds)
     never = set(goals) - set(possible)
     return [*sorted(never), *_unreachable(mutant, canon, limits)]

@@ -1,7 +1,7 @@
 """What becomes of one mutant, the cheap questions first.
 
 It may be refused at birth; break a claim on a known run; leave claims that are not proved any more, which a bounded search
-may refute; do the same as the machine; let a recording come out otherwise. What is left survives.
+may refute; do the same as the machine, or be only more careful; let a recording come out otherwise. What is left survives.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from safeloc.assurance.mutation import results
 from safeloc.assurance.mutation.claims import Canon, Claim, Held, held
+from safeloc.assurance.mutation.conservative import conservative
 from safeloc.assurance.mutation.corpus import corpus
 from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.equivalence import equivalent
@@ -23,6 +24,7 @@ from safeloc.errors import SafelocError
 from safeloc.language.spec import Goal, always, observe
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.reachability import first_runs
+from safeloc.reported import Reported
 from safeloc.target import Target
 
 SEARCH_DEPTH = 6
@@ -37,21 +39,28 @@ class Bench:
     canon: Canon
     known: Trodden
     limits: Limits
+    reported: Reported | None = None
 
 
-def bench(target: Target, declared: Declared, limits: Limits, seed: int) -> Bench:
-    """Prove the machine as it is, and make the runs."""
+def bench(target: Target, declared: Declared, limits: Limits, seed: int, *, searched: bool = True) -> Bench:
+    """Prove the machine as it is, and make the runs; `searched` as for `corpus`."""
     canon = Canon()
     whole, known = as_it_is(declared, canon, limits)
-    runs = corpus(target, whole.system, limits, seed)
-    return Bench(whole, known, canon, trodden(whole, runs), limits)
+    canon.asked.learnt()
+    runs = corpus(target, whole.system, limits, seed, searched=searched)
+    return Bench(whole, known, canon, trodden(whole, runs), limits, target.reported)
 
 
 def judged(on: Bench, mutant: Mutant) -> Judged:
-    """Judge a mutant in both ways."""
+    """Judge a mutant of the machine in both ways."""
     started = time.monotonic()
-    alone = _outcome(on, mutant.alone)
-    everywhere = alone if mutant.everywhere is None else _outcome(on, mutant.everywhere)
+    alone = outcome_of(on, mutant.alone, on.whole.declared)
+    everywhere = alone if mutant.everywhere is None else outcome_of(on, mutant.everywhere, on.whole.declared)
+    return with_outcome(mutant, alone, everywhere, time.monotonic() - started)
+
+
+def with_outcome(mutant: Mutant, alone: Outcome, everywhere: Outcome, seconds: float, direction: str = "") -> Judged:
+    """The mutant with what became of it."""
     return Judged(
         id=mutant.id,
         machine=mutant.machine,
@@ -66,18 +75,21 @@ def judged(on: Bench, mutant: Mutant) -> Judged:
         requirements=mutant.requirements,
         everywhere=everywhere,
         alone=alone,
-        seconds=max(0.001, round(time.monotonic() - started, 3)),
+        seconds=max(0.001, round(seconds, 3)),
+        of=mutant.of,
+        direction=direction,
     )
 
 
-def _outcome(on: Bench, make: Callable[[], Declared]) -> Outcome:
+def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declared) -> Outcome:
+    """What becomes of this declaration with the machine wrong; its claims may be weaker than those of the machine as it is."""
     try:
-        mutant = held(make(), on.canon, on.proofs.under_assumption)
+        mutant = held(make(declared), on.canon, on.proofs.under_assumption)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
     seen = played(mutant, on.known)
     if seen.broken:
-        return _by_a_run(seen)
+        return by_a_run(seen)
     overlapping = excluded(mutant, on.whole, on.canon, on.limits)
     if overlapping:
         return Outcome(results.OVERLAP, tuple(f"rows {pair} exclude each other" for pair in overlapping), "one query")
@@ -87,21 +99,25 @@ def _outcome(on: Bench, make: Callable[[], Declared]) -> Outcome:
         if same:
             return Outcome(results.EQUIVALENT, (), same)
     if failed.claims:
-        return _unproved(mutant, failed, on.limits)
+        return unproved(mutant, failed, on.limits)
     never = impossible(mutant, seen.seen, on.canon, on.limits)
     if never:
         return Outcome(results.NEVER, tuple(never), "excluded in one step, for all inputs in range")
+    careful = conservative(on.whole, on.known, mutant, on.reported, on.canon, on.limits)
+    if careful:
+        return Outcome(results.CONSERVATIVE, (), careful)
     return Outcome(results.RECORDED, (), seen.differs) if seen.differs else Outcome(results.SURVIVED, (), seen.other)
 
 
-def _by_a_run(seen: Played) -> Outcome:
+def by_a_run(seen: Played) -> Outcome:
+    """A known run breaks claims."""
     first = min(seen.broken, key=lambda one: one.steps)
     return Outcome(
         results.REFUTED, tuple(one.claim for one in seen.broken), f"{first.run}, {first.steps} steps: {first.claim}"
     )
 
 
-def _unproved(mutant: Held, failed: Failed, limits: Limits) -> Outcome:
+def unproved(mutant: Held, failed: Failed, limits: Limits) -> Outcome:
     """A run is searched that breaks one of the claims; where none is found they are no longer proved."""
     claims = failed.claims
     for layer in mutant.layers:

@@ -93,6 +93,15 @@ def changes(node: Expr, others: Others) -> Iterator[Change]:
                 yield replace(change, make=partial(_with_part, node, number, change.make))
 
 
+def changes_both_ways(node: Expr, others: Others) -> Iterator[Change]:
+    """The same, and each bound of `<=` also off to the other side: what is weaker in a clause is stronger in its negation."""
+    yield from changes(node, others)
+    if isinstance(node, Compare) and node.op == "<=" and not isinstance(node.left.unit, Enumeration):
+        one = Lit(1, node.left.unit)
+        unit = one.unit
+        yield Change(BOUND, "one unit less", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+
+
 def _is_spelling(node: Expr, part: Expr) -> bool:
     """A nought that nobody wrote: minus a term is nought less the term, and another unit is a sum with nought."""
     return isinstance(node, (Add, Sub)) and isinstance(part, Lit) and part.value == 0

@@ -10,16 +10,18 @@ from __future__ import annotations
 import hashlib
 import random
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 from safeloc.assurance.mutation.declared import Declared, Root, exchanged
 from safeloc.assurance.mutation.kinds import Change, Others, changes
-from safeloc.assurance.mutation.places import Place, Places
+from safeloc.assurance.mutation.places import Places
+from safeloc.assurance.mutation.results import Of
 from safeloc.assurance.mutation.rows import RowEdit, row_edits
 from safeloc.assurance.mutation.same import Forms, Term, terms_of
-from safeloc.language.expr import Optional, Var
+from safeloc.assurance.source_places import Place
+from safeloc.language.expr import Expr, Optional, Var
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import BoolVar, NumVar
 from safeloc.language.render import infix
@@ -28,11 +30,12 @@ from safeloc.language.terms import Substitution, children
 LONGEST = 160
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Mutant:
     """One mutant.
 
     id            of its content: the same after edits elsewhere
+    of            what of the declaration is wrong
     machine       the machine that is wrong
     kind, words   what is done, in general and here
     place         file and line of the term or row; "" where that was not noted
@@ -40,29 +43,36 @@ class Mutant:
     term, becomes what stands there, and what is written instead
     where         rows and outputs that it is part of
     shared_with   claims, clauses and lemmas that have the same term
-    requirements  ids that those rows answer for
-    alone         makes the declaration with the machine alone wrong
-    everywhere    makes the declaration with the term wrong wherever it stands; None where that is the same
+    requirements  ids that those rows answer for, or that the claim verifies
+    alone         makes of a declaration one with the machine (the world, the claim) alone wrong
+    everywhere    makes of a declaration one with the term wrong wherever it stands; None where that is the same
+    claim         name of the claim that is weaker; "" of any other mutant
     """
 
-    id: str
+    id: str = ""
     machine: str
     kind: str
     words: str
-    place: str
-    source: str
+    place: str = ""
+    source: str = ""
     term: str
     becomes: str
     where: tuple[str, ...]
-    shared_with: tuple[str, ...]
-    requirements: tuple[str, ...]
-    alone: Callable[[], Declared]
-    everywhere: Callable[[], Declared] | None
+    shared_with: tuple[str, ...] = ()
+    requirements: tuple[str, ...] = ()
+    alone: Callable[[Declared], Declared]
+    everywhere: Callable[[Declared], Declared] | None = None
+    of: Of = "machine"
+    claim: str = ""
 
 
 def mutants(whole: Declared, places: Places) -> list[Mutant]:
-    """All mutants, in the order of the declaration; each form of a wrong term once."""
-    made = [*_of_terms(whole, places), *_of_rows(whole)]
+    """All mutants of the machine, in the order of the declaration; each form of a wrong term once."""
+    return numbered([*_of_terms(whole, places), *_of_rows(whole)])
+
+
+def numbered(made: Iterable[Mutant]) -> list[Mutant]:
+    """The mutants with their ids."""
     seen = Counter[str]()
     return [_numbered(one, seen) for one in made]
 
@@ -97,42 +107,59 @@ def _shuffled(numbers: list[int], draw: random.Random) -> Iterator[tuple[int, in
 
 
 def _of_terms(whole: Declared, places: Places) -> Iterator[Mutant]:
-    others, forms = other_variables(whole.machine), Forms(places)
-    for term in terms_of(whole.roots, places, forms):
-        if term.on_board:
-            seen: set[int] = {forms.of(term.node)}
-            for change in changes(term.node, others):
-                wrong = change.make(children(term.node))
-                form = forms.of(wrong)
-                if form not in seen:
-                    seen.add(form)
-                    yield _of_term(whole, term, change, infix(wrong, LONGEST))
+    forms = Forms(places)
+    terms = (term for term in terms_of(whole.roots, places, forms) if term.on_board)
+    for term, change, becomes in wrong_terms(terms, changes, other_variables(whole.machine), forms):
+        yield _of_term(whole, term, change, becomes)
+
+
+def wrong_terms(
+    terms: Iterable[Term], changes_of: Callable[[Expr, Others], Iterable[Change]], others: Others, forms: Forms
+) -> Iterator[tuple[Term, Change, str]]:
+    """Each term with each change of it, and what is written then; each form of a wrong term once."""
+    for term in terms:
+        seen: set[int] = {forms.of(term.node)}
+        for change in changes_of(term.node, others):
+            wrong = change.make(children(term.node))
+            form = forms.of(wrong)
+            if form not in seen:
+                seen.add(form)
+                yield term, change, infix(wrong, LONGEST)
 
 
 def _of_term(whole: Declared, term: Term, change: Change, becomes: str) -> Mutant:
-    def made(*, everywhere: bool) -> Declared:
-        pairs = [(node, change.make(children(node))) for node in term.nodes]
-        return exchanged(whole, Substitution({}, pairs), Substitution({}, pairs) if everywhere else None)
+    def made(of: Declared, *, everywhere: bool) -> Declared:
+        return exchanged(of, substitution(term, change), substitution(term, change) if everywhere else None)
 
     return Mutant(
-        id="",
         machine=whole.machine.name,
         kind=change.kind,
         words=change.words,
-        place=_told(term.place),
-        source="" if term.place is None else term.place.text,
+        place=told_place(term.place),
+        source=written_at(term.place),
         term=infix(term.node, LONGEST),
         becomes=becomes,
         where=tuple(dict.fromkeys(map(str, term.on_board))),
         shared_with=tuple(dict.fromkeys(map(str, term.beyond))),
         requirements=_requirements(term.on_board),
-        alone=lambda: made(everywhere=False),
-        everywhere=(lambda: made(everywhere=True)) if term.beyond else None,
+        alone=lambda of: made(of, everywhere=False),
+        everywhere=(lambda of: made(of, everywhere=True)) if term.beyond else None,
     )
 
 
-def _told(place: Place | None) -> str:
+def substitution(term: Term, change: Change) -> Substitution:
+    """Rewrites every node of a term into what is written instead."""
+    return Substitution({}, [(node, change.make(children(node))) for node in term.nodes])
+
+
+def told_place(place: Place | None) -> str:
+    """A place for people; "" where it was not noted."""
     return "" if place is None else str(place)
+
+
+def written_at(place: Place | None) -> str:
+    """The expression as it is written there; "" where that was not noted."""
+    return "" if place is None else place.text
 
 
 def _requirements(roots: Sequence[Root]) -> tuple[str, ...]:
@@ -163,21 +190,17 @@ def _inputs(machine: Machine) -> list[Var]:
 def _of_rows(whole: Declared) -> Iterator[Mutant]:
     for edit in row_edits(whole.machine, other_variables(whole.machine)):
         yield Mutant(
-            id="",
             machine=whole.machine.name,
             kind=edit.kind,
             words=edit.words,
             place=edit.place,
-            source="",
             term=edit.term,
             becomes=edit.becomes,
             where=edit.where,
-            shared_with=(),
             requirements=edit.requirements,
-            alone=partial(_with_row, whole, edit),
-            everywhere=None,
+            alone=partial(_with_row, edit),
         )
 
 
-def _with_row(whole: Declared, edit: RowEdit) -> Declared:
+def _with_row(edit: RowEdit, whole: Declared) -> Declared:
     return replace(whole, machine=edit.make())

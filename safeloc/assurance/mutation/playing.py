@@ -93,7 +93,7 @@ def trodden(whole: Held, runs: Sequence[Run]) -> Trodden:
     judging = [_Judging(layer) for layer in whole.layers]
     kept = [run for run in runs if not (run.whole and any(one.breaks(run) for one in judging))]
     lawful = [run for run in kept if run.whole]
-    board = _Board(whole)
+    board = _Board(whole.system)
     layers = tuple(tuple(_paths(one, lawful)) for one in judging)
     return Trodden(whole, tuple(board.trail(run) for run in kept), layers)
 
@@ -123,17 +123,40 @@ def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, Broken]) -> tu
     first = min(broken.values(), key=lambda one: one.steps)
     run = next(trail.path.run for trail in known.board if trail.path.run.name == first.run)
     layer = next(layer for layer in mutant.layers for claim in _judged(layer) if str(claim) == first.claim)
-    claim = next(claim for claim in _judged(layer) if str(claim) == first.claim)
+    _confirm(layer, run, first)
+    return tuple(broken.values())
+
+
+def _confirm(layer: Layer, run: Run, broken: Broken) -> None:
+    """EngineError where the run does not break the claim in the interpreter."""
+    claim = next(claim for claim in _judged(layer) if str(claim) == broken.claim)
     system = layer.system
     state, allowed = start(system, _chosen(system, run)), environment(system)
-    for row in run.rows[: first.steps]:
+    for row in run.rows[: broken.steps]:
         inputs = dict(zip(system.inputs, row, strict=True))
         if not holds(allowed, {**state, **inputs}):
             raise EngineError(f"{system.name}: {run.name} breaks the assumption in the interpreter.")
         state, _ = step(system, state, inputs)
     if holds(claim.good, state):
         raise EngineError(f"{system.name}: {run.name} does not break {claim} in the interpreter.")
-    return tuple(broken.values())
+
+
+def first_broken(layer: Layer, runs: Sequence[Run]) -> Broken | None:
+    """The claim that breaks first along the first run that breaks one; the interpreter has confirmed it."""
+    judging = _Judging(layer)
+    for run in runs:
+        found = judging.broken(Path(run, (), ()), 0)
+        if found:
+            place = min(found, key=lambda one: found[one])
+            broken = Broken(str(judging.claims[place]), run.name, found[place])
+            _confirm(layer, run, broken)
+            return broken
+    return None
+
+
+def outputs_along(system: TransitionSystem, run: Run) -> tuple[Row, ...]:
+    """The outputs in each state of a run, as they come on board."""
+    return _Board(system).trail(run).told
 
 
 # ------------------------------------------------------------------ claims
@@ -141,7 +164,8 @@ def _confirmed(mutant: Held, known: Trodden, broken: Mapping[str, Broken]) -> tu
 
 def _broken(layer: Layer, was: Layer, paths: Sequence[Path]) -> Iterator[tuple[Claim, str, int]]:
     """The claims of a layer that break, by run, until enough steps were run."""
-    if layer.system.init is not was.system.init or layer.system.assume is not was.system.assume:
+    one, other = layer.system, was.system
+    if one.init is not other.init or one.assume is not other.assume or one.state != other.state:
         entries = [(path, 0) for path in paths]
     else:
         entries = list(_entries(layer, was, paths))
@@ -236,7 +260,7 @@ def _otherwise(mutant: Held, known: Trodden) -> Played:
     one, other = known.board[0].system, without_ghosts(mutant.system)
     told = any(term is not one.outputs[name] for name, term in other.outputs.items())
     moves = {n: other.next[var] for n, var in enumerate(other.state) if other.next[var] is not one.next[var]}
-    board, look, words = _Board(mutant), differing((other.state, other.inputs), moves, ()), dict[bool, str]()
+    board, look, words = _Board(mutant.system), differing((other.state, other.inputs), moves, ()), dict[bool, str]()
     seen = set[Event]()
     for trail in known.board:
         moved = look(trail.path.states, trail.path.rows)
@@ -250,12 +274,21 @@ def _otherwise(mutant: Held, known: Trodden) -> Played:
     return Played((), recorded, recorded or words.get(False, ""), frozenset(seen))
 
 
+def told_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, Value], dict[str, Value]]]:
+    """The outputs of the machine as it is, and of the mutant, in each state of each run where they are not the same."""
+    board, names = _Board(mutant.system), list(mutant.system.outputs)
+    for trail in known.board:
+        for was, now in zip(trail.told, board.trail(trail.path.run).told, strict=True):
+            if was != now:
+                yield dict(zip(names, was, strict=True)), dict(zip(names, now, strict=True))
+
+
 class _Board:
     """What runs on board, along a run."""
 
-    def __init__(self, whole: Held) -> None:
-        self._system = system = without_ghosts(whole.system)
-        self._columns = [number for number, var in enumerate(whole.system.inputs) if var not in whole.system.ghosts]
+    def __init__(self, whole: TransitionSystem) -> None:
+        self._system = system = without_ghosts(whole)
+        self._columns = [number for number, var in enumerate(whole.inputs) if var not in whole.ghosts]
         self._step = stepped((system.state, system.inputs), list(system.next.values()))
         self._look = stepped((system.state, ()), list(system.outputs.values()))
         self._fired = stepped((system.state, system.inputs), list(system.fired.values()))

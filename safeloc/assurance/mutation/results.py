@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 SCHEMA = "safeloc-mutation/1"
+Of = Literal["machine", "world", "claims"]
+"""What of a declaration is made wrong."""
+OTHERS: tuple[Of, ...] = ("world", "claims")
 
 REFUSED = "refused at birth"
 REFUTED = "refuted by a run"
@@ -17,10 +20,27 @@ NEVER = "something never happens"
 UNPROVED = "no longer proved"
 RECORDED = "a recording comes out otherwise"
 EQUIVALENT = "equivalent"
+CONSERVATIVE = "conservative"
 SURVIVED = "survived"
 
-BY_PROOF = (REFUSED, REFUTED, SEARCHED, OVERLAP, NEVER, UNPROVED)
-"""What counts as killed by a proof: a claim is refuted, no longer proved, or the declaration is none."""
+# of clauses of the world
+EXCLUDED = "a recording is not lawful any more"
+TOO_MUCH = "asks for more than the claims need"
+UNSEEN = "excludes nothing that was recorded"
+
+# of claims
+NEEDED = "a proof needs the stronger one"
+KILLS_LESS = "kills less"
+KILLS_AS_MUCH = "kills as much"
+NOT_WEAKER = "not weaker"
+
+BY_PROOF = (REFUSED, REFUTED, SEARCHED, OVERLAP, NEVER, UNPROVED, NEEDED, KILLS_LESS)
+"""What counts as killed by a proof: a claim is refuted, no longer proved, or the declaration is none; of a weaker claim, that it
+is missed."""
+SET_ASIDE = (EQUIVALENT, CONSERVATIVE, NOT_WEAKER)
+"""What is no wrong declaration, and not counted."""
+QUESTIONS = (SURVIVED, RECORDED, TOO_MUCH, UNSEEN, KILLS_AS_MUCH)
+"""Fates that leave a question: no proof notices the mutant."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +62,9 @@ class Judged:
     """A mutant with what became of it: `everywhere` is the edit of the term wherever it stands, `alone` of the machine only.
 
     Where both are the same edit, both are the same outcome.
+
+    of         what of the declaration is wrong
+    direction  of a clause or claim: weaker, stronger or other than the one that it was made of
     """
 
     id: str
@@ -58,6 +81,8 @@ class Judged:
     everywhere: Outcome
     alone: Outcome
     seconds: float
+    of: Of = "machine"
+    direction: str = ""
 
     @property
     def proves_itself(self) -> bool:
@@ -70,6 +95,8 @@ class Score:
     """How many mutants came to which end.
 
     by_property  those of the killed ones that some property was seen to notice, and not only a lemma, a range, a row
+    conservative proved to be only more careful
+    set_aside    those that are not wrong: equivalent, conservative, or no weaker claim
     """
 
     mutants: int
@@ -77,38 +104,53 @@ class Score:
     killed_by_proof: int
     by_property: int
     equivalent: int
+    conservative: int
+    set_aside: int
+
+    @property
+    def asked(self) -> int:
+        """How many are wrong."""
+        return self.mutants - self.set_aside
 
     @property
     def share(self) -> float:
-        """Killed by a proof, of those that are not equivalent; 1 where there is none."""
-        asked = self.mutants - self.equivalent
-        return self.killed_by_proof / asked if asked else 1.0
+        """Killed by a proof, of those that are wrong; 1 where there is none."""
+        return self.killed_by_proof / self.asked if self.asked else 1.0
 
 
 def score(outcomes: Sequence[Outcome]) -> Score:
     """Count the fates."""
     fates = Counter(one.fate for one in outcomes)
     by_property = sum(any(claim.startswith("property ") for claim in one.by) for one in outcomes)
-    return Score(len(outcomes), dict(fates), sum(fates[fate] for fate in BY_PROOF), by_property, fates[EQUIVALENT])
+    killed, aside = (sum(fates[fate] for fate in some) for some in (BY_PROOF, SET_ASIDE))
+    return Score(len(outcomes), dict(fates), killed, by_property, fates[EQUIVALENT], fates[CONSERVATIVE], aside)
 
 
 def kills_alone(judged: Sequence[Judged]) -> dict[str, list[str]]:
-    """Of each claim the mutants that no other claim was seen to notice, with the term wrong everywhere."""
+    """Of each claim the mutants of the machine that no other claim was seen to notice, with the term wrong everywhere."""
     found: dict[str, list[str]] = {}
-    for one in judged:
+    for one in of_part(judged, "machine"):
         if one.everywhere.fate in BY_PROOF and len(one.everywhere.by) == 1:
             found.setdefault(one.everywhere.by[0], []).append(one.id)
     return found
 
 
+def of_part(judged: Sequence[Judged], part: Of) -> list[Judged]:
+    """Those in which this part of the declaration is wrong."""
+    return [one for one in judged if one.of == part]
+
+
 def by_requirement(judged: Sequence[Judged]) -> dict[str, Score]:
     """The score of the rows that answer for each requirement."""
+    judged = of_part(judged, "machine")
     names = sorted({name for one in judged for name in one.requirements})
     return {name: score([one.everywhere for one in judged if name in one.requirements]) for name in names}
 
 
 def as_data(target: str, judged: Sequence[Judged], *, of: int, seed: int, seconds: float) -> dict[str, Any]:
     """The result as JSON has it; `of` is how many mutants there are in all."""
+    machine = of_part(judged, "machine")
+    others: dict[str, list[Judged]] = {part: of_part(judged, part) for part in OTHERS}
     return {
         "schema": SCHEMA,
         "target": target,
@@ -116,8 +158,9 @@ def as_data(target: str, judged: Sequence[Judged], *, of: int, seed: int, second
         "judged": len(judged),
         "seed": seed,
         "seconds": round(seconds, 1),
-        "everywhere": _score_data(score([one.everywhere for one in judged])),
-        "machine_only": _score_data(score([one.alone for one in judged])),
+        "everywhere": _score_data(score([one.everywhere for one in machine])),
+        "machine_only": _score_data(score([one.alone for one in machine])),
+        **{part: _score_data(score([one.alone for one in own])) for part, own in others.items() if own},
         "requirements": {name: _score_data(one) for name, one in by_requirement(judged).items()},
         "kills_alone": kills_alone(judged),
         "results": [{**asdict(one), "proves_itself": one.proves_itself} for one in judged],

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from safeloc.assurance.mutation.declared import remade
 from safeloc.assurance.mutation.kinds import CONDITION, SIGN, Change, Others, of_operand
-from safeloc.assurance.mutation.places import shown
+from safeloc.assurance.source_places import shown
 from safeloc.language.expr import FALSE, TRUE, Expr, Var, as_bool, as_num
 from safeloc.language.machine import Machine, Transition
 from safeloc.language.nodes import BoolVar, NumVar, Value

@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from safeloc.assurance.mutation.declared import ON_BOARD, Root
-from safeloc.assurance.mutation.places import Place, Places
+from safeloc.assurance.mutation.places import Places
+from safeloc.assurance.source_places import Place
 from safeloc.language.nodes import BoolVar, Compare, Expr, FloorDiv, Lit, NumVar, Past, Truth
 from safeloc.language.terms import children, in_order
 

@@ -7,32 +7,10 @@ finds counts only after the interpreter has confirmed it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, assert_never
+from typing import Any
 
-from safeloc.language.nodes import (
-    Add,
-    And,
-    BoolVar,
-    Choose,
-    ChooseBool,
-    Compare,
-    Expr,
-    FloorDiv,
-    Lit,
-    Max,
-    Min,
-    Mul,
-    Node,
-    Not,
-    NumVar,
-    Or,
-    Past,
-    Sub,
-    Truth,
-    Value,
-    Var,
-)
-from safeloc.language.terms import in_order
+from safeloc.codegen.python_terms import PythonTerms
+from safeloc.language.nodes import Expr, Value, Var
 
 Row = tuple[Value, ...]
 Rows = tuple[Sequence[Var], Sequence[Var]]
@@ -43,8 +21,8 @@ Look = Callable[[Sequence[Row], Sequence[Row]], int | None]
 
 def stepped(rows: Rows, terms: Sequence[Expr]) -> Step:
     """The terms as a function of two rows of values."""
-    names, lines = _named(rows, terms)
-    told = "".join(f"{names[term]}, " for term in terms)
+    python, lines = _named(rows, terms)
+    told = "".join(f"{python.code(term)}, " for term in terms)
     made: Step = _loaded(["def made(first, second):", *lines, f"return ({told})"])
     return made
 
@@ -68,8 +46,8 @@ def differing(rows: Rows, moves: Mapping[int, Expr], goods: Sequence[Expr]) -> L
 
 
 def _moving(rows: Rows, moves: Mapping[int, Expr]) -> Look:
-    names, lines = _named(rows, list(moves.values()))
-    test = " or ".join(f"after[{place}] != {names[term]}" for place, term in moves.items()) or "False"
+    python, lines = _named(rows, list(moves.values()))
+    test = " or ".join(f"after[{place}] != {python.code(term)}" for place, term in moves.items()) or "False"
     body = ["first, after = states[number], states[number + 1]", *lines, f"if {test}:", " return number"]
     begin = ["def made(states, rows):", "for number, second in enumerate(rows):"]
     made: Look = _loaded([*begin, *(f" {line}" for line in body)])
@@ -84,49 +62,15 @@ def _loaded(lines: Sequence[str]) -> Any:
     return space["made"]
 
 
-def _named(rows: Rows, terms: Sequence[Expr]) -> tuple[dict[Expr, str], list[str]]:
-    """A name for every node below the terms, and the statements that give it its value."""
+def _named(rows: Rows, terms: Sequence[Expr]) -> tuple[PythonTerms, list[str]]:
+    """Python in which every node below the terms has a name, and the statements that give it its value."""
     known = {
         var: f"{row}[{number}]"
         for row, own in zip(("first", "second"), rows, strict=True)
         for number, var in enumerate(own)
     }
-    names, lines = dict[Expr, str](), list[str]()
-    for number, node in enumerate(in_order(terms)):
-        if isinstance(node, (Lit, Truth)):
-            names[node] = f"({node.value})"
-        else:
-            names[node] = f"n{number}"
-            lines.append(f"n{number} = {known[node] if isinstance(node, Var) else _written(node, names)}")
-    return names, lines
-
-
-def _written(node: Node, of: Mapping[Expr, str]) -> str:
-    """The node by the names of its parts."""
-    match node:
-        case Add(a, b):
-            return f"{of[a]} + {of[b]}"
-        case Sub(a, b):
-            return f"{of[a]} - {of[b]}"
-        case Mul(a, b):
-            return f"{of[a]} * {of[b]}"
-        case FloorDiv(a, divisor, _):
-            return f"{of[a]} // {divisor}"
-        case Min(a, b):
-            return f"{of[a]} if {of[a]} < {of[b]} else {of[b]}"
-        case Max(a, b):
-            return f"{of[a]} if {of[a]} > {of[b]} else {of[b]}"
-        case Choose(c, a, b, _) | ChooseBool(c, a, b):
-            return f"{of[a]} if {of[c]} else {of[b]}"
-        case Not(inner):
-            return f"not {of[inner]}"
-        case And(parts):
-            return " and ".join(of[part] for part in parts)
-        case Or(parts):
-            return " or ".join(of[part] for part in parts)
-        case Compare(op, a, b):
-            return f"{of[a]} {op} {of[b]}"
-        case Lit() | Truth() | NumVar() | BoolVar() | Past():
-            raise KeyError(f"{node!r} has no value here")
-        case _:
-            assert_never(node)
+    python, lines = PythonTerms({}), list[str]()
+    for number, node in enumerate(python.unnamed(terms)):
+        lines.append(f"n{number} = {known[node] if isinstance(node, Var) else python.code(node)}")
+        python.named[node] = f"n{number}"
+    return python, lines

@@ -5,45 +5,53 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from safeloc.assurance.mutation.results import (
-    RECORDED,
-    SURVIVED,
+    OTHERS,
+    QUESTIONS,
     UNPROVED,
     Judged,
     Outcome,
     Score,
     by_requirement,
     kills_alone,
+    of_part,
     score,
 )
 
-ASKED = (SURVIVED, RECORDED)
-"""Fates that leave a question: no proof notices the mutant."""
+WORDS = {"world": "a clause of the world wrong", "claims": "a weaker claim in its place"}
 
 
 def lines(target: str, judged: Sequence[Judged], *, of: int, machine_only: bool) -> Iterator[str]:
     """All lines of a result."""
-    everywhere = score([one.everywhere for one in judged])
-    alone = score([one.alone for one in judged])
+    machine = of_part(judged, "machine")
     yield f"{target}: {len(judged)} of {of} mutants"
+    if machine:
+        yield from _of_machine(machine, machine_only=machine_only)
+    for part in OTHERS:
+        own = of_part(judged, part)
+        if own:
+            yield f"  {WORDS[part]}: {_told(score([one.alone for one in own]))}"
+    yield from (line for one in judged for line in _questions(one, machine_only=machine_only))
+
+
+def _of_machine(machine: Sequence[Judged], *, machine_only: bool) -> Iterator[str]:
+    everywhere, alone = (score([getattr(one, way) for one in machine]) for way in ("everywhere", "alone"))
     if not machine_only:
         yield f"  the term wrong wherever it stands: {_told(everywhere)}"
     yield f"  the machine alone wrong:           {_told(alone)}"
-    for name, one in by_requirement(judged).items():
+    for name, one in by_requirement(machine).items():
         yield f"  {name}: {_told(one)}"
-    for claim, noticed in kills_alone(judged).items():
+    for claim, noticed in kills_alone(machine).items():
         yield f"  only {claim} notices {len(noticed)}: {' '.join(noticed[:4])}{' ...' if len(noticed) > 4 else ''}"
-    yield from (line for one in judged for line in _questions(one, machine_only=machine_only))
 
 
 def _told(one: Score) -> str:
     fates = ", ".join(f"{count} {fate}" for fate, count in sorted(one.fates.items(), key=lambda pair: -pair[1]))
-    asked = one.mutants - one.equivalent
-    return f"{one.killed_by_proof} of {asked} not equivalent killed by a proof ({one.share:.0%}); {fates}"
+    return f"{one.killed_by_proof} of {one.asked} noticed by a proof ({one.share:.0%}); {fates}"
 
 
 def _questions(one: Judged, *, machine_only: bool) -> Iterator[str]:
     outcome = one.alone if machine_only else one.everywhere
-    if outcome.fate in ASKED or outcome.fate == UNPROVED:
+    if outcome.fate in QUESTIONS or outcome.fate == UNPROVED:
         yield f"{_question(one, outcome, machine_only=machine_only)}"
 
 
@@ -51,8 +59,9 @@ def _question(one: Judged, outcome: Outcome, *, machine_only: bool) -> str:
     where = "; ".join(one.where[:2]) + (f" and {len(one.where) - 2} more" if len(one.where) > 2 else "")
     written = f"\n      written: {one.source}" if one.source else ""
     told = f" ({outcome.how})" if outcome.how else f" ({', '.join(outcome.by[:2])})" if outcome.by else ""
+    which = f" [{one.direction}]" if one.direction else ""
     return (
-        f"{outcome.fate}{told}: {one.id}, {one.place}\n"
+        f"{outcome.fate}{told}: {one.id}, {one.place}{which}\n"
         f"    {one.kind}: {one.words} [{where}]{written}\n"
         f"      {one.term}  ->  {one.becomes}{_besides(one, machine_only=machine_only)}"
     )

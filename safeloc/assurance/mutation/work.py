@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property, partial
 from typing import Any
 
+from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
+from safeloc.assurance.mutation.claim_judging import Against, of_claim
 from safeloc.assurance.mutation.declared import Declared
-from safeloc.assurance.mutation.judging import Bench, bench, judged
+from safeloc.assurance.mutation.judging import Bench, bench, judged, with_outcome
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.results import SURVIVED, Judged, Outcome, from_data
-from safeloc.proof.cache.engine import undisturbed
+from safeloc.assurance.mutation.world_judging import of_world
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.proof.provers.limits import CLOCK, Limits
-from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 KIND = "mutants"
@@ -35,68 +38,78 @@ class Plan:
     jobs: int
 
 
-def judge_all(
-    target: Target,
-    declared: Declared,
-    mutants: Sequence[Mutant],
-    plan: Plan,
-    *,
-    on_judged: OnJudged,
-    look_in: Store | None = None,
-    keep_in: Store | None = None,
-) -> list[Judged]:
-    """Judge these mutants, in order; `on_judged` hears of each as it comes.
+@dataclass(frozen=True, eq=False)
+class Judging:
+    """Judges mutants of one target.
 
-    look_in  where an earlier run kept what it judged; None looks at nothing
-    keep_in  where each mutant is kept as soon as it is judged, so that an interrupted run goes on from there
+    on_judged  hears of each mutant as it comes
+    look_in    where an earlier run kept what it judged; None looks at nothing
+    keep_in    where each mutant is kept as soon as it is judged, so that an interrupted run goes on from there
+    searched   runs that show rows to fire are looked for
     """
-    key = asked(target, "mutants", plan.limits, plan.seed).key
-    found = dict(_kept(look_in, key, mutants))
-    for one in found.values():
-        on_judged(one)
-    left = [mutant for mutant in mutants if mutant.id not in found]
-    if left:
-        for one in _in_chunks(bench(target, declared, plan.limits, plan.seed), left, plan):
-            found[one.id] = one
-            if keep_in is not None and one.seconds and undisturbed():
-                keep_in.put(KIND, _place(key, one.id), json.dumps(asdict(one)).encode())
-            on_judged(one)
-    return [found[mutant.id] for mutant in mutants]
+
+    target: Target
+    declared: Declared
+    plan: Plan
+    on_judged: OnJudged
+    look_in: Store | None = None
+    keep_in: Store | None = None
+    searched: bool = True
+
+    def of_machine(self, mutants: Sequence[Mutant]) -> list[Judged]:
+        """Judge mutants of the machine, in order."""
+        return self._all(mutants, judged)
+
+    def of_world(self, mutants: Sequence[Mutant]) -> list[Judged]:
+        """Judge mutants of clauses, in order."""
+        return self._all(mutants, partial(_timed, of_world))
+
+    def of_claims(self, mutants: Sequence[Mutant], against: Against) -> list[Judged]:
+        """Weigh weaker claims against judged mutants of the machine, in order."""
+        told = [(one.id, one.everywhere.fate, one.everywhere.by) for _, one in against]
+        return self._all(mutants, partial(_timed, partial(of_claim, against=against)), told)
+
+    def _all(
+        self, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged], *besides: object
+    ) -> list[Judged]:
+        key = asked(self.target, KIND, self.plan.limits, self.plan.seed, self.searched, *besides).key
+        by_id = {mutant.id: mutant for mutant in mutants}
+        found = dict[str, Judged]()
+
+        def work(left: Sequence[str]) -> list[Batch]:
+            return _batches(self._bench, [by_id[one] for one in left], judge)
+
+        for name, data in kept_or_done([*by_id], work, Keeping(KIND, key, self.look_in, self.keep_in), self.plan.jobs):
+            found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
+            self.on_judged(found[name])
+        return [found[mutant.id] for mutant in mutants]
+
+    @cached_property
+    def _bench(self) -> Bench:
+        """Made only where something is not kept."""
+        return bench(self.target, self.declared, self.plan.limits, self.plan.seed, searched=self.searched)
 
 
-def _kept(store: Store | None, key: str, mutants: Sequence[Mutant]) -> Iterator[tuple[str, Judged]]:
-    for mutant in mutants if store is not None else ():
-        entry = store.get(KIND, _place(key, mutant.id)) if store is not None else None
-        if entry is not None:
-            yield mutant.id, from_data(json.loads(entry.data))
+def _timed(judge: Callable[[Bench, Mutant], tuple[Outcome, str]], on: Bench, mutant: Mutant) -> Judged:
+    started = time.monotonic()
+    found, direction = judge(on, mutant)
+    return with_outcome(mutant, found, found, time.monotonic() - started, direction)
 
 
-def _place(key: str, mutant: str) -> str:
-    return f"{key}-{mutant}"
-
-
-def _in_chunks(on: Bench, mutants: Sequence[Mutant], plan: Plan) -> Iterator[Judged]:
+def _batches(on: Bench, mutants: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged]) -> list[Batch]:
     chunks = [mutants[number : number + AT_ONCE] for number in range(0, len(mutants), AT_ONCE)]
-    seconds = CLOCK * QUESTIONS * AT_ONCE * plan.limits.seconds
-    tasks = [Task(f"{on.whole.system.name}: mutants", _work(on, chunk), seconds) for chunk in chunks]
-    for number, data, _ in in_processes(tasks, plan.jobs):
-        if isinstance(data, Lost):
-            yield from (_lost(mutant, data) for mutant in chunks[number])
-        else:
-            yield from map(from_data, data)
+    seconds = CLOCK * QUESTIONS * AT_ONCE * on.limits.seconds
+    name = f"{on.whole.system.name}: mutants"
+    return [Batch(tuple(one.id for one in chunk), Task(name, _work(on, chunk, judge), seconds)) for chunk in chunks]
 
 
-def _work(on: Bench, chunk: Sequence[Mutant]) -> Callable[[], list[Mapping[str, Any]]]:
-    return lambda: [asdict(judged(on, mutant)) for mutant in chunk]
+def _work(
+    on: Bench, chunk: Sequence[Mutant], judge: Callable[[Bench, Mutant], Judged]
+) -> Callable[[], list[Mapping[str, Any]]]:
+    return lambda: [asdict(judge(on, mutant)) for mutant in chunk]
 
 
 def _lost(mutant: Mutant, why: Lost) -> Judged:
-    """What was not judged in time counts as survived, says so, and took no time that is told: it is not kept."""
+    """What was not judged in time counts as survived, and says so; it is not kept."""
     outcome = Outcome(SURVIVED, (), f"not judged: {why.reason}")
-    plain = {name: getattr(mutant, name) for name in _TOLD}
-    return Judged(**plain, everywhere=outcome, alone=outcome, seconds=0.0)
-
-
-_TOLD = (
-    "id", "machine", "kind", "words", "place", "source", "term", "becomes", "where", "shared_with", "requirements",
-)  # fmt: skip
+    return with_outcome(mutant, outcome, outcome, 0.0)

@@ -26,3 +26,15 @@ def rewritten(machine: Machine, change: Substitution) -> dict[str, Any]:
     world = machine.world
     laws = {name: replace(law, term=change.bool(law.term)) for name, law in world.laws.items()}
     return {"world": replace(world, clauses=laws, moves={var: change(term) for var, term in world.moves.items()})}
+
+
+def with_clauses(machine: Machine, change: Substitution) -> dict[str, Any]:
+    """The field that declares the world, with clauses rewritten."""
+    laws = {name: replace(law, term=change.bool(law.term)) for name, law in machine.world.laws.items()}
+    return {"world": replace(machine.world, clauses=laws)}
+
+
+def without_clause(machine: Machine, left_out: str) -> dict[str, Any]:
+    """The field that declares the world, without one of its clauses."""
+    laws = {name: law for name, law in machine.world.laws.items() if name != left_out}
+    return {"world": replace(machine.world, clauses=laws)}

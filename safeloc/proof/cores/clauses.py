@@ -52,5 +52,5 @@ def _part_without(part: Part, broken: Collection[ClauseId]) -> Part:
     if not gone:
         return part
     left = [term for name, term in part.machine.world.terms.items() if name not in gone]
-    assumed = {name: term for name, term in part.assumed.items() if name not in gone}
-    return replace(part, alone=replace(part.alone, assume=all_of(left)), assumed=assumed)
+    clauses = {name: term for name, term in part.clauses.items() if name not in gone}
+    return replace(part, alone=replace(part.alone, assume=all_of(left)), clauses=clauses)

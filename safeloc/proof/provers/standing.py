@@ -20,25 +20,45 @@ Key = TypeVar("Key", bound=Hashable)
 
 
 class Standing:
-    """Questions whether goals follow from hypotheses; variables are told apart by name."""
+    """Questions whether goals follow from hypotheses; variables are told apart by name.
+
+    Until `learnt` is called, it learns how many goals are decided when they are asked together. After that no answer depends on
+    what was asked before.
+    """
 
     def __init__(self) -> None:
         self._met: set[Expr] = set()
         self._terms = Terms({})
+        self._together, self._learning = 1_000_000, True
+
+    def learnt(self) -> None:
+        """From now on ask as many goals together as it has learnt."""
+        self._learning = False
 
     def failures(self, hypotheses: Sequence[Bool], goals: Mapping[Key, Bool], seconds: float) -> dict[Key, bool]:
         """The goals that do not follow: True where a counterexample says so, False where that was not decided in time."""
-        left = {key: self._translated(goal) for key, goal in goals.items()}
+        asked = {key: self._translated(goal) for key, goal in goals.items()}
         given = [self._translated(term) for term in hypotheses]
-        failed, ends = dict[Key, bool](), deadline(seconds)
-        while left:
-            false = _false(given, left, ends)
-            if false is None:
-                return failed | dict.fromkeys(left, False)
-            if not false:
-                return failed
-            failed |= dict.fromkeys(false, True)
-            left = {key: goal for key, goal in left.items() if key not in failed}
+        return self._failures(given, asked, seconds)
+
+    def _failures(
+        self, given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float
+    ) -> dict[Key, bool]:
+        """What is not decided of some goals together may be of half of them: each part has the whole limit."""
+        failed = dict[Key, bool]()
+        waiting = [dict(goals)]
+        while waiting:
+            part = waiting.pop(0)
+            if len(part) > self._together:
+                waiting = [*_halves(part), *waiting]
+                continue
+            found = _decided(given, part, seconds)
+            undecided = {key: goal for key, goal in part.items() if found.get(key) is False}
+            failed |= found
+            if len(undecided) > 1:
+                self._together = len(undecided) // 2 if self._learning else self._together
+                failed = {key: refuted for key, refuted in failed.items() if key not in undecided}
+                waiting = [*_halves(undecided), *waiting]
         return failed
 
     def _translated(self, term: Bool) -> z3.BoolRef:
@@ -46,6 +66,26 @@ class Standing:
         self._met.update(new)
         self._terms.add({var: constant(var) for var in new if isinstance(var, Var)})
         return self._terms.bool(term)
+
+
+def _decided(given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float) -> dict[Key, bool]:
+    """Goals that do not follow, and False for those that were not decided, asked together."""
+    failed, left, ends = dict[Key, bool](), dict(goals), deadline(seconds)
+    while left:
+        false = _false(given, left, ends)
+        if false is None:
+            return failed | dict.fromkeys(left, False)
+        if not false:
+            return failed
+        failed |= dict.fromkeys(false, True)
+        left = {key: goal for key, goal in left.items() if key not in failed}
+    return failed
+
+
+def _halves(goals: dict[Key, z3.BoolRef]) -> list[dict[Key, z3.BoolRef]]:
+    keys, middle = list(goals), len(goals) // 2
+    parts = [keys[:middle], keys[middle:]]
+    return [{key: goals[key] for key in part} for part in parts if part]
 
 
 def _false(given: Sequence[z3.BoolRef], left: Mapping[Key, z3.BoolRef], ends: Deadline) -> list[Key] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from safeloc.language.expr import NumVar
@@ -14,7 +14,7 @@ from safeloc.runtime.embedding.readable_records import judged
 from safeloc.runtime.embedding.target_inputs import Hearing
 from safeloc.runtime.streams.cycles import Cycle, cycles
 from safeloc.runtime.streams.record_files import read_raw
-from safeloc.runtime.streams.records import Record, Unusable
+from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
 from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target
 
@@ -32,6 +32,18 @@ def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStre
     heard = [_heard(hearing, ghosts, cycle) for cycle in made]
     faults = [fault for cycle, (_, unheard) in zip(made, heard, strict=True) for fault in (*cycle.faults, *unheard)]
     return StepStream(tuple(step for step, _ in heard), tuple(cycle.number for cycle in made)), faults
+
+
+def recorded_times(target: Target, path: Path) -> Iterator[tuple[str, int]]:
+    """Yield source and time of each measurement of a recording of single records, in the order of arrival.
+
+    What no machine of the target hears, what cannot be read, and the truth are of no source.
+    """
+    hearing = Hearing(target)
+    for number, record in enumerate(read_raw(path)):
+        known = judged(hearing, number, record)
+        if not isinstance(known, (Fault, Unusable, TruthRecord)):
+            yield known.channel, known.time_ms
 
 
 Ghosts = Mapping[str, Channel]

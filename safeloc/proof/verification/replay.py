@@ -89,14 +89,11 @@ def replay_stream(
     compared with the reported interval, if the machine reports one.
     """
     started = time.monotonic()
-    stream, faults = (_steps(path, run), None) if period_ms is None else recorded_steps(target, path, period_ms)
-    if not stream.steps:
-        raise StreamError(f"{path}: the stream has no steps.")
-    _refuse_other(target, path, stream)
-    asked = _asked(target, whole=_is_whole(target, stream))
+    stream, faults = read_recording(target, path, period_ms=period_ms, run=run)
+    asked = _asked(target, whole=is_whole(target, stream))
     system, properties = asked.system, asked.properties
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
-    trace = _run(system, path, stream)
+    trace = run_of(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
     verdicts = asked.checks(trace)
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
@@ -110,6 +107,20 @@ def replay_stream(
     replayed = Replayed(name_of(path), trace, tuple(truth))
     findings = [replace(finding, replayed=replayed) for finding in findings]
     return rows, _noted(findings, unchecked)
+
+
+def read_recording(
+    target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None
+) -> tuple[StepStream, Sequence[Fault] | None]:
+    """Return the steps of a recording for this target, and what the border refused of single records.
+
+    The arguments are those of `replay_stream`. StreamError for a recording without steps, or of another machine.
+    """
+    stream, faults = (_steps(path, run), None) if period_ms is None else recorded_steps(target, path, period_ms)
+    if not stream.steps:
+        raise StreamError(f"{path}: the stream has no steps.")
+    _refuse_other(target, path, stream)
+    return stream, faults
 
 
 def _steps(path: Path, run: str | None) -> StepStream:
@@ -176,15 +187,17 @@ def whole_run(target: Target, path: Path) -> Trace | None:
     """Return a stream with the ghosts of the machine in it, as a run of the machine; None for a stream without them."""
     stream = read_steps(path)
     _refuse_other(target, path, stream)
-    return _run(target.system, path, stream) if _is_whole(target, stream) else None
+    return run_of(target.system, path, stream) if is_whole(target, stream) else None
 
 
-def _is_whole(target: Target, stream: StepStream) -> bool:
+def is_whole(target: Target, stream: StepStream) -> bool:
+    """Return whether a recording has the ghosts of the machine, and with them the truth."""
     ghosts = {var.name for var in target.system.ghosts if var in set(target.system.inputs)}
     return bool(stream.steps) and ghosts <= set(stream.steps[0])
 
 
-def _run(system: TransitionSystem, path: Path, stream: StepStream) -> Trace:
+def run_of(system: TransitionSystem, path: Path, stream: StepStream) -> Trace:
+    """Run the system on a recording; StreamError with file and line for a step that it cannot take."""
     names = {var.name for var in system.inputs}
     known = {var.name for var in system.state}
     first = {name: value for name, value in stream.first.items() if name in known}

@@ -31,6 +31,7 @@ from safeloc.runtime.embedding.program import Program
 from safeloc.runtime.embedding.readable_records import judged, stated
 from safeloc.runtime.embedding.report import Report
 from safeloc.runtime.embedding.row_layout import Told
+from safeloc.runtime.embedding.watch import Watch
 from safeloc.runtime.streams.cycles import Cycle, CycleBuilder
 from safeloc.runtime.streams.records import Record, Unusable
 from safeloc.target import Target
@@ -51,6 +52,8 @@ class Controller:
     start_ms   start of the first cycle, on the clock of the records
     expected   channel -> number of its records per cycle; a channel with fewer gives no input
     first      values of state variables declared ANY
+    assumptions  judge the observable laws of the worlds in each cycle (docs/evidence.md). It changes nothing that the
+               machine does: a breach stands in the report
 
     It cannot be copied: two controllers with the same history would both be wrong. Use `snapshot` and `restore` instead.
 
@@ -66,12 +69,14 @@ class Controller:
         start_ms: int = 0,
         expected: Mapping[str, int] | None = None,
         first: Mapping[str, Value] | None = None,
+        assumptions: bool = False,
     ) -> None:
         self.program = as_program(program)
         first = a_mapping("first", first)
         self.setting = memory.Setting(period_of(self.program, period_ms), as_expected(expected), first)
         self._first = self._state = self.program.first(first)
         self._builder = self._building(start_ms)
+        self._watch = Watch(self.program, self.setting.period_ms) if assumptions else None
         self._lock = threading.RLock()
         self._busy = False
         self._halted = ""
@@ -99,7 +104,9 @@ class Controller:
                 if isinstance(known, Fault):
                     self._builder.refuse(known)
                 else:
-                    self._builder.take(number, known)
+                    fault = self._builder.take(number, known)
+                    if fault is not None and fault.reason is Reason.STALE and self._watch is not None:
+                        self._watch.late(known, self._builder.deliveries.last)
             cycle = self._builder.close()
             told = {} if lost else self.program.told(cycle.inputs)
             return self._moved(cycle, told, _with_loss(cycle.faults, lost), cycle.remarks.get("truth_mm"))
@@ -136,7 +143,8 @@ class Controller:
             if start_ms is not None:
                 self._builder = self._building(start_ms)
             self._state = self._first
-            return self._become(self._first, replace(self._now(), anew=reason))
+            breaches = () if self._watch is None else self._watch.begin_anew()
+            return self._become(self._first, replace(self._now(), anew=reason, breaches=breaches))
 
     @property
     def report(self) -> Report:
@@ -190,7 +198,8 @@ class Controller:
         """Capture the state in microseconds; return a function that makes the snapshot later, also in another thread."""
         with self._lock:
             builder = self._builder
-            kept = memory.Kept(builder.start_ms, builder.done, dict(builder.deliveries.last), self._state, self._halted)
+            deliveries, observed = dict(builder.deliveries.last), None if self._watch is None else self._watch.observed
+            kept = memory.Kept(builder.start_ms, builder.done, deliveries, self._state, self._halted, observed)
         return partial(memory.snapshot, self.program, self.setting, kept)
 
     def restore(self, data: bytes) -> Report:
@@ -205,6 +214,8 @@ class Controller:
             deliveries.last = dict(kept.deliveries)
             self._builder = self._building(kept.start_ms, kept.done, deliveries)
             self._state, self._halted = kept.state, kept.halted
+            if self._watch is not None:
+                self._watch.restore(kept.observed)
             self._report = self._now()
             self._listeners.place(self._report.modes)
             return self._report
@@ -250,9 +261,11 @@ class Controller:
         needed = self.program.missing(told)
         if needed:
             return self._without(cycle, faults, f"input {needed[0]} is missing")
-        after, fired = self.program.code.step(self._state, self.program.row(told))
+        row = self.program.row(told)
+        after, fired = self.program.code.step(self._state, row)
         moves = self.program.moves(fired, self._state, after)
-        report = self.program.report(after, moves, cycle.number, cycle.end_ms, faults, "", truth_mm)
+        breaches = () if self._watch is None else self._watch.judge(self._state, row, after)
+        report = self.program.report(after, moves, cycle.number, cycle.end_ms, faults, "", truth_mm, breaches)
         return self._become(after, report)
 
     def _without(self, cycle: Cycle, faults: tuple[Fault, ...], reason: str) -> Report:
@@ -262,7 +275,8 @@ class Controller:
         except InputError as error:
             self._halted = reason
             raise error from None
-        report = self.program.report(self._first, (), cycle.number, cycle.end_ms, faults, reason, None)
+        breaches = () if self._watch is None else self._watch.begin_anew()
+        report = self.program.report(self._first, (), cycle.number, cycle.end_ms, faults, reason, None, breaches)
         return self._become(self._first, report)
 
     def _require_quiet(self, reason: str) -> None:

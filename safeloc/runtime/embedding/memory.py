@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from safeloc.codegen.compiled import Row
 from safeloc.errors import InputError, SnapshotError
+from safeloc.language.expr import Var
 from safeloc.language.interpret import admitted
 from safeloc.language.nodes import Value
 from safeloc.runtime.embedding.program import Program
@@ -31,13 +32,14 @@ class Setting:
 
 @dataclass(frozen=True)
 class Kept:
-    """The changing part of a controller's memory."""
+    """The changing part of a controller's memory; `observed` is what its watch over the assumptions has worked out."""
 
     start_ms: int
     done: int
     deliveries: Delivered
     state: Row
     halted: str
+    observed: Mapping[str, Value] | None = None
 
 
 def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
@@ -53,6 +55,7 @@ def snapshot(program: Program, setting: Setting, kept: Kept) -> bytes:
             "deliveries": {channel: list(last) for channel, last in kept.deliveries.items()},
             "state": dict(zip(program.code.state_names, kept.state, strict=True)),
             "halted": kept.halted,
+            **({"observed": dict(kept.observed)} if kept.observed else {}),
         }
     )
 
@@ -73,6 +76,7 @@ class Body(BaseModel):
     deliveries: dict[str, tuple[Whole, int | None]]
     state: dict[str, bool | int]
     halted: str
+    observed: dict[str, bool | int] | None = None
 
 
 def restored(program: Program, setting: Setting, data: bytes) -> Kept:
@@ -82,7 +86,8 @@ def restored(program: Program, setting: Setting, data: bytes) -> Kept:
     require_same("configuration", program.config, body.config)
     require_same("build of the machine", program.fingerprint, body.program)
     require_same("setting", _told(setting), body.setting)
-    return Kept(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted)
+    observed = None if body.observed is None else _observed(program, body.observed)
+    return Kept(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted, observed)
 
 
 def _body(content: Mapping[str, Any]) -> Body:
@@ -101,11 +106,21 @@ def _told(setting: Setting) -> dict[str, Any]:
 
 
 def _state(program: Program, values: Mapping[str, object]) -> Row:
-    """Each variable in its range. A checksum that fits values that do not was not made by this program."""
-    if list(values) != sorted(program.code.state_names):
+    """Each state variable in its range."""
+    return tuple(_admitted(program.system.state, values).values())
+
+
+def _observed(program: Program, values: Mapping[str, object]) -> dict[str, Value]:
+    """The same of what a watch over the assumptions remembers."""
+    return _admitted(tuple(program.laws.seen.memory), values)
+
+
+def _admitted(variables: Sequence[Var], values: Mapping[str, object]) -> dict[str, Value]:
+    """The values in the order of the variables. A checksum that fits values that do not was not made by this program."""
+    if list(values) != sorted(var.name for var in variables):
         raise SnapshotError("the snapshot's state has other variables than the machine; begin anew without it.")
     try:
-        return tuple(admitted(var, values[var.name]) for var in program.system.state)
+        return {var.name: admitted(var, values[var.name]) for var in variables}
     except InputError as error:
         raise SnapshotError(
             f"the snapshot's state does not fit this machine ({error}); begin anew without it."

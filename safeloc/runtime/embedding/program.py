@@ -19,6 +19,8 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import Enumeration
 from safeloc.runtime.border import Fault
+from safeloc.runtime.breaches import Breach
+from safeloc.runtime.embedding.laws import ObservableLaws
 from safeloc.runtime.embedding.report import Interval, Move, Report
 from safeloc.runtime.embedding.target_inputs import Hearing
 from safeloc.target import Target
@@ -61,6 +63,11 @@ class Program(Hearing):
         return self.code.first()
 
     @cached_property
+    def laws(self) -> ObservableLaws:
+        """The laws of the target's worlds that can be seen to hold on board; made when they are first asked for."""
+        return ObservableLaws(self.target.system, self.system)
+
+    @cached_property
     def fingerprint(self) -> str:
         """SHA-256 of what the declaration means on board: variables, first values, moves and outputs."""
         return declaration_digest(self.system)
@@ -97,7 +104,7 @@ class Program(Hearing):
 
     def report(
         self, state: Row, moves: tuple[Move, ...], number: int, end_ms: int, faults: tuple[Fault, ...], anew: str,
-        truth_mm: int | None,
+        truth_mm: int | None, breaches: tuple[Breach, ...] = (),
     ) -> Report:  # fmt: skip
         """Make the report for this state at the end of that cycle."""
         values = self.code.named_outputs(state)
@@ -106,7 +113,7 @@ class Program(Hearing):
         interval, told = self.interval(values), without_absent(values, self._stand_ins)
         return Report(
             self.name, number, end_ms, self.modes(state), moves, told, self.labels, interval, faults,
-            anew, standing,
+            anew, standing, breaches,
         )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.units import MM_PER_M
 from safeloc.reported import Standing
 from safeloc.runtime.border import Fault
+from safeloc.runtime.breaches import Breach
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ class Report:
     rejections  records that were not used, each with its channel and reason
     anew        the reason for a restart of the machine in this cycle; "" without one
     standing    the comparison of the interval with a truth record of the cycle; None without one
+    breaches    laws of the worlds that the inputs of the cycle show to be broken, where they are judged
     """
 
     machine: str
@@ -82,6 +84,7 @@ class Report:
     rejections: tuple[Fault, ...] = ()
     anew: str = ""
     standing: Standing | None = None
+    breaches: tuple[Breach, ...] = ()
 
     @cached_property
     def outputs(self) -> Mapping[str, Value | str | None]:
@@ -103,6 +106,7 @@ class Report:
         told = [f"cycle {self.cycle} at {self.time_ms} ms: {self.mode}", where]
         told += [f"began anew ({self.anew})"] if self.anew else []
         told += [f"{fault.channel} not used: {reason_of(fault)}" for fault in self.rejections]
+        told += [breach.words() for breach in self.breaches]
         return "; ".join(told)
 
     def as_data(self) -> dict[str, Any]:
@@ -118,6 +122,8 @@ class Report:
             data["anew"] = self.anew
         if self.standing is not None:
             data["truth"] = self.standing
+        if self.breaches:
+            data["assumptions_broken"] = [breach.as_data() for breach in self.breaches]
         return data
 
 

@@ -30,6 +30,7 @@ class Ways:
     longest_gap_ms  longest silence that is bridged by cycles without inputs; after a longer one a vehicle restarts
     most_vehicles   of the process; one that is silent and has no place makes room for a new one
     most_of_a_peer  vehicles for which one peer may send; None: as many as there is room for
+    assumptions     judge the observable laws of the worlds in each cycle
     """
 
     period_ms: int
@@ -40,6 +41,7 @@ class Ways:
     most_of_a_peer: int | None = None
     expected: Mapping[str, int] = field(default_factory=dict)
     first: Mapping[str, Value] = field(default_factory=dict)
+    assumptions: bool = True
 
 
 @dataclass
@@ -50,6 +52,7 @@ class Tally:
     refused: int = 0
     cycles: int = 0
     rejections: int = 0
+    breaches: int = 0
     failed: int = 0
 
 
@@ -258,6 +261,7 @@ class Fleet:
             self.tally.refused += one.get("event") == "refused"
             self.tally.cycles += "mode" in one
             self.tally.rejections += len(one.get("rejections", ()))
+            self.tally.breaches += len(one.get("assumptions_broken", ()))
         return told
 
 
@@ -279,4 +283,7 @@ def _of_it(only: str, message: Message) -> Message:
 
 
 def _controller(program: Program, ways: Ways, start_ms: int) -> Controller:
-    return Controller(program, period_ms=ways.period_ms, start_ms=start_ms, expected=ways.expected, first=ways.first)
+    return Controller(
+        program, period_ms=ways.period_ms, start_ms=start_ms, expected=ways.expected, first=ways.first,
+        assumptions=ways.assumptions,
+    )  # fmt: skip

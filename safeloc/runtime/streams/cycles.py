@@ -89,14 +89,15 @@ class CycleBuilder:
         """True if the open cycle has no records."""
         return not self._used and not self._faults
 
-    def take(self, number: int, record: Record | Unusable) -> None:
-        """Take one record for the open cycle; `number` is its place in the stream."""
+    def take(self, number: int, record: Record | Unusable) -> Fault | None:
+        """Take one record for the open cycle, and return why it is not used; `number` is its place in the stream."""
         channel = record.channel
         fault = self._fault(channel, record)
         if fault is not None:
             self._faults.append(replace(fault, number=number))
         elif not isinstance(record, Unusable):
             self._used.setdefault(channel, []).append(record)
+        return fault
 
     def refuse(self, fault: Fault) -> None:
         """Add a fault that was found before: its channel gives no input in the open cycle."""

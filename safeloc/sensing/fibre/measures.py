@@ -11,7 +11,8 @@ from safeloc.sensing.fibre.figures import FibreConfig
 from safeloc.sensing.fibre.reflections import Reflections, coincident
 from safeloc.sensing.fibre.time_of_flight import bounds_mm, time_ps
 from safeloc.sensing.fibre.tracks import Fit
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.figures import MILLION
+from safeloc.sensing.rounding import Interval, exactly
 
 HALF = Fraction(1, 2)
 
@@ -47,25 +48,33 @@ def end(
 def _measured(place_mm: float, off_mm: float, outward: int, config: FibreConfig) -> Interval:
     """Bounds of the end as measured, never before the coupler: error, scatter beyond half of it, overhang."""
     detection = config.detection
-    scatter = max(Fraction(0), Fraction(off_mm) - detection.end_error_mm * HALF)
-    axle = Interval(Fraction(place_mm), Fraction(place_mm)).widened(detection.end_error_mm + scatter)
+    scatter = max(Fraction(0), exactly(off_mm) - detection.end_error_mm * HALF)
+    axle = Interval(exactly(place_mm), exactly(place_mm)).widened(detection.end_error_mm + scatter)
     low = axle.low - (detection.overhang_mm if outward < 0 else 0)
     high = axle.high + (detection.overhang_mm if outward > 0 else 0)
     return Interval(max(low, 0), max(high, 0))
 
 
 def speed(fit: Fit, config: FibreConfig) -> Bounds:
-    """Along the fibre: error of the fit, the ends' disagreement, and what traction and brake changed since its middle."""
-    detection = config.detection
+    """Along the fibre: error of the fit, the ends' disagreement, the index, and what traction and brake changed since
+    the fit's middle."""
+    detection, found = config.detection, exactly(fit.speed_mm_s)
     changed = Fraction(detection.most_change_mm_s2 * detection.fit_ms, 2 * MS_PER_S)
-    error = detection.speed_error_mm_s + changed + Fraction(fit.apart_mm_s) / 2
-    return Bounds.outward(Interval(Fraction(fit.speed_mm_s), Fraction(fit.speed_mm_s)).widened(error))
+    error = detection.speed_error_mm_s + changed + exactly(fit.apart_mm_s) / 2 + by_index(found, config)
+    return Bounds.outward(Interval(found, found).widened(error))
 
 
 def length(fit: Fit, config: FibreConfig, where: FibreMap) -> Bounds:
-    """On the track, over buffers: what both ends have in common cancels, their scatter does not."""
+    """On the track, over buffers: trigger and place are common to both ends and cancel; scatter, map and index do not."""
     detection = config.detection
-    low, high = where.path_mm(max(Fraction(fit.low_mm), Fraction(0))), where.path_mm(Fraction(fit.high_mm))
-    scatter = max(Fraction(0), Fraction(fit.off_low_mm + fit.off_high_mm) - detection.length_error_mm)
-    between = Interval(high - low, high - low).widened(detection.length_error_mm + scatter)
+    low, high = where.path_mm(max(exactly(fit.low_mm), Fraction(0))), where.path_mm(exactly(fit.high_mm))
+    scatter = max(Fraction(0), exactly(fit.off_low_mm) + exactly(fit.off_high_mm) - detection.length_error_mm)
+    charged = detection.length_error_mm + scatter + 2 * where.error_mm + by_index(high - low, config)
+    between = Interval(high - low, high - low).widened(charged)
     return Bounds.outward(Interval(max(between.low, 0), max(between.high, 0) + 2 * detection.overhang_mm))
+
+
+def by_index(measured: Fraction, config: FibreConfig) -> Fraction:
+    """Return how far the true way may be from the measured one by the index: real = stated (1 +- e), true = measured / (1 +- e)."""
+    error = Fraction(config.interrogator.index_error_ppm, MILLION)
+    return abs(measured) * error / (1 - error)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 from safeloc.sensing.fibre.blocks import Single
 from safeloc.sensing.fibre.features import Bounds, SectionSignal
 from safeloc.sensing.fibre.fibre_map import one_to_one
 from safeloc.sensing.fibre.figures import FibreConfig
-from safeloc.sensing.fibre.measures import end
+from safeloc.sensing.fibre.measures import by_index, end
 from safeloc.sensing.fibre.runs import Mask, Run
 from safeloc.sensing.fibre.sections import Change, Effect, Watcher, amplitude
 from safeloc.sensing.fibre.tracks import Fit
-from safeloc.sensing.rounding import Interval
+from safeloc.sensing.rounding import Interval, exactly
 
 
 class Signaller:
@@ -65,8 +63,8 @@ class Signaller:
     def _length(self, change: Change) -> Bounds | None:
         if change.length_mm is None:
             return None
-        run = Fraction(change.length_mm)
-        found = Interval(run, run).widened(self._config.sections.length_error_mm)
+        run = exactly(change.length_mm)
+        found = Interval(run, run).widened(self._config.sections.length_error_mm + by_index(run, self._config))
         return Bounds.outward(Interval(max(found.low, 0), found.high))
 
     def _near(self, effect: Effect, se: Bounds) -> str | None:

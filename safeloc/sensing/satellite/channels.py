@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from safeloc.errors import InputError
 from safeloc.runtime.border import Fault, Reason
+from safeloc.sensing.rounding import exactly
 from safeloc.sensing.satellite.residuals import Residuals
 from safeloc.sensing.satellite.windows import Window
 
@@ -114,10 +115,11 @@ def _whole(values: Mapping[str, float], most: int, faults: list[Fault]) -> dict[
     for name, value in values.items():
         if not math.isfinite(value):
             faults.append(Fault(name, Reason.NOT_FINITE, repr(value)))
-        elif abs(value) * MM > most:
+        elif exactly(abs(value)) * MM > most:
             faults.append(Fault(name, Reason.OUT_OF_RANGE, f"{value} differs from the prediction by more than is told"))
         else:
-            found[name] = math.ceil(value * MM) if value > 0 else math.floor(value * MM)
+            exact = exactly(value) * MM
+            found[name] = math.ceil(exact) if value > 0 else math.floor(exact)
     return found
 
 

@@ -14,15 +14,17 @@ from fractions import Fraction
 from typing import Literal
 
 from safeloc.errors import InputError
-from safeloc.sensing.rounding import Interval, hull
+from safeloc.sensing.rounding import Interval, exactly, hull
 from safeloc.sensing.satellite.places import Vector
 from safeloc.sensing.satellite.predicted import Predicted
 from safeloc.sensing.satellite.track_fit import Sight, TrackFit, fit, slope_ppm
 from safeloc.sensing.satellite.track_prediction import OnTrack, Portion
 
 ROUNDING = 2
-"""mm or mm/s: a difference is told up to 1 more than it is; slopes in millionths cost half of that up to 1 km away."""
-NEAREST_M, FASTEST_M_PER_S = 1.9e7, 5e3
+"""mm or mm/s: a difference is told up to 1 more than it is, slopes in millionths cost half of that up to 1 km away, floats less."""
+SLOPE, SLOPES_FREE_M = Fraction(1, 2_000_000), 1_000
+"""Half a millionth of the correction, of which 1 km is in the rounding."""
+NEAREST_M, FASTEST_M_PER_S = 19_000_000, 5_000
 """No navigation satellite is nearer, or faster against the Earth."""
 Weighting = Literal["equal", "elevation"]
 MM = 1_000
@@ -46,16 +48,23 @@ class Bounds:
 
     def on_track(self, estimate: Estimate, portion: Portion, distance_m: float) -> Bounds:
         """Return the bounds with the cost of linearising at this distance: the bend of the track, the turn of the sight."""
-        reach = estimate.margin_m
-        bend = portion.bend_per_m(max(distance_m - reach, portion.start_m), min(distance_m + reach, portion.end_m))
-        off_mm = math.ceil((bend / 2 + 1 / (2 * NEAREST_M)) * reach**2 * MM)
-        fastest = abs(estimate.speed_m_per_s) + estimate.speed_margin_m_per_s
-        turn_mm_s = math.ceil((fastest * bend + FASTEST_M_PER_S / NEAREST_M) * reach * MM)
-        return Bounds(_more(self.range_mm, off_mm + ROUNDING), _more(self.speed_mm_s, turn_mm_s + ROUNDING))
+        reach, margin = exactly(estimate.margin_m), exactly(estimate.speed_margin_m_per_s)
+        fastest = abs(exactly(estimate.speed_m_per_s)) + margin
+        low_m, high_m = distance_m - estimate.margin_m, distance_m + estimate.margin_m
+        bend = exactly(portion.bend_per_m(max(low_m, portion.start_m), min(high_m, portion.end_m)))
+        off_m = (bend / 2 + Fraction(1, 2 * NEAREST_M)) * reach**2 + _slopes(reach)
+        turn_m_s = (fastest * bend + Fraction(FASTEST_M_PER_S, NEAREST_M)) * reach + _slopes(margin)
+        return Bounds(_more(self.range_mm, off_m), _more(self.speed_mm_s, turn_m_s))
 
 
-def _more(bound: int | None, by: int) -> int | None:
-    return None if bound is None else bound + by
+def _slopes(correction: Fraction) -> Fraction:
+    """What slopes in whole millionths cost beyond what is in the rounding."""
+    return max(Fraction(0), correction - SLOPES_FREE_M) * SLOPE
+
+
+def _more(bound: int | None, metres: Fraction) -> int | None:
+    """A bound in mm (or mm/s) and that much more, rounded up."""
+    return None if bound is None else bound + math.ceil(metres * MM) + ROUNDING
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.assurance.evidence.cut_sets import CutSets, cut_sets, numbered, to_open_psa
 from safeloc.assurance.evidence.effects import Effect, Run
-from safeloc.assurance.evidence.fault_work import Breaking, from_data
+from safeloc.assurance.evidence.fault_work import Breaking, from_data, planned
 from safeloc.language.composition import compose
 from safeloc.language.expr import number
 from safeloc.language.interpret import run
@@ -21,8 +21,10 @@ from safeloc.language.units import MM
 from safeloc.language.world import World
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, laws, without
+from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.fault_tree import fault_tree
+from safeloc.target import Target
 from tests.assurance.evidence.receivers import target
 
 FIRST, SECOND = (ClauseId("receivers", f"the {name} receiver is right") for name in ("first", "second"))
@@ -31,15 +33,41 @@ MEASURED, ENDS, FAST = (
 )
 
 
+class Heard:
+    """What a run tells of its progress."""
+
+    def __init__(self) -> None:
+        self.begun = list[tuple[str, int]]()
+        self.results = list[str]()
+
+    def say(self, text: str, planned: int) -> None:
+        """What begins."""
+        self.begun.append((text, planned))
+
+    def tick(self, line: str) -> None:
+        """One more result."""
+        self.results.append(line)
+
+
 def breaking(store: Store | None = None) -> Breaking:
     """With small limits."""
-    return Breaking(Limits(seconds=10), 2, lambda _effect, _of: None, store, store)
+    return Breaking(Limits(seconds=10), 2, Heard(), store, store)
+
+
+@cache
+def cores() -> list[Core]:
+    """What the claims of the receivers rest on."""
+    return breaking().cores(target())
 
 
 @cache
 def singles() -> dict[ClauseId, Effect]:
     """Each clause of the receivers broken alone."""
-    return {one.broken[0]: one for one in breaking().singles(target())}
+    return {one.broken[0]: one for one in breaking().singles(target(), cores())}
+
+
+def _alone(by: Breaking, whole: Target) -> list[Effect]:
+    return by.singles(whole, by.cores(whole))
 
 
 def test_a_clause_that_is_not_needed_does_no_harm() -> None:
@@ -73,7 +101,7 @@ def test_the_shortest_run_is_one_of_the_machine() -> None:
 
 def test_two_receivers_that_are_both_wrong_are_a_cut_set() -> None:
     """Pairs are asked of clauses that alone do no harm; the interval stays wrong as long as both agree."""
-    both = {one.broken: one for one in breaking().pairs(target(), [*singles().values()])}
+    both = {one.broken: one for one in breaking().pairs(target(), cores(), [*singles().values()])}
     assert 6 == len(both)
     wrong = both[FIRST, SECOND]
     assert ("wrong", 1) == (wrong.end, wrong.run.cycles if wrong.run is not None else 0)
@@ -84,7 +112,7 @@ def test_two_receivers_that_are_both_wrong_are_a_cut_set() -> None:
 
 def test_without_an_interval_claims_are_told_alone() -> None:
     """Nothing is said of an interval that nobody reports."""
-    one = breaking().singles(replace(target(), reported=None))
+    one = _alone(breaking(), replace(target(), reported=None))
     assert {"no interval"} == {each.end for each in one}
     assert {"containment": 2} == one[2].lost
 
@@ -92,15 +120,18 @@ def test_without_an_interval_claims_are_told_alone() -> None:
 def test_what_was_found_is_kept(tmp_path: Path) -> None:
     """A second run takes it from there, and it is the same."""
     store = Store(tmp_path)
-    first = breaking(store).singles(target())
-    heard = list[Effect]()
-    again = Breaking(Limits(seconds=10), 1, lambda one, _of: heard.append(one), store, None).singles(target())
-    assert first == again == heard
+    first = _alone(breaking(store), target())
+    heard = Heard()
+    again = _alone(Breaking(Limits(seconds=10), 1, heard, store, None), target())
+    assert first == again
+    assert [("what the proofs of receivers rest on", len(cores())), ("breaking clauses of receivers", 5)] == heard.begun
+    assert planned(target()) == len(heard.results)
+    assert [f"{one.end:11} {one.broken[0]}" for one in first] == heard.results[-len(first) :]
 
 
 def test_what_is_not_decided_is_said() -> None:
     """With hardly any effort neither is claimed; it may be a cut set."""
-    found = Breaking(Limits(seconds=0.0001), 1, lambda _effect, _of: None).singles(target())
+    found = _alone(Breaking(Limits(seconds=0.0001), 1, Heard()), target())
     assert "undecided" in {one.end for one in found}
     assert cut_sets(found).undecided
 

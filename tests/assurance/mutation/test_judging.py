@@ -13,14 +13,18 @@ from safeloc.assurance.mutation.judging import bench, judged
 from safeloc.assurance.mutation.mutants import mutants, sample
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.playing import played
-from safeloc.assurance.mutation.results import Outcome, as_data, by_requirement, from_data, kills_alone, score
+from safeloc.assurance.mutation.results import Judged, Outcome, as_data, by_requirement, from_data, kills_alone, score
 from safeloc.assurance.mutation.table import lines
-from safeloc.assurance.mutation.work import Plan, judge_all
+from safeloc.assurance.mutation.work import Judging, Plan
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 from tests.assurance.mutation.shop import every, known, loaded, mutant, outcome
 
 PLAN = Plan(Limits(seconds=2), 0, 2)
+
+
+def _quietly(_: Judged) -> None:
+    """Nobody hears of it."""
 
 
 def test_a_claim_with_the_machines_term_proves_itself() -> None:
@@ -114,13 +118,13 @@ def test_kept_results(tmp_path: Path) -> None:
     """What was judged once is not judged again; another plan is another question."""
     target, whole, _ = loaded()
     few, store, heard = sample(every(), 4, 1), Store(tmp_path), list[str]()
-    first = judge_all(target, whole, few, PLAN, on_judged=lambda one: heard.append(one.id), keep_in=store)
+    first = Judging(target, whole, PLAN, lambda one: heard.append(one.id), keep_in=store).of_machine(few)
     assert sorted(one.id for one in few) == sorted(heard)
     none = replace(whole, properties=())  # with it nothing could be proved: it is not looked at
-    again = judge_all(target, none, few, PLAN, on_judged=lambda one: None, look_in=store)
+    again = Judging(target, none, PLAN, _quietly, look_in=store).of_machine(few)
     assert first == again
     other = replace(PLAN, seed=1)
-    assert len(few) == len(judge_all(target, whole, few, other, on_judged=lambda one: None, look_in=store))
+    assert len(few) == len(Judging(target, whole, other, _quietly, look_in=store).of_machine(few))
 
 
 def test_results_come_back_from_json() -> None:
@@ -149,7 +153,7 @@ def test_a_sample_of_a_shipped_machine() -> None:
     with noted() as places:
         target, whole = declared("turn_off")
     few = sample(mutants(whole, places), 24, 0)
-    all_ = judge_all(target, whole, few, PLAN, on_judged=lambda one: None)
+    all_ = Judging(target, whole, PLAN, _quietly).of_machine(few)
     told = score([one.everywhere for one in all_])
     assert not [one for one in all_ if "not judged" in one.everywhere.how]
     assert told.share >= 0.5

@@ -31,7 +31,7 @@ from safeloc.language.render import infix
 from safeloc.language.spec import earlier_bool
 from safeloc.language.terms import children
 from safeloc.language.units import MM
-from tests.assurance.mutation.shop import every, loaded, mutant
+from tests.assurance.mutation.shop import every, known, loaded, mutant
 
 A, B = number("a", MM, -9, 9), number("b", MM, -9, 9)
 P, Q = BoolVar("p"), BoolVar("q")
@@ -144,7 +144,7 @@ def test_looking_back_is_the_same_term() -> None:
     assert made is not None
     before, after = (
         next(prop.term for prop in whole.properties if prop.name == "worn brakes stay on")
-        for whole in (loaded()[1], made())
+        for whole in (loaded()[1], made(loaded()[1]))
     )
     assert "3 count ≤ before.brakings" in infix(before)
     assert "3 count ≤ (before.brakings + 1 count)" in infix(after)
@@ -154,12 +154,12 @@ def test_the_machine_alone() -> None:
     """With the machine alone wrong the claims stay as they are."""
     one = mutant("bound off by one unit", "< becomes <=", "'brakes'")
     _, whole, _ = loaded()
-    alone, everywhere = one.alone(), one.everywhere
+    alone, everywhere = one.alone(whole), one.everywhere
     assert everywhere is not None
-    told = [infix(made.machine.transitions[0].when) for made in (whole, alone, everywhere())]
+    told = [infix(made.machine.transitions[0].when) for made in (whole, alone, everywhere(whole))]
     assert ["50 mm/s < speed_mm_s", "50 mm/s ≤ speed_mm_s", "50 mm/s ≤ speed_mm_s"] == told
     assert whole.properties[0].term is alone.properties[0].term
-    assert infix(whole.properties[0].term) != infix(everywhere().properties[0].term)
+    assert infix(whole.properties[0].term) != infix(everywhere(whole).properties[0].term)
 
 
 def test_terms_at_other_places_are_others() -> None:
@@ -199,6 +199,7 @@ def test_ids_are_of_content() -> None:
     assert len(set(ids)) == len(ids)
     loaded.cache_clear()
     every.cache_clear()
+    known.cache_clear()  # of the declaration before
     assert ids == [one.id for one in every()]
 
 

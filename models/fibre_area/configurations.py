@@ -1,0 +1,18 @@
+"""Configurations in which the area is proved beside its defaults, so that no case of it stays folded away."""
+
+from __future__ import annotations
+
+from safeloc.config import Configurations
+from safeloc.models.fibre_area import FibreAreaConfig
+from safeloc.models.verification import VerificationConfig
+
+NEVER = {
+    "models/area/__init__.py: rejected + ite(strange, as_num(1, COUNT), 0) from _followed(own)": "the first of the sum; with more than one train `sections` proves the others",
+}
+"""Case splits that no configuration makes live, and why."""
+CONFIGURATIONS = Configurations(
+    {
+        "no emitter is needed": FibreAreaConfig(verification=VerificationConfig(needs_emitter=False)),
+    },
+    NEVER,
+)

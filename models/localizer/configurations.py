@@ -1,0 +1,45 @@
+"""Configurations in which the localizer is proved beside its defaults, so that no case of it stays folded away."""
+
+from __future__ import annotations
+
+from safeloc.config import Configurations
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.localizer.configuration import LocalizerConfig
+from safeloc.models.motion import MotionConfig
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.vocabulary.error_law import RADAR, ErrorLaw
+
+ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
+"""An odometer that errs at standstill, and by its rate above a speed only."""
+CHECKED = MotionConfig(odometer=ERRING, check=RADAR)
+DRIFT = "the localizer's odometer is one that balises and reflectors take: it does not drift"
+NEVER = {
+    "models/motion/world.py: as_num(0, NM).eq(0) from initially(own.around)": "true, where no unit is checked",
+    "models/motion/world.py: between(-farthest, seen.true_step, farthest) from _vehicle_laws(own)": "the choice has this "
+    "range; the clause names it for the register of assumptions",
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step."
+    "value), as_num(0, MS), sel ...": DRIFT,
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.odometer.law.growth_nm(abs_("
+    "self.distance), as_num(0, M ...": DRIFT,
+}
+"""Case splits that no configuration makes live, and why."""
+CONFIGURATIONS = Configurations(
+    {
+        "an odometer without a check, no fibre": LocalizerConfig(
+            sources=("odometry", "balise", "reflector", "satellite"),
+            motion=MotionConfig(odometer=ERRING),
+            odometry=OdometryConfig(first_unit=ERRING, tolerance_mm=45_000),
+            balise=BaliseConfig(odometer=ERRING, tolerance_mm=45_000),
+            reflector=ReflectorConfig(odometer=ERRING),
+        ),
+        "an odometer that errs at standstill": LocalizerConfig(
+            motion=CHECKED,
+            odometry=OdometryConfig(first_unit=ERRING, single_fault_safe=True, tolerance_mm=45_000),
+            balise=BaliseConfig(odometer=CHECKED.told, told_distance=True, tolerance_mm=45_000),
+            reflector=ReflectorConfig(odometer=CHECKED.told, told_distance=True),
+        ),
+        "satellites alone": LocalizerConfig(sources=("satellite",)),
+    },
+    NEVER,
+)

@@ -1,0 +1,26 @@
+"""Configurations in which the reflector machine is proved beside its defaults, so that no case of it stays folded away."""
+
+from __future__ import annotations
+
+from safeloc.config import Configurations
+from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
+
+ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
+"""An odometer that errs at standstill, and by its rate above a speed only."""
+NEVER = {
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step.value), as_num(0, COUNT),  ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
+    "properties/reflector/not_found.py: between(-far, own.run, far) from yield from maker(model)": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
+}
+"""Case splits that no configuration makes live, and why."""
+CONFIGURATIONS = Configurations(
+    {
+        "radar behind the front end": ReflectorConfig(radar_offset_mm=2_500),
+        "an odometer that errs at standstill": ReflectorConfig(odometer=ERRING),
+        "an odometer without a one-off error": ReflectorConfig(
+            odometer=ErrorLaw(kind="eddy_current", constant_mm=0, rate_ppm=10_000)
+        ),
+        "the error of distance is told": ReflectorConfig(odometer=ERRING, told_distance=True, radar_offset_mm=2_500),
+    },
+    NEVER,
+)

@@ -1,0 +1,16 @@
+"""Configurations in which the route machine is proved beside its defaults, so that no case of it stays folded away."""
+
+from __future__ import annotations
+
+from safeloc.config import Configurations
+from safeloc.models.route.variables import RouteConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
+
+ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
+"""An odometer that errs at standstill, and by its rate above a speed only."""
+NEVER = {
+    "models/route/world.py: between(-farthest, own.ghosts.true_step, farthest) from _speed_law(own)": "the choice has this range; the clause names it for the register of assumptions",
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step.value), as_num(0, MS), sel ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
+}
+"""Case splits that no configuration makes live, and why."""
+CONFIGURATIONS = Configurations({"an odometer that errs at standstill": RouteConfig(odometer=ERRING)}, NEVER)

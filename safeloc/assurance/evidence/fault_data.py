@@ -1,0 +1,61 @@
+"""What becomes of a target when clauses are broken, as data and in words: for the command, for JSON and for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from safeloc.assurance.evidence.cut_sets import TOP, CutSets, numbered
+from safeloc.assurance.evidence.effects import CYCLES, Effect
+from safeloc.proof.cores.clauses import laws
+from safeloc.target import Target
+
+SCHEMA = "safeloc-faults/1"
+
+
+def end_in_words(one: Effect) -> str:
+    """Return what becomes of the reported interval, as a sentence."""
+    run = f"; shortest run: {cycles(one.run.cycles)}, ends with {one.run.fired!r}" if one.run is not None else ""
+    match one.end:
+        case "contained":
+            return "the reported interval holds the truth all the same (proved)"
+        case "withdrawn":
+            return f"a wrong interval is right again or withdrawn within {cycles(one.within_cycles)} (proved){run}"
+        case "wrong":
+            return f"the reported interval can miss the truth for more than {CYCLES[-1]} cycles{run}"
+        case "undecided":
+            return f"not decided within the limits{run}"
+        case "no interval":
+            return "none on an interval: the target reports none"
+
+
+def cycles(number: int) -> str:
+    """Return so many cycles, in words."""
+    return f"{number} cycle" if number == 1 else f"{number} cycles"
+
+
+def faults_data(target: Target, effects: Sequence[Effect], sets: CutSets) -> dict[str, Any]:
+    """Return the effects and the minimal cut sets as data for JSON."""
+    numbers, declared = numbered(target.system), laws(target.system)
+    rows = []
+    for one in effects:
+        row = asdict(one)
+        row["not_decided"] = row.pop("open_")
+        row["end_effect"] = end_in_words(one)
+        row["broken"] = [
+            {
+                "id": numbers[clause],
+                **asdict(clause),
+                "owner": declared[clause].owner,
+                "statement": declared[clause].statement,
+            }
+            for clause in one.broken
+        ]
+        rows.append(row)
+    told = {
+        "top": TOP,
+        "minimal": [[numbers[clause] for clause in one] for one in sets.found],
+        "not_decided": [[numbers[clause] for clause in one] for one in sets.undecided],
+    }
+    return {"schema": SCHEMA, "target": target.name, "effects": rows, "cut_sets": told}

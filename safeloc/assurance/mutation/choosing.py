@@ -1,0 +1,75 @@
+"""Which mutants of a declaration are judged: of which part of it, and how many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from safeloc.assurance.mutation.clauses import clause_mutants
+from safeloc.assurance.mutation.declared import Declared
+from safeloc.assurance.mutation.mutants import Mutant, mutants, sample
+from safeloc.assurance.mutation.places import Places
+from safeloc.assurance.mutation.results import Judged, Of
+from safeloc.assurance.mutation.weaker import claim_mutants
+from safeloc.assurance.mutation.work import Judging
+from safeloc.errors import InputError
+
+MADE: Mapping[Of, Callable[[Declared, Places], list[Mutant]]] = {
+    "machine": mutants,
+    "world": clause_mutants,
+    "claims": claim_mutants,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """Mutants to judge, by part of the declaration; `of` is how many there are in these parts.
+
+    against  mutants of the machine by which weaker claims are weighed; none where no claim is judged
+    """
+
+    parts: Mapping[Of, Sequence[Mutant]]
+    of: int
+    against: Sequence[Mutant]
+
+    @property
+    def number(self) -> int:
+        """How many will be judged, also those that are judged for the sake of claims only."""
+        return len({one.id for own in (*self.parts.values(), self.against) for one in own})
+
+
+def chosen(whole: Declared, places: Places, parts: Sequence[Of], *, most: int | None, seed: int) -> Chosen:
+    """All mutants of these parts, or at most so many of each part; claims are weighed against as many of the machine."""
+
+    def some(part: Of) -> list[Mutant]:
+        every = MADE[part](whole, places)
+        counted.append(len(every))
+        return sample(every, len(every) if most is None else most, seed)
+
+    counted = list[int]()
+    made: dict[Of, Sequence[Mutant]] = {part: some(part) for part in dict.fromkeys(parts)}
+    of = sum(counted)
+    against = made.get("machine") or some("machine") if "claims" in made else []
+    return Chosen(made, of, against)
+
+
+def by_id(whole: Declared, places: Places, ids: Sequence[str], *, most: int | None, seed: int) -> Chosen:
+    """These mutants of whatever part; InputError for an id that none has."""
+    every: dict[Of, list[Mutant]] = {part: make(whole, places) for part, make in MADE.items()}
+    made: dict[Of, Sequence[Mutant]] = {part: [one for one in own if one.id in ids] for part, own in every.items()}
+    missing = sorted(set(ids) - {one.id for own in made.values() for one in own})
+    if missing:
+        raise InputError(f"{whole.machine.name} has no mutant {missing[0]!r}; --json lists them, of each --of.")
+    machine = every["machine"]
+    against = sample(machine, len(machine) if most is None else most, seed) if made["claims"] else []
+    return Chosen({part: own for part, own in made.items() if own}, sum(map(len, every.values())), against)
+
+
+def judge(judging: Judging, some: Chosen) -> list[Judged]:
+    """Judge all of them, the machine's first; in the order of machine, world, claims."""
+    machine = {one.id: one for one in some.parts.get("machine", ())} | {one.id: one for one in some.against}
+    judged = {one.id: one for one in judging.of_machine([*machine.values()])}
+    found = [judged[one.id] for one in some.parts.get("machine", ())]
+    found += judging.of_world(some.parts.get("world", ()))
+    against = [(one, judged[one.id]) for one in some.against]
+    return [*found, *judging.of_claims(some.parts.get("claims", ()), against)]

@@ -1,0 +1,64 @@
+"""What becomes of a weaker claim: whether a proof or a mutant of the machine needs the stronger one.
+
+A claim counts only for what no other claim was seen to notice. If all of that is still noticed with the weaker claim in its
+place, the weaker one kills as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from safeloc.assurance.mutation import results
+from safeloc.assurance.mutation.claims import held
+from safeloc.assurance.mutation.declared import Declared
+from safeloc.assurance.mutation.induction import no_longer
+from safeloc.assurance.mutation.judging import Bench, outcome_of
+from safeloc.assurance.mutation.mutants import Mutant
+from safeloc.assurance.mutation.results import BY_PROOF, Judged, Outcome
+from safeloc.assurance.mutation.weaker import Relation, relation
+from safeloc.errors import SafelocError
+from safeloc.language.spec import Property
+
+Against = Sequence[tuple[Mutant, Judged]]
+"""Mutants of the machine, and what became of them."""
+
+
+def of_claim(on: Bench, mutant: Mutant, against: Against) -> tuple[Outcome, Relation | str]:
+    """What becomes of the mutant, and how its claim stands to the claim as it is."""
+    whole = on.whole.declared
+    try:
+        weaker = mutant.alone(whole)
+        made = held(weaker, on.canon, on.proofs.under_assumption)
+    except SafelocError as error:
+        return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -")), ""
+    how = relation(_named(whole, mutant.claim), _named(weaker, mutant.claim), on.canon, on.limits.seconds)
+    if how != "weaker":
+        return Outcome(results.EQUIVALENT if how == "same" else results.NOT_WEAKER, (), ""), how
+    failed = no_longer(made, on.proofs, on.canon, on.limits)
+    if failed.claims:
+        told = "not all decided within the limits" if failed.undecided else "not proved in one step of induction"
+        return Outcome(results.NEEDED, tuple(map(str, failed.claims)), told), how
+    return _weighed(on, weaker, noticed_alone(mutant.claim, against), len(against)), how
+
+
+def _named(whole: Declared, name: str) -> Property:
+    return next(prop for prop in whole.properties if prop.name == name)
+
+
+def noticed_alone(claim: str, against: Against) -> Against:
+    """The mutants that no other claim was seen to notice."""
+    own = {f"property {claim}", f"helper {claim}"}
+    return [
+        (mutant, one)
+        for mutant, one in against
+        if one.everywhere.fate in BY_PROOF and one.everywhere.by and own.issuperset(one.everywhere.by)
+    ]
+
+
+def _weighed(on: Bench, weaker: Declared, alone: Against, of: int) -> Outcome:
+    for mutant, _ in alone:
+        make = mutant.alone if mutant.everywhere is None else mutant.everywhere
+        found = outcome_of(on, make, weaker)
+        if found.fate not in BY_PROOF:
+            return Outcome(results.KILLS_LESS, (mutant.id,), found.fate)
+    return Outcome(results.KILLS_AS_MUCH, (), f"{len(alone)} of {of} mutants of the machine are noticed by it alone")

@@ -1,0 +1,103 @@
+"""Wrong worlds: each clause with one term changed, and each clause left out.
+
+The machine and its claims stay as they are. Whether the world asks for more or for less then is decided when the mutant is
+judged, by proof: the kinds of change are those of any other term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+
+from safeloc.assurance.mutation import world
+from safeloc.assurance.mutation.declared import Declared, Part, Root, remade
+from safeloc.assurance.mutation.kinds import Change, changes_both_ways, of_operand
+from safeloc.assurance.mutation.mutants import (
+    LONGEST,
+    Mutant,
+    numbered,
+    other_variables,
+    substitution,
+    told_place,
+    written_at,
+    wrong_terms,
+)
+from safeloc.assurance.mutation.places import Places
+from safeloc.assurance.mutation.same import Forms, Term, terms_of
+from safeloc.assurance.source_places import Place
+from safeloc.language.expr import Expr
+from safeloc.language.render import infix
+from safeloc.language.terms import Substitution, children
+
+LEFT_OUT = "clause left out"
+
+
+def clause_mutants(whole: Declared, places: Places) -> list[Mutant]:
+    """All mutants of the world's clauses, in their order; each form of a wrong term once."""
+    roots = [root for root in whole.roots if root.part is Part.CLAUSE]
+    return numbered([*_left_out(whole, roots, places), *_bare(whole, roots, places), *_of_terms(whole, roots, places)])
+
+
+def _of_terms(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
+    forms = Forms(places)
+    terms = terms_of(roots, places, forms)
+    for term, change, becomes in wrong_terms(terms, changes_both_ways, other_variables(whole.machine), forms):
+        made = partial(_exchanged, term, change)
+        yield _mutant(whole, term.roots, term.node, (change.kind, change.words, becomes), made, term.place)
+
+
+def _exchanged(term: Term, change: Change, whole: Declared) -> Declared:
+    return _with_clauses(whole, substitution(term, change))
+
+
+def _with_clauses(whole: Declared, change: Substitution) -> Declared:
+    return replace(whole, machine=remade(whole.machine, **world.with_clauses(whole.machine, change)))
+
+
+def _left_out(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
+    for root in roots:
+        done = (LEFT_OUT, f"{root.name} is left out", "true")
+        yield _mutant(whole, (root,), root.term, done, partial(_without, root.name), places.of(root.term))
+
+
+def _without(name: str, whole: Declared) -> Declared:
+    return replace(whole, machine=remade(whole.machine, **world.without_clause(whole.machine, name)))
+
+
+def _bare(whole: Declared, roots: list[Root], places: Places) -> Iterator[Mutant]:
+    """Clauses that are a variable, which is no term of others."""
+    others = other_variables(whole.machine)
+    for root in roots:
+        for change in of_operand(root.term, others) if not children(root.term) else ():
+            now = change.make((root.term,))
+            done = (change.kind, change.words, infix(now, LONGEST))
+            yield _mutant(whole, (root,), root.term, done, partial(_instead, root.term, now), places.of(root.term))
+
+
+def _instead(was: Expr, now: Expr, whole: Declared) -> Declared:
+    return _with_clauses(whole, Substitution({}, [(was, now)]))
+
+
+def _mutant(
+    whole: Declared,
+    roots: tuple[Root, ...],
+    term: Expr,
+    done: tuple[str, str, str],
+    made: Callable[[Declared], Declared],
+    place: Place | None,
+) -> Mutant:
+    """A mutant of the world. `done`: the kind of change, in words, and what is written instead."""
+    kind, words, becomes = done
+    return Mutant(
+        machine=whole.machine.name,
+        kind=kind,
+        words=words,
+        place=told_place(place),
+        source=written_at(place),
+        term=infix(term, LONGEST),
+        becomes=becomes,
+        where=tuple(dict.fromkeys(map(str, roots))),
+        alone=made,
+        of="world",
+    )

@@ -1,0 +1,153 @@
+"""Judges the mutants of a composition: each machine's by its own claims first, what is left by the whole."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
+from safeloc.assurance.mutation.judging import with_outcome
+from safeloc.assurance.mutation.members import Composed, member_mutants
+from safeloc.assurance.mutation.mutants import Mutant, sample
+from safeloc.assurance.mutation.places import Places
+from safeloc.assurance.mutation.results import BY_PROOF, SET_ASIDE, SURVIVED, Judged, Outcome, from_data
+from safeloc.assurance.mutation.whole_judging import WholeBench, of_member, of_wire, whole_bench
+from safeloc.assurance.mutation.wires import WireEdit, wire_edits
+from safeloc.assurance.mutation.work import Judging, OnJudged, Plan
+from safeloc.errors import InputError
+from safeloc.proof.cache.store import Store
+from safeloc.proof.cache.targets import asked
+from safeloc.proof.provers.limits import CLOCK
+from safeloc.proof.provers.workers import Lost, Task
+
+KIND = "mutants of the whole"
+AT_ONCE = 4
+QUESTIONS = 40
+"""How often the limit may be used up for one mutant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Mutants of a composition: of its machines, and of its wires; `of` is how many there are in all."""
+
+    members: Sequence[Mutant]
+    wires: Mapping[str, WireEdit]
+    of: int
+
+    @property
+    def number(self) -> int:
+        """How many will be judged."""
+        return len(self.members) + len(self.wires)
+
+
+def parts(whole: Composed, places: Places, *, most: int | None, seed: int, only: Sequence[str] = ()) -> Parts:
+    """All mutants, at most so many, or those with these ids; InputError for an id that none has."""
+    wires = {edit.mutant.id: edit for edit in wire_edits(whole)}
+    every = [*member_mutants(whole, places), *(edit.mutant for edit in wires.values())]
+    chosen = [one for one in every if one.id in only] if only else sample(every, most or len(every), seed)
+    missing = sorted(set(only) - {one.id for one in chosen})
+    if missing:
+        raise InputError(f"{whole.target.name} has no mutant {missing[0]!r}; --json lists them.")
+    members = [one for one in chosen if one.id not in wires]
+    return Parts(members, {one.id: wires[one.id] for one in chosen if one.id in wires}, len(every))
+
+
+@dataclass(frozen=True, eq=False)
+class JudgingComposed:
+    """Judges mutants of one composition; as `Judging` does of one machine."""
+
+    whole: Composed
+    plan: Plan
+    on_judged: OnJudged
+    look_in: Store | None = None
+    keep_in: Store | None = None
+
+    def all(self, some: Parts) -> list[Judged]:
+        """Judge all of them: the machines' in their order, then the wires."""
+        alone = {one.id: one for name in self.whole.members for one in self._by_itself(name, some.members)}
+        left = [one for one in some.members if _is_left(alone[one.id])]
+        together = self._in_the_whole([*left, *(edit.mutant for edit in some.wires.values())], alone, some.wires)
+        return [together.get(one, alone.get(one)) or together[one] for one in (*alone, *some.wires)]
+
+    def _by_itself(self, name: str, every: Sequence[Mutant]) -> list[Judged]:
+        own = [one for one in every if one.machine == name]
+        if not own:
+            return []
+        target, declared = self.whole.alone(name), self.whole.members[name]
+        judging = Judging(target, declared, self.plan, self._closed, self.look_in, self.keep_in, searched=False)
+        return judging.of_machine(own)
+
+    def _closed(self, one: Judged) -> None:
+        """Tell what the machine's own claims have decided."""
+        if not _is_left(one):
+            self.on_judged(one)
+
+    def _in_the_whole(
+        self, mutants: Sequence[Mutant], alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
+    ) -> dict[str, Judged]:
+        by_id, found = {one.id: one for one in mutants}, dict[str, Judged]()
+        key = asked(self.whole.target, KIND, self.plan.limits, self.plan.seed).key
+
+        def work(left: Sequence[str]) -> list[Batch]:
+            on = self._bench
+            chunks = [left[number : number + AT_ONCE] for number in range(0, len(left), AT_ONCE)]
+            return [self._batch([_piece(on, by_id[one], alone, wires) for one in chunk], chunk) for chunk in chunks]
+
+        for name, data in kept_or_done([*by_id], work, Keeping(KIND, key, self.look_in, self.keep_in), self.plan.jobs):
+            found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
+            self.on_judged(found[name])
+        return found
+
+    def _batch(self, pieces: Sequence[Callable[[], dict[str, Any]]], names: Sequence[str]) -> Batch:
+        seconds = CLOCK * QUESTIONS * AT_ONCE * self.plan.limits.seconds
+        task = Task(f"{self.whole.target.name}: mutants", lambda: [piece() for piece in pieces], seconds)
+        return Batch(tuple(names), task)
+
+    @cached_property
+    def _bench(self) -> WholeBench:
+        """Made only where something is not kept."""
+        return whole_bench(self.whole, self.plan.limits)
+
+
+def _is_left(one: Judged) -> bool:
+    """Whether the machine's own claims leave it to the whole, in one of the two ways."""
+    return _is_open(one.everywhere) or _is_open(one.alone)
+
+
+def _is_open(outcome: Outcome) -> bool:
+    """Whether the machine's own claims leave it to the whole."""
+    return outcome.fate not in (*BY_PROOF, *SET_ASIDE)
+
+
+def _piece(
+    on: WholeBench, mutant: Mutant, alone: Mapping[str, Judged], wires: Mapping[str, WireEdit]
+) -> Callable[[], dict[str, Any]]:
+    if mutant.id in wires:
+        return lambda: asdict(_wired(on, wires[mutant.id]))
+    return lambda: asdict(_together(on, mutant, alone[mutant.id]))
+
+
+def _wired(on: WholeBench, edit: WireEdit) -> Judged:
+    started = time.monotonic()
+    outcome = of_wire(on, edit)
+    return with_outcome(edit.mutant, outcome, outcome, time.monotonic() - started)
+
+
+def _together(on: WholeBench, mutant: Mutant, alone: Judged) -> Judged:
+    """What the machine's own claims left open, in each of the two ways, is asked of the whole."""
+    started = time.monotonic()
+    only = of_member(on, mutant, everywhere=False) if _is_open(alone.alone) else alone.alone
+    if mutant.everywhere is None:
+        everywhere = only
+    else:
+        everywhere = of_member(on, mutant, everywhere=True) if _is_open(alone.everywhere) else alone.everywhere
+    seconds = round(alone.seconds + time.monotonic() - started, 3)
+    return replace(alone, alone=only, everywhere=everywhere, seconds=seconds)
+
+
+def _lost(mutant: Mutant, why: Lost) -> Judged:
+    outcome = Outcome(SURVIVED, (), f"not judged: {why.reason}")
+    return with_outcome(mutant, outcome, outcome, 0.0)

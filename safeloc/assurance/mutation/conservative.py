@@ -1,0 +1,83 @@
+"""Whether a mutant is only more careful: its interval holds that of the machine, and is withdrawn whenever the machine's is.
+
+Of the other outputs nothing is asked while the mutant alone withholds its interval; otherwise they are the same. First the
+known runs are looked at. Then two copies run side by side: which of two values is the greater one, in general or while the
+mutant reports, is the greatest part of a list that lasts from step to step, and the rest has to follow from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from safeloc.assurance.evidence.interval import ReportedTerms
+from safeloc.assurance.mutation.claims import Canon, Held
+from safeloc.assurance.mutation.equivalence import Side, equal
+from safeloc.assurance.mutation.playing import Trodden, told_side_by_side
+from safeloc.language.expr import Bool, NumVar
+from safeloc.language.nodes import BoolVar, Value
+from safeloc.language.units import Enumeration
+from safeloc.proof.provers.limits import Limits
+from safeloc.reported import Reported
+
+HOW = "its interval holds the machine's and is withdrawn no later, on every run under the assumption, by two copies side by side"
+
+
+def conservative(
+    known: Held, runs: Trodden, mutant: Held, reported: Reported | None, canon: Canon, limits: Limits
+) -> str:
+    """Why the mutant is only more careful, in words; "" where that is not shown. All claims are proved of the mutant."""
+    if reported is None or any(_is_worse(reported, *told) for told in told_side_by_side(mutant, runs)):
+        return ""
+    side = Side(known, mutant, canon, limits, still_proved=True)
+    goals = _goals(side, reported)
+    relations = side.at_first({**side.all_equal(), **dict(_relations(side, reported)), **goals})
+    return HOW if side.follow(side.lasting({**relations, **side.equal_by_mode()}), goals) else ""
+
+
+def _is_worse(reported: Reported, was: Mapping[str, Value], now: Mapping[str, Value]) -> bool:
+    """Whether the outputs of the mutant are not more careful than those of the machine, in one step."""
+    old, new = reported.interval_mm(was), reported.interval_mm(now)
+    if new is not None and (old is None or new[0] > old[0] or new[1] < old[1]):
+        return True
+    return (old is None) == (new is None) and any(now[name] != was[name] for name in _others(reported, was))
+
+
+def _others(reported: Reported, outputs: Mapping[str, object]) -> list[str]:
+    return [name for name in outputs if name not in reported.outputs]
+
+
+def _both(side: Side, reported: Reported) -> tuple[ReportedTerms, ReportedTerms]:
+    """The machine's interval and the mutant's."""
+    one, other = ({name: pair[number] for name, pair in side.outputs.items()} for number in (0, 1))
+    return ReportedTerms.of(reported, one), ReportedTerms.of(reported, other)
+
+
+def _goals(side: Side, reported: Reported) -> dict[str, Bool]:
+    old, new = _both(side, reported)
+    goals = {
+        "withdrawn no later": new.valid.implies(old.valid),
+        "no higher below": new.valid.implies(new.low <= old.low),
+        "no lower above": new.valid.implies(old.high <= new.high),
+    }
+    alike = new.valid.iff(old.valid)
+    same = {f"output {name}": alike.implies(equal(*side.outputs[name])) for name in _others(reported, side.outputs)}
+    return goals | same
+
+
+def _relations(side: Side, reported: Reported) -> Iterator[tuple[str, Bool]]:
+    """Which of two values is the greater one; and that, and that they are equal, while the mutant reports."""
+    _, new = _both(side, reported)
+    for var, twin in side.twins.items():
+        yield f"{var.name} equal if reported", new.valid.implies(equal(var, twin))
+        for name, term in _ordered(var, twin):
+            yield name, term
+            yield f"{name} if reported", new.valid.implies(term)
+
+
+def _ordered(var: NumVar | BoolVar, twin: NumVar | BoolVar) -> Iterator[tuple[str, Bool]]:
+    if isinstance(var, BoolVar) and isinstance(twin, BoolVar):
+        yield f"{var.name} no more", twin.implies(var)
+        yield f"{var.name} no less", var.implies(twin)
+    elif isinstance(var, NumVar) and isinstance(twin, NumVar) and not isinstance(var.unit, Enumeration):
+        yield f"{var.name} no greater", twin <= var
+        yield f"{var.name} no smaller", var <= twin

@@ -1,0 +1,131 @@
+"""A composition as mutation sees it: its machines, each with what is claimed of it by itself, and how they are wired.
+
+A machine of it is made wrong like any other. Only what its own claims do not notice is put back into the composition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from safeloc.assurance.mutation.declared import Declared
+from safeloc.assurance.mutation.mutants import Mutant, mutants
+from safeloc.assurance.mutation.places import Places
+from safeloc.errors import InputError
+from safeloc.language.checks.composition import Plan
+from safeloc.language.composition import Clause, compose
+from safeloc.language.expr import BoolVar, Expr, NumVar, Optional, Var
+from safeloc.language.machine import Machine
+from safeloc.language.spec import Property
+from safeloc.language.system import Part, TransitionSystem, lower
+from safeloc.language.terms import Substitution
+from safeloc.target import Target
+
+
+@dataclass(frozen=True, eq=False)
+class Composed:
+    """A composition: how it was made, and each machine with its own claims.
+
+    claims  what is asked of the whole and not proved of a machine by itself
+    """
+
+    target: Target
+    plan: Plan
+    members: Mapping[str, Declared]
+    claims: tuple[Property, ...]
+
+    def alone(self, name: str) -> Target:
+        """A machine of it by itself, without what runs of the whole have shown."""
+        machine = self.members[name].machine
+        return Target(f"{self.target.name}: {name}", (machine,), lower(machine), self.members[name].properties)
+
+
+def composed(target: Target, places: Places) -> Composed:
+    """The composition of a target; InputError where none was made while its terms were noted."""
+    plan = next((one for one in places.plans if tuple(one.machines) == target.system.machines), None)
+    if plan is None:
+        raise InputError(f"{target.name}: how its machines are wired is not known; make them with `compose`.")
+    claims = tuple(prop for prop in target.properties if prop.kept_by is None and prop.kind != "reachable")
+    members = {one.name: Declared(one, _own_claims(target, one), claims) for one in target.system.machines}
+    return Composed(target, plan, members, claims)
+
+
+def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:
+    """What is claimed of the machine by itself, and what the composition has from it."""
+    kept = [prop.kept_by[1] for prop in target.properties if prop.kept_by is not None and prop.kept_by[0] is machine]
+    own = {prop.name: prop for prop in (*kept, *target.members.get(machine.name, ()))}
+    return tuple(own.values())
+
+
+def member_mutants(whole: Composed, places: Places) -> list[Mutant]:
+    """All mutants of its machines, one machine after the other."""
+    return [one for declared in whole.members.values() for one in mutants(declared, places)]
+
+
+def joined(whole: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
+    """The composition with this machine in place of the one of its name, and these wires, in the variables of the whole.
+
+    ModelError where that is no composition.
+    """
+    was = whole.members[machine.name].machine
+    told = _rewired(whole.plan.wires if wires is None else wires, was, machine)
+    machines = [machine if one is was else one for one in whole.plan.machines]
+    made = compose(
+        whole.plan.name, machines, told, shared=whole.plan.shared, discharge=_owed(whole.plan.discharge, was, machine)
+    )
+    return _renamed(made.system, whole.target.system)
+
+
+def _owed(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> list[Machine | Clause]:
+    found: list[Machine | Clause] = []
+    for one in discharge:
+        if isinstance(one, Clause):
+            found.append(replace(one, machine=now) if one.machine is was else one)
+        else:
+            found.append(now if one is was else one)
+    return found
+
+
+def _rewired(wires: Mapping[Var, Expr], was: Machine, now: Machine) -> dict[Var, Expr]:
+    """Wires that carry the outputs that the machine has now."""
+    pairs = [(was.outputs[name], term) for name, term in now.outputs.items() if term is not was.outputs[name]]
+    change = Substitution({}, pairs)
+    return {var: change(term) for var, term in wires.items()}
+
+
+def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSystem:
+    """The system in the variables of another one of the same names; its parts keep what is heard and owed only."""
+    known = {(var.name, type(var)): var for var in (*like.state, *like.inputs, *like.fired)}
+    mine = (*system.state, *system.inputs, *system.fired)
+    twin = {var: known.get((var.name, type(var)), var) for var in mine}
+    change = Substitution(dict(twin))
+    return replace(
+        system,
+        state=tuple(twin[var] for var in system.state),
+        inputs=tuple(twin[var] for var in system.inputs),
+        init=change.bool(system.init),
+        next={twin[var]: change(term) for var, term in system.next.items()},
+        assume=change.bool(system.assume),
+        outputs={name: change(term) for name, term in system.outputs.items()},
+        fired={_number(twin[var]): change.num(term) for var, term in system.fired.items()},
+        lemmas={name: change.bool(term) for name, term in system.lemmas.items()},
+        ghosts=frozenset(twin[var] for var in system.ghosts),
+        initial={twin[var]: value for var, value in system.initial.items()},
+        optionals=tuple(Optional(_number(twin[one.value]), _flag(twin[one.present])) for one in system.optionals),
+        parts=tuple(_part(part, own, change) for part, own in zip(system.parts, like.parts, strict=True)),
+        stages=(),
+    )
+
+
+def _number(var: Var) -> NumVar:
+    assert isinstance(var, NumVar)
+    return var
+
+
+def _flag(var: Var) -> BoolVar:
+    assert isinstance(var, BoolVar)
+    return var
+
+
+def _part(part: Part, like: Part, change: Substitution) -> Part:
+    return replace(part, into=like.into, heard=change.bool(part.heard), owed=change.bool(part.owed))

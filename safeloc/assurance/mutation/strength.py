@@ -1,0 +1,141 @@
+"""How strongly a requirement is shown: the wrong machines that its own properties notice, of those in which its rows are wrong.
+
+A label says that a property is meant to show a requirement. Whether it does is seen when the rows that carry the requirement are
+wrong, and one of these properties notices.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+
+from safeloc.assurance.kept_work import Keeping
+from safeloc.assurance.mutation.results import BY_PROOF, Judged, kills_alone, of_part, score
+from safeloc.proof.cache.store import Store
+from safeloc.proof.cache.targets import asked
+from safeloc.target import Target
+
+KIND = "mutation strength"
+LATEST = "latest"
+Strengths = Mapping[str, Sequence["Strength"]]
+"""Of each requirement what became of its wrong rules, target by target."""
+
+
+@dataclass(frozen=True)
+class Strength:
+    """What became of the mutants of the rows that carry a requirement, with the term wrong wherever it stands.
+
+    target     whose mutants they are
+    judged, of how many mutants of the target were judged, and how many there are
+    wrong      mutants of these rows that are not equivalent or conservative
+    by_proof   those that some proof notices
+    by_its_own those that a property of this requirement was seen to notice
+    alone      of each such property how many mutants of the target no other claim was seen to notice
+    """
+
+    target: str
+    judged: int
+    of: int
+    wrong: int
+    by_proof: int
+    by_its_own: int
+    alone: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether a property of the requirement notices any wrong row of it."""
+        return self.by_its_own > 0
+
+    def __str__(self) -> str:
+        """The strength for a reader."""
+        sample = "" if self.judged == self.of else f" (a sample of {self.judged} of {self.of})"
+        told = f"{self.target}: of {self.wrong} wrong rules {self.by_its_own} noticed by its properties, {self.by_proof} by any proof{sample}"
+        alone = ", ".join(f"{name!r} {count}" for name, count in self.alone.items())
+        return f"{told}; alone by {alone}" if alone else told
+
+
+def strengths(target: Target, judged: Sequence[Judged], of: int) -> dict[str, Strength]:
+    """The strength of each requirement that rows of the target carry."""
+    machine = of_part(judged, "machine")
+    by_label: dict[str, set[str]] = {}
+    for prop in (*target.properties, *(prop for own in target.members.values() for prop in own)):
+        for name in prop.requirements:
+            by_label.setdefault(name, set()).add(f"property {prop.name}")
+    alone = {claim: len(noticed) for claim, noticed in kills_alone(machine).items()}
+    carried = sorted({name for one in machine for name in one.requirements})
+    return {
+        name: _strength(target.name, name, machine, by_label.get(name, set()), alone, len(machine), of)
+        for name in carried
+    }
+
+
+def _strength(
+    target: str,
+    requirement: str,
+    machine: Sequence[Judged],
+    own: set[str],
+    alone: Mapping[str, int],
+    judged: int,
+    of: int,
+) -> Strength:
+    rows = [one.everywhere for one in machine if requirement in one.requirements]
+    told = score(rows)
+    noticed = sum(one.fate in BY_PROOF and not own.isdisjoint(one.by) for one in rows)
+    counted = Counter({name.removeprefix("property "): alone[name] for name in own if name in alone})
+    return Strength(target, judged, of, told.asked, told.killed_by_proof, noticed, dict(counted.most_common()))
+
+
+def keep_strengths(store: Store, target: Target, judged: Sequence[Judged], of: int) -> None:
+    """Keep the strengths for reports and lists; a smaller sample does not replace a greater one."""
+    found = strengths(target, judged, of)
+    had = kept_strengths(store, target)
+    if found and max((one.judged for one in had.values()), default=0) <= len(of_part(judged, "machine")):
+        data = {name: asdict(one) for name, one in found.items()}
+        _keeping(store, target).keep("all", data)
+        before = stamp(store) + json.dumps(data)
+        store.put(KIND, LATEST, hashlib.sha256(before.encode()).hexdigest().encode())
+
+
+def stamp(store: Store) -> str:
+    """What changes whenever strengths are kept: a report that tells them is another one then."""
+    entry = store.get(KIND, LATEST)
+    return "" if entry is None else entry.data.decode()
+
+
+def kept_strengths(store: Store | None, target: Target) -> dict[str, Strength]:
+    """What the last run of `mutate` said of this very target; nothing where it was never asked, or has changed since."""
+    data = None if store is None else _keeping(store, target).kept("all")
+    return {} if data is None else {name: Strength(**one) for name, one in data.items()}
+
+
+def strengths_of(store: Store | None, targets: Iterable[Target]) -> dict[str, list[Strength]]:
+    """What earlier runs of `mutate` said of each requirement that these targets carry."""
+    found: dict[str, list[Strength]] = {}
+    for target in targets:
+        for name, one in kept_strengths(store, target).items():
+            found.setdefault(name, []).append(one)
+    return found
+
+
+def _keeping(store: Store, target: Target) -> Keeping:
+    return Keeping(KIND, asked(target, KIND).key, store, store)
+
+
+def as_text(found: Sequence[Strength]) -> list[str]:
+    """What is known of one requirement, one line for each target; that it is not shown, where that is so."""
+    if not found:
+        return ["not measured: `safeloc mutate` has not been asked of what carries it, as it is now"]
+    told = list(map(str, found))
+    return (
+        told
+        if any(one.is_shown for one in found)
+        else [*told, "NOT SHOWN: no wrong rule of it is noticed by a property of it"]
+    )
+
+
+def as_data(found: Sequence[Strength]) -> list[dict[str, object]]:
+    """The same for JSON."""
+    return [{**asdict(one), "shown": one.is_shown} for one in found]

@@ -1,0 +1,201 @@
+"""Other claims: each claim left out, not asked in one mode, answered one step later, or with one term changed.
+
+Only a weaker one is weighed.
+
+A claim is weaker if it follows from the claim as it is, whatever the machine does: proved of its terms, over values in range.
+Past operators are flags of which only this is used: what follows in each step, follows of the past as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from typing import Literal
+
+from safeloc.assurance.mutation.claims import Canon
+from safeloc.assurance.mutation.declared import Declared, Part, Root, claimed
+from safeloc.assurance.mutation.kinds import Change, changes_both_ways
+from safeloc.assurance.mutation.mutants import (
+    LONGEST,
+    Mutant,
+    numbered,
+    other_variables,
+    substitution,
+    told_place,
+    written_at,
+    wrong_terms,
+)
+from safeloc.assurance.mutation.places import Places
+from safeloc.assurance.mutation.same import Forms, Term, terms_of
+from safeloc.assurance.source_places import shown
+from safeloc.language.expr import FALSE, TRUE, Bool, BoolVar, Expr, NumVar, Var
+from safeloc.language.nodes import Past
+from safeloc.language.render import infix
+from safeloc.language.spec import Property
+from safeloc.language.system import in_range
+from safeloc.language.terms import Substitution, in_order, variables
+
+LATER = "one step later"
+LEFT_OUT = "claim left out"
+NOT_ASKED = "not asked in a mode"
+Relation = Literal["same", "weaker", "stronger", "other"]
+
+
+def claim_mutants(whole: Declared, places: Places) -> list[Mutant]:
+    """All mutants of the claims, one claim after the other; each form of a wrong term once."""
+    made: list[Mutant] = []
+    for prop in whole.properties:
+        made += _of_claim(whole, prop, places)
+    return numbered(made)
+
+
+def _of_claim(whole: Declared, prop: Property, places: Places) -> Iterator[Mutant]:
+    forms = Forms(places)
+    terms = terms_of(_roots(prop), places, forms)
+    for term, change, becomes in wrong_terms(terms, changes_both_ways, other_variables(whole.machine), forms):
+        yield _of_term(whole, prop, term, change, becomes)
+    yield from _of_whole(whole, prop)
+
+
+def _of_whole(whole: Declared, prop: Property) -> Iterator[Mutant]:
+    """Weaker as a whole."""
+    one, told = replace(_mutant(whole, prop), place=shown(prop.src)), infix(prop.term, LONGEST)
+    left_out = partial(_with, prop.name, _nothing)
+    yield replace(one, kind=LEFT_OUT, words=f"{prop.name} is left out", term=told, becomes="", alone=left_out)
+    if prop.kind == "within":
+        steps = prop.steps + 1
+        told_steps, now = f"within {prop.steps} steps", f"within {steps} steps"
+        slower = partial(_with, prop.name, partial(_slower, steps))
+        yield replace(one, kind=LATER, words=now, term=told_steps, becomes=now, alone=slower)
+    machine = whole.machine
+    for label in machine.modes if prop.kind != "reachable" and len(machine.modes) > 1 else ():
+        words = f"not asked in {label.label}"
+        elsewhere = partial(_with, prop.name, partial(_elsewhere, machine.mode.eq(label)))
+        yield replace(one, kind=NOT_ASKED, words=words, term=told, becomes=words, alone=elsewhere)
+
+
+def _nothing(prop: Property) -> Property:
+    """A claim of this name that says nothing."""
+    return replace(prop, term=FALSE if prop.kind == "within" else TRUE, response=TRUE, helper=None)
+
+
+def _slower(steps: int, prop: Property) -> Property:
+    return replace(prop, steps=steps)
+
+
+def _elsewhere(where: Bool, prop: Property) -> Property:
+    return replace(prop, term=prop.term & ~where if prop.kind == "within" else prop.term | where)
+
+
+def _roots(prop: Property) -> list[Root]:
+    return [Root(Part.CLAIM, prop.name, term) for term in (prop.term, prop.response, prop.further_assumption)]
+
+
+def _of_term(whole: Declared, prop: Property, term: Term, change: Change, becomes: str) -> Mutant:
+    one = _mutant(whole, prop)
+    return replace(
+        one,
+        kind=change.kind,
+        words=change.words,
+        place=told_place(term.place),
+        source=written_at(term.place),
+        term=infix(term.node, LONGEST),
+        becomes=becomes,
+        alone=partial(_with, prop.name, partial(_exchanged, term, change)),
+    )
+
+
+def _mutant(whole: Declared, prop: Property) -> Mutant:
+    """All of a mutant but what is done."""
+    return Mutant(
+        machine=whole.machine.name,
+        kind="",
+        words="",
+        term="",
+        becomes="",
+        where=(f"claim {prop.name}",),
+        requirements=prop.requirements,
+        alone=lambda of: of,
+        of="claims",
+        claim=prop.name,
+    )
+
+
+def _exchanged(term: Term, change: Change, prop: Property) -> Property:
+    return claimed(prop, substitution(term, change))
+
+
+def _with(name: str, change: Callable[[Property], Property], whole: Declared) -> Declared:
+    return replace(whole, properties=tuple(change(prop) if prop.name == name else prop for prop in whole.properties))
+
+
+# ------------------------------------------------------------------ which of two claims is weaker
+
+
+def relation(old: Property, new: Property, canon: Canon, seconds: float) -> Relation:
+    """How a claim stands to the one that it was made of; "other" also where that is not decided within the limits."""
+    follows, returns = (_follows(*pair, canon, seconds) for pair in ((old, new), (new, old)))
+    if follows:
+        return "same" if returns else "weaker"
+    return "stronger" if returns else "other"
+
+
+def _follows(strong: Property, weak: Property, canon: Canon, seconds: float) -> bool:
+    """Whether the second claim follows from the first, whatever the machine does."""
+    if strong.steps > weak.steps:
+        return False
+    wanted = [(strong.response, weak.response)]
+    wanted.append((weak.term, strong.term) if strong.kind == "within" else (strong.term, weak.term))
+    more, less = weak.further_assumption, strong.further_assumption
+    wanted.append((less, more) if strong.kind == "reachable" else (more, less))
+    flat = _Flat(canon, [term for pair in wanted for term in pair], seconds)
+    return all(flat.follows(one, other) for one, other in wanted)
+
+
+class _Flat:
+    """Terms of claims, each past operator as a flag, and what is known of these flags."""
+
+    def __init__(self, canon: Canon, terms: Sequence[Bool], seconds: float) -> None:
+        self._canon, self._seconds = canon, seconds
+        self._twins = Substitution(_by_name(terms))
+        flags: dict[Expr, BoolVar] = {}
+        for node in in_order([self._settled(term) for term in terms]):
+            if isinstance(node, Past):
+                flags[node] = BoolVar(f"past {len(flags)}")
+        self._flags = flags
+        self._known: list[Bool] = []
+        for one, other in product(flags, flags):
+            if one is not other and self._carries_over(one, other):
+                self._known.append(flags[one].implies(flags[other]))
+
+    def follows(self, one: Bool, other: Bool) -> bool:
+        """Whether the second term holds wherever the first does."""
+        return self._implied(self._plain(self._settled(one)), self._plain(self._settled(other)))
+
+    def _settled(self, term: Bool) -> Bool:
+        return self._canon.share.bool(self._twins.bool(term))
+
+    def _plain(self, term: Bool) -> Bool:
+        return Substitution({}, self._flags.items()).bool(term)
+
+    def _carries_over(self, one: Expr, other: Expr) -> bool:
+        """Whether the second operator holds wherever the first does, as each part of it does: all of them are monotone."""
+        assert isinstance(one, Past) and isinstance(other, Past)
+        return one.op == other.op and all(
+            self._implied(self._plain(first), self._plain(second))
+            for first, second in zip(one.parts, other.parts, strict=True)
+        )
+
+    def _implied(self, one: Bool, other: Bool) -> bool:
+        if one is other:
+            return True
+        given = [in_range(variables([one, other])), one, *self._known]
+        return not self._canon.asked.failures(given, {"": other}, self._seconds)
+
+
+def _by_name(terms: Sequence[Bool]) -> dict[Var, Expr]:
+    """The first variable of each name for all: `before` makes a new one whenever it is called."""
+    first: dict[tuple[str, bool], Var] = {}
+    return {var: first.setdefault((var.name, isinstance(var, NumVar)), var) for var in variables(terms)}

@@ -1,0 +1,164 @@
+"""What becomes of a composition one of whose machines, or wires, is wrong: its recordings, its contracts and its own claims.
+
+Each contract (what a machine may hear, and what it is owed) and each claim is one question: from the facts of the machines
+before it, before and after the step, and of all machines before the step. Facts of the wrong machine are used too, since all
+of them were proved of it. A question in which nothing changed is not asked again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from safeloc.assurance.mutation import results
+from safeloc.assurance.mutation.claims import Canon, Layer, layer_of, variable
+from safeloc.assurance.mutation.corpus import Run, recorded
+from safeloc.assurance.mutation.members import Composed, joined
+from safeloc.assurance.mutation.mutants import Mutant
+from safeloc.assurance.mutation.playing import first_broken, outputs_along
+from safeloc.assurance.mutation.results import Outcome
+from safeloc.assurance.mutation.wires import WireEdit
+from safeloc.errors import SafelocError
+from safeloc.language.expr import TRUE, Bool, NumVar
+from safeloc.language.spec import Property, observe
+from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.terms import Substitution
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.relevance import Relevance
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """Whether a contract or a claim follows."""
+
+    name: str
+    given: tuple[Bool, ...]
+    goal: Bool
+
+
+@dataclass(frozen=True, eq=False)
+class WholeBench:
+    """All that is known of a composition before a mutant is judged.
+
+    asked  by name, the goals that are proved of it as it is
+    told   outputs along its recordings, as it is
+    """
+
+    whole: Composed
+    canon: Canon
+    asked: Mapping[str, Bool]
+    runs: Sequence[Run]
+    told: Mapping[str, tuple[tuple[object, ...], ...]]
+    limits: Limits
+
+
+def whole_bench(whole: Composed, limits: Limits) -> WholeBench:
+    """Ask everything of the composition as it is; what is not proved within the limits is not asked of mutants."""
+    canon = Canon()
+    system = shared(whole.target.system, canon)
+    proved = {one.name: one.goal for one in questions(system, whole.claims, canon) if not _fails(one, canon, limits)}
+    runs = list(recorded(whole.target, whole.target.system))
+    return WholeBench(whole, canon, proved, runs, {run.name: outputs_along(system, run) for run in runs}, limits)
+
+
+def of_member(on: WholeBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
+    """What becomes of the composition with this machine wrong, if its own claims do not notice."""
+    make = mutant.everywhere if everywhere and mutant.everywhere is not None else mutant.alone
+    try:
+        wrong = make(on.whole.members[mutant.machine])
+        return _judged(on, joined(on.whole, wrong.machine), wrong.further)
+    except SafelocError as error:
+        return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
+
+
+def of_wire(on: WholeBench, edit: WireEdit) -> Outcome:
+    """What becomes of the composition with this wire wrong."""
+    first = on.whole.plan.machines[0]
+    try:
+        return _judged(on, joined(on.whole, first, edit.wires), on.whole.claims)
+    except SafelocError as error:
+        return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
+
+
+def _judged(on: WholeBench, made: TransitionSystem, claims: Sequence[Property]) -> Outcome:
+    system = shared(made, on.canon)
+    broken = first_broken(_layer(system, claims, on.canon), [run for run in on.runs if run.whole])
+    if broken is not None:
+        return Outcome(results.REFUTED, (broken.claim,), f"{broken.run}, {broken.steps} steps: {broken.claim}")
+    failed = [
+        one.name
+        for one in questions(system, claims, on.canon)
+        if one.name in on.asked and one.goal is not on.asked[one.name] and _fails(one, on.canon, on.limits)
+    ]
+    if failed:
+        return Outcome(results.UNPROVED, tuple(failed), "refuted or not decided in one step of the whole")
+    for run in on.runs:
+        if outputs_along(system, run) != on.told[run.name]:
+            return Outcome(results.RECORDED, (), run.name)
+    return Outcome(results.SURVIVED, (), "neither its own claims nor those of the whole notice")
+
+
+def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
+    """The system, with its contracts, in the nodes of all others."""
+    share = canon.share
+    parts = [replace(part, heard=share.bool(part.heard), owed=share.bool(part.owed)) for part in system.parts]
+    return replace(
+        system,
+        init=share.bool(system.init),
+        next={var: share(term) for var, term in system.next.items()},
+        assume=share.bool(system.assume),
+        outputs={name: share(term) for name, term in system.outputs.items()},
+        parts=tuple(parts),
+    )
+
+
+# ------------------------------------------------------------------ contracts and claims
+
+
+def questions(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Iterator[Question]:
+    """All contracts, in the order of the machines, then the claims."""
+    facts = [_facts(system, number) for number in range(len(system.parts))]
+    relevant, after = Relevance(system), Substitution(dict(system.next))
+    before = [term for own in facts for term in own]
+    known, lawful = list[Bool](), environment(system)
+    for part, own in zip(system.parts, facts, strict=True):
+        for words, term in (
+            (f"what {part.name} hears is in range", part.heard),
+            (f"what {part.name} is owed", part.owed),
+        ):
+            if term is not TRUE:
+                given = relevant.select([lawful, *before, *known], [term])
+                yield Question(f"contract {words}", tuple(given), canon.share.bool(term))
+        known += [after.bool(term) for term in own]
+    owed = [part.owed for part in system.parts]
+    for prop in claims:
+        yield _of_claim(system, prop, [*before, *known, *owed], relevant, canon)
+
+
+def _of_claim(
+    system: TransitionSystem, prop: Property, known: Sequence[Bool], relevant: Relevance, canon: Canon
+) -> Question:
+    goal = observe(system, prop)
+    settle = canon.observers(goal.observers)
+    moves = {variable(settle(var)): settle(goal.system.next[var]) for var in goal.observers}
+    good = settle.bool(goal.good & goal.helper & in_range(goal.observers))
+    wanted = canon.share.bool(Substitution({**system.next, **moves}).bool(good))
+    given = relevant.select([environment(goal.plain), *known], [wanted, good])
+    return Question(f"property {prop.name}", (*given, good), wanted)
+
+
+def _facts(system: TransitionSystem, number: int) -> list[Bool]:
+    """Ranges and lemmas of one machine, in the terms of the whole."""
+    part = system.parts[number]
+    own = [part.into(var) for var in part.alone.state]
+    ranges = [in_range([var]) for var in own if isinstance(var, NumVar)]
+    return [*ranges, *(part.into.bool(term) for term in part.alone.lemmas.values())]
+
+
+def _fails(one: Question, canon: Canon, limits: Limits) -> bool:
+    return bool(canon.asked.failures(one.given, {"": one.goal}, limits.seconds))
+
+
+def _layer(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Layer:
+    """The claims along runs that keep the assumption."""
+    return layer_of(system, [observe(system, prop) for prop in claims if prop.further_assumption is TRUE], canon)

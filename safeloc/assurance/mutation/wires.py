@@ -1,0 +1,91 @@
+"""Wrong wires of a composition: another wire of the same unit, and a wire that is cut."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from safeloc.assurance.mutation.members import Composed
+from safeloc.assurance.mutation.mutants import LONGEST, Mutant, numbered
+from safeloc.language.expr import FALSE, Expr, Lit, NumVar, Optional, Var
+from safeloc.language.machine import Machine
+from safeloc.language.render import infix
+from safeloc.language.system import canonical
+from safeloc.language.units import Enumeration
+
+CROSSED = "another wire of the same unit"
+CUT = "wire cut"
+
+
+@dataclass(frozen=True, eq=False)
+class WireEdit:
+    """A wrong wire: what its input hears now."""
+
+    mutant: Mutant
+    wires: Mapping[Var, Expr]
+
+
+def wire_edits(whole: Composed) -> list[WireEdit]:
+    """All wrong wires, machine by machine; what the world hears is no wire of the machine."""
+    made = [pair for machine in whole.plan.machines for pair in _of_machine(whole, machine)]
+    named = numbered(mutant for mutant, _ in made)
+    return [WireEdit(mutant, wires) for mutant, (_, wires) in zip(named, made, strict=True)]
+
+
+def _of_machine(whole: Composed, machine: Machine) -> Iterator[tuple[Mutant, Mapping[Var, Expr]]]:
+    wires = whole.plan.wires
+    heard = [var for var in _inputs(machine) if var in wires]
+    for var, other in _next_of_unit(heard).items():
+        if wires[var] is not wires[other]:
+            words = f"{var.name} hears what {other.name} hears"
+            yield _mutant(whole, machine, var, CROSSED, words, wires[other]), {**wires, var: wires[other]}
+    for var, changed in _cut(machine, wires):
+        words = f"{var.name} hears nothing"
+        yield _mutant(whole, machine, var, CUT, words, changed[var]), {**wires, **changed}
+
+
+def _inputs(machine: Machine) -> list[Var]:
+    return [
+        part for one in machine.inputs for part in ((one.value, one.present) if isinstance(one, Optional) else (one,))
+    ]
+
+
+def _next_of_unit(heard: list[Var]) -> dict[Var, Var]:
+    """Of each wired input the next one of its unit and range, since a wire of another range may not be heard at all."""
+    alike: dict[object, list[Var]] = defaultdict(list)
+    for var in heard:
+        alike[(var.unit, var.low, var.high) if isinstance(var, NumVar) else bool].append(var)
+    found: dict[Var, Var] = {}
+    for group in alike.values():
+        if len(group) > 1:
+            found |= dict(zip(group, [*group[1:], group[0]], strict=True))
+    return found
+
+
+def _cut(machine: Machine, wires: Mapping[Var, Expr]) -> Iterator[tuple[Var, dict[Var, Expr]]]:
+    """An input that may be absent is absent; any other one hears what stands for nothing, always."""
+    for one in machine.inputs:
+        if isinstance(one, Optional):
+            if one.value in wires and one.present in wires:
+                yield one.present, {one.value: _rest(one.value), one.present: FALSE}
+        elif one in wires:
+            yield one, {one: _rest(one)}
+
+
+def _rest(var: Var) -> Expr:
+    if not isinstance(var, NumVar):
+        return FALSE
+    return Lit(var.low if isinstance(var.unit, Enumeration) else canonical(var), var.unit)
+
+
+def _mutant(whole: Composed, machine: Machine, var: Var, kind: str, words: str, becomes: Expr) -> Mutant:
+    return Mutant(
+        machine=whole.target.name,
+        kind=kind,
+        words=words,
+        term=infix(whole.plan.wires[var], LONGEST),
+        becomes=infix(becomes, LONGEST),
+        where=(f"wire to {var.name} of {machine.name}",),
+        alone=lambda of: of,
+    )

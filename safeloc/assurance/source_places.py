@@ -1,0 +1,62 @@
+"""Where an expression of a declaration is written: file, lines and columns, found from the instruction that is being run."""
+
+from __future__ import annotations
+
+import linecache
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import CodeType
+
+import safeloc
+
+PACKAGE = Path(safeloc.__file__).parent.resolve()
+DECLARING = ("models", "properties")
+
+
+@dataclass(frozen=True, order=True)
+class Place:
+    """An expression or statement in a source file: lines from 1, columns in bytes from 0."""
+
+    file: str
+    line: int
+    end_line: int
+    column: int
+    end_column: int
+
+    def __str__(self) -> str:
+        return f"{shown(self.file)}:{self.line}"
+
+    @property
+    def text(self) -> str:
+        """The expression as it is written, on one line; "" where its file cannot be read."""
+        lines = linecache.getlines(self.file)[self.line - 1 : self.end_line]
+        if not lines:
+            return ""
+        encoded = [line.encode() for line in lines]
+        encoded[-1] = encoded[-1][: self.end_column]
+        encoded[0] = encoded[0][self.column :]
+        return " ".join(b" ".join(encoded).decode().split())
+
+
+@cache
+def shown(file: str) -> str:
+    """Return a file of the package or of its checkout from the root on, any other as it is."""
+    path = Path(file)
+    for root in (*(PACKAGE.parent / room for room in DECLARING), PACKAGE):
+        if path.is_relative_to(root):
+            return path.relative_to(PACKAGE if root == PACKAGE else PACKAGE.parent).as_posix()
+    return file
+
+
+@cache
+def place_of(code: CodeType, offset: int) -> Place:
+    """Return the expression that an instruction belongs to."""
+    line, end_line, column, end_column = _positions(code)[offset // 2]
+    first = line or code.co_firstlineno
+    return Place(code.co_filename, first, end_line or first, column or 0, end_column or 0)
+
+
+@cache
+def _positions(code: CodeType) -> list[tuple[int | None, int | None, int | None, int | None]]:
+    return list(code.co_positions())

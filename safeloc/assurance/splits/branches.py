@@ -1,0 +1,131 @@
+"""Branches of the Python code that declares a machine: which of them a configuration takes.
+
+A configured flag decides what is declared at all (`if config.single_fault_safe: ...`), so that no term tells of it. What is
+looked at are the steps from one instruction to the next while the machine is built.
+"""
+
+from __future__ import annotations
+
+import ast
+import dis
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any, TypeVar
+
+from safeloc.assurance.source_places import Place, place_of
+from safeloc.assurance.splits.observed import Split
+from safeloc.assurance.splits.places import declares
+
+Made = TypeVar("Made")
+Step = tuple[CodeType, int, int]
+Deciding = ast.If | ast.IfExp
+
+
+def steps_of(make: Callable[[], Made]) -> tuple[Made, set[Step]]:
+    """Return what `make` returns, and the steps between instructions of machine, world and claims meanwhile."""
+    steps: set[Step] = set()
+
+    def enter(frame: FrameType, event: str, _: Any) -> Callable[..., Any] | None:
+        if event != "call" or not _decided_in(frame.f_code):
+            return None
+        frame.f_trace_opcodes, frame.f_trace_lines = True, False
+        last, code = -2, frame.f_code
+
+        def trace(now: FrameType, what: str, _: Any) -> Callable[..., Any]:
+            nonlocal last
+            if what == "opcode":
+                steps.add((code, last, now.f_lasti))
+                last = now.f_lasti
+            return trace
+
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(enter)
+    try:
+        return make(), steps
+    finally:
+        sys.settrace(before)
+
+
+def taken(steps: set[Step]) -> tuple[set[Split], set[Split]]:
+    """Return the branches that were taken, and those beside them that were not; where nothing was decided, neither."""
+    live: set[Split] = set()
+    met: set[Split] = set()
+    for code, before, now in steps:
+        if before < 0:
+            continue
+        here, there = place_of(code, before), place_of(code, now)
+        for decision in _decided_in(code):
+            if not _decides(here, decision) or (_decides(there, decision) and not _returns(code, now)):
+                continue
+            sides = _sides(decision, code.co_filename)
+            met.update(sides)
+            live.add(sides[0] if any(_within(there, node) for node in _body(decision)) else sides[1])
+    kept = {split for split in met if not split.kind.startswith("refusal")}
+    return live & kept, kept - live
+
+
+def _returns(code: CodeType, offset: int) -> bool:
+    """A function that ends behind a test that fails returns from the test's own place."""
+    return code.co_code[offset] == dis.opmap["RETURN_VALUE"]
+
+
+def _decides(place: Place, decision: Deciding) -> bool:
+    """Whether an instruction is of the test; the jump of `a if test else b` is marked with the whole of it."""
+    whole = (decision.lineno, decision.end_lineno, decision.col_offset, decision.end_col_offset)
+    return _within(place, decision.test) or (place.line, place.end_line, place.column, place.end_column) == whole
+
+
+def _within(place: Place, node: ast.AST) -> bool:
+    start = (node.lineno, node.col_offset)  # type: ignore[attr-defined]
+    end = (node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
+    return start <= (place.line, place.column) and (place.end_line, place.end_column) <= end
+
+
+def _body(decision: Deciding) -> list[Any]:
+    return decision.body if isinstance(decision, ast.If) else [decision.body]
+
+
+def _sides(decision: Deciding, file: str) -> tuple[Split, Split]:
+    """The side where the test holds, and the other one."""
+    test = decision.test
+    place = Place(file, test.lineno, test.end_lineno or test.lineno, test.col_offset, test.end_col_offset or 0)
+    other = decision.orelse if isinstance(decision, ast.If) else [decision.orelse]
+    names = [
+        f"{'refusal' if _refuses(side) else 'branch'} where it {what}"
+        for side, what in ((_body(decision), "holds"), (other, "fails"))
+    ]
+    return Split(names[0], (place,)), Split(names[1], (place,))
+
+
+def _refuses(side: list[Any]) -> bool:
+    return bool(side) and isinstance(side[-1], ast.Raise)
+
+
+@cache
+def _decided_in(code: CodeType) -> tuple[Deciding, ...]:
+    """The decisions that this piece of code makes itself."""
+    if not declares(code):
+        return ()
+    places = {place_of(code, 2 * number) for number in range(len(code.co_code) // 2)}
+    return tuple(one for one in _decisions(code.co_filename) if any(_within(place, one.test) for place in places))
+
+
+@cache
+def _decisions(file: str) -> tuple[Deciding, ...]:
+    return tuple(_found(ast.parse(Path(file).read_text(encoding="utf-8"))))
+
+
+def _found(tree: ast.AST) -> Iterator[Deciding]:
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.If, ast.IfExp)) and not _about_kinds(node.test):
+            yield node
+
+
+def _about_kinds(test: ast.expr) -> bool:
+    """`isinstance(...)`: about what a term is, not about a configuration."""
+    return any(isinstance(node, ast.Name) and node.id == "isinstance" for node in ast.walk(test))

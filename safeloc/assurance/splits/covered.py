@@ -1,0 +1,147 @@
+"""Whether the declared configurations of the shipped machines leave a case split folded away.
+
+Targets that are made of one folder (`satellite` and `satellite_drift`) are judged together. A composition answers for what
+it declares itself: its members are proved alone, and what they split is judged there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pydantic import BaseModel
+
+from safeloc.assurance.source_places import shown
+from safeloc.assurance.splits.deciding import Change, deciding
+from safeloc.assurance.splits.live import Splits, splits_of, together
+from safeloc.assurance.splits.observed import Split
+from safeloc.assurance.splits.places import source_of
+from safeloc.catalogue import DEFAULTS, ENTRIES
+from safeloc.target import Entry
+
+FOLDERS = {"selection": "satellite_selection", "satellite_drift": "satellite"}
+"""Folders of `models/` whose name is not that of their target."""
+SHARED = {
+    "models/motion/world.py: laws is None": "who makes a world hands its laws in; the default is for tests",
+    "models/motion/world.py: seen is None": "who makes a world hands its ghosts in; the default is for tests",
+}
+"""Branches of shared rooms that no shipped machine takes, and why."""
+OnBuilt = Callable[[str, str], None]
+
+
+def _quiet(_: str, __: str) -> None:
+    """Tell nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class Covered:
+    """The case splits of what is declared in one folder.
+
+    found    target and name of the configuration -> its splits
+    hidden   splits that are live nowhere, for which no reason is declared
+    never    splits that are live nowhere, with the declared reason
+    shared   branches of rooms that several machines use, which this one does not take
+    idle     declared reasons that no split needs: it is live, or gone
+    """
+
+    folder: str
+    found: Mapping[tuple[str, str], Splits]
+    hidden: Mapping[Split, str]
+    never: Mapping[Split, str]
+    shared: Mapping[Split, str]
+    idle: tuple[str, ...]
+
+    def live_in(self, split: Split) -> tuple[tuple[str, str], ...]:
+        """Return the targets and configurations in which a split is live."""
+        return tuple(where for where, splits in self.found.items() if split in splits.live)
+
+    def figures(self) -> dict[Split, Change]:
+        """Return for each hidden split one change of one figure of the defaults that makes it live, where there is one."""
+        if not self.hidden:
+            return {}
+        hidden = Splits(frozenset(), self.hidden)
+        every = [deciding(entry, entry.config(), hidden) for entry in targets_of(self.folder)]
+        return {split: change for found in every for split, change in found.items()}
+
+    def folded(self) -> Mapping[Split, str]:
+        """Return what the defaults of all targets fold away, with what makes it constant."""
+        return together(splits for (_, name), splits in self.found.items() if name == DEFAULTS).dead
+
+
+def folder_of(target: str) -> str:
+    """Return the folder of `models/` that declares a shipped target."""
+    return FOLDERS.get(target, target)
+
+
+def targets_of(folder: str) -> list[Entry]:
+    """Return the shipped targets that a folder declares."""
+    return [entry for name, entry in ENTRIES.items() if folder_of(name) == folder]
+
+
+def configurations_of(entry: Entry) -> dict[str, BaseModel]:
+    """Return every configuration that a machine is proved in, the defaults first."""
+    return {DEFAULTS: entry.config(), **entry.configurations.named}
+
+
+def covered(folder: str, on_built: OnBuilt = _quiet) -> Covered:
+    """Build every target of a folder in each of its configurations; return what is live and what is not."""
+    return judge(folder, targets_of(folder), on_built)
+
+
+def judge(folder: str, entries: Sequence[Entry], on_built: OnBuilt = _quiet) -> Covered:
+    """The same for given targets."""
+    found: dict[tuple[str, str], Splits] = {}
+    for entry in entries:
+        for name, config in configurations_of(entry).items():
+            on_built(entry.name, name)
+            found[entry.name, name] = _own(folder, _made(entry, config))
+    dead = together(found.values()).dead
+    reasons = {place: why for entry in entries for place, why in entry.configurations.never.items()}
+    shared = {split: why for split, why in dead.items() if is_shared(split)}
+    never = {split: reasons[told(split)] for split in dead if told(split) in reasons}
+    needed = {told(split) for split in never}
+    hidden = {split: why for split, why in dead.items() if split not in never and split not in shared}
+    return Covered(folder, found, hidden, never, shared, tuple(place for place in reasons if place not in needed))
+
+
+def _made(entry: Entry, config: BaseModel) -> Splits:
+    return splits_of(lambda: entry.make(config))
+
+
+def told(split: Split) -> str:
+    """Return how a split is named in `Configurations.never`: file, expression, and the call that led there.
+
+    It does not change when lines are added above it.
+    """
+    called = f" from {source_of(split.way[1])}" if len(split.way) > 1 else ""
+    return f"{shown(split.place.file)}: {source_of(split.place)}{called}"
+
+
+def _own(folder: str, splits: Splits) -> Splits:
+    others = {folder_of(name) for name in ENTRIES} - {folder}
+    live = frozenset(split for split in splits.live if not _of_others(split, others))
+    return Splits(live, {split: why for split, why in splits.dead.items() if not _of_others(split, others)})
+
+
+def _of_others(split: Split, others: Iterable[str]) -> bool:
+    """Whether a split belongs to another machine, whose own configurations answer for it."""
+    return not _rooms(split).isdisjoint(others)
+
+
+def _rooms(split: Split) -> set[str]:
+    """The folders of the calls that led to a split."""
+    files = [shown(place.file) for place in split.way]
+    return {file.split("/")[1].removesuffix(".py") for file in files if "/" in file}
+
+
+def is_shared(split: Split) -> bool:
+    """Whether a branch stands in a room that several machines use, such as `vocabulary`: one that takes it is enough."""
+    return len(split.way) == 1 and _rooms(split).isdisjoint({folder_of(name) for name in ENTRIES})
+
+
+def hidden_in_shared_rooms(found: Iterable[Covered]) -> dict[Split, str]:
+    """Return the branches of shared rooms that no machine takes in any of its configurations."""
+    every = list(found)
+    live = frozenset().union(*(splits.live for one in every for splits in one.found.values()))
+    dead = {split: why for one in every for split, why in one.shared.items() if split not in live}
+    return {split: why for split, why in dead.items() if told(split) not in SHARED}

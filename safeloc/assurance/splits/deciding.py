@@ -1,0 +1,90 @@
+"""Which configured figure decides a split that the defaults fold away: each figure is changed alone, and the machine built.
+
+A figure that cannot be changed alone (others contradict it) decides nothing here; the error of the configuration says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from safeloc.assurance.splits.live import Splits, splits_of
+from safeloc.assurance.splits.observed import Split
+from safeloc.errors import SafelocError
+from safeloc.target import Entry
+
+Plain = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Change:
+    """One figure of a configuration with another value."""
+
+    figure: str
+    value: object
+
+    def __str__(self) -> str:
+        return f"{self.figure} = {self.value}"
+
+
+def changes(config: BaseModel, prefix: str = "") -> Iterator[Change]:
+    """Return other values of every figure: the other flag or name, the ends of a range and next to them."""
+    for name, field in type(config).model_fields.items():
+        value = getattr(config, name)
+        if isinstance(value, BaseModel):
+            yield from changes(value, f"{prefix}{name}.")
+        else:
+            yield from (Change(prefix + name, other) for other in _others(value, field))
+
+
+def _others(value: object, field: FieldInfo) -> Iterator[object]:
+    if isinstance(value, bool):
+        yield not value
+    elif isinstance(value, str):
+        yield from (other for other in get_args(field.annotation) if other != value)
+    elif isinstance(value, int):
+        limits = [getattr(rule, end) for rule in field.metadata for end in ("ge", "le") if hasattr(rule, end)]
+        likely = [value + 1, value * 2, value // 2, *limits]
+        yield from dict.fromkeys(one for one in likely if one != value and _inside(one, limits))
+
+
+def _inside(value: int, limits: list[int]) -> bool:
+    return len(limits) != 2 or limits[0] <= value <= limits[1]
+
+
+def changed(config: BaseModel, change: Change) -> BaseModel:
+    """Return the configuration with the change; ValidationError where the other figures contradict it."""
+    plain = config.model_dump()
+    at = plain
+    *groups, name = change.figure.split(".")
+    for group in groups:
+        at = at[group]
+    at[name] = change.value
+    return type(config).model_validate(plain)
+
+
+def deciding(
+    entry: Entry, config: BaseModel, dead: Splits, on_change: Callable[[Change], None] = lambda _: None
+) -> dict[Split, Change]:
+    """Return for each split that is dead in this configuration the first change of one figure that makes it live."""
+    found: dict[Split, Change] = {}
+    for change in changes(config):
+        on_change(change)
+        live = _live(entry, config, change)
+        for split in dead.dead:
+            if split in live:
+                found.setdefault(split, change)
+    return found
+
+
+def _live(entry: Entry, config: BaseModel, change: Change) -> frozenset[Split]:
+    """The live splits with the change; none where no machine comes of it."""
+    try:
+        other = changed(config, change)
+        return splits_of(lambda: entry.make(other)).live
+    except (ValidationError, SafelocError):
+        return frozenset()

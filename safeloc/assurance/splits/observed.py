@@ -1,0 +1,144 @@
+"""What the language was asked for while a machine is built: every comparison, minimum, choice and charge, live or folded.
+
+The language is watched from outside, by Python's own hook for returning functions: nothing of it is written for this, so
+what is watched is what is proved.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import CodeType, FrameType
+from typing import Any, TypeVar
+
+from safeloc.assurance.source_places import Place
+from safeloc.assurance.splits.places import way_to
+from safeloc.language import expr, nodes
+from safeloc.language.nodes import Add, Expr, Lit, Max, Min, Sub, Truth
+from safeloc.language.terms import Sharing
+
+Made = TypeVar("Made")
+Locals = Mapping[str, Any]
+Judged = tuple[str, str] | None
+"""The kind of split, and why it is folded ("" where it is not); None where there is nothing to split."""
+
+
+@dataclass(frozen=True)
+class Split:
+    """A place where a machine, its world or a claim tells cases apart, or charges a configured figure.
+
+    kind  comparison, minimum, maximum, choice, condition, charge, rounding
+    way   the expression, and the calls that led to it, the innermost first
+    """
+
+    kind: str
+    way: tuple[Place, ...]
+
+    @property
+    def place(self) -> Place:
+        """Where it stands."""
+        return self.way[0]
+
+
+@dataclass(eq=False)
+class Observed:
+    """Every split met; `live` maps it to its terms as far as these were not folded, `folded` says why others were."""
+
+    live: dict[Split, list[Expr]] = field(default_factory=dict)
+    folded: dict[Split, str] = field(default_factory=dict)
+    share: Sharing = field(default_factory=Sharing)
+
+    def alike(self, one: Expr, other: Expr) -> bool:
+        """Whether two terms have the same structure."""
+        return self.share(one) is self.share(other)
+
+    def add(self, split: Split, term: Expr, folded: str) -> None:
+        """One call of the language."""
+        if folded:
+            self.folded.setdefault(split, folded)
+        else:
+            self.live.setdefault(split, []).append(term)
+
+
+def observe(make: Callable[[], Made]) -> tuple[Made, Observed]:
+    """Return what `make` returns, and what the language was asked for meanwhile."""
+    observed = Observed()
+
+    def returned(frame: FrameType, event: str, result: Any) -> None:
+        judge = JUDGES.get(frame.f_code) if event == "return" else None
+        if judge is None or result is None:
+            return
+        judged = judge(frame.f_locals, result, observed)
+        if judged is not None:
+            kind, why = judged
+            way = way_to(frame.f_back)
+            if way:
+                observed.add(Split(kind, way), result, why)
+
+    with _watching(returned):
+        return make(), observed
+
+
+@contextmanager
+def _watching(hook: Callable[[FrameType, str, Any], None]) -> Iterator[None]:
+    before = sys.getprofile()
+    sys.setprofile(hook)
+    try:
+        yield
+    finally:
+        sys.setprofile(before)
+
+
+# ------------------------------------------------------------------ what a call of the language says
+
+
+def _compared(_: Locals, result: Expr, __: Observed) -> Judged:
+    return "comparison", "both sides are constant" if isinstance(result, Truth) else ""
+
+
+def _chosen(given: Locals, result: Expr, observed: Observed) -> Judged:
+    if isinstance(given["condition"], Truth):
+        return "choice", "its condition is constant"
+    then, other = given["then"], given["other"]
+    both = (nodes.as_bool(then), nodes.as_bool(other)) if isinstance(result, nodes.Bool) else (then, other)
+    return "choice", "both branches are alike" if observed.alike(*both) else ""
+
+
+def _computed(given: Locals, _: Expr, observed: Observed) -> Judged:
+    """A minimum or maximum; a sum or difference with a figure."""
+    kind, left, right = given["kind"], given["left"], given["right"]
+    constant = isinstance(left, Lit) and isinstance(right, Lit)
+    if kind in EXTREMES:
+        why = "both sides are constant" if constant else "both sides are alike" if observed.alike(left, right) else ""
+        return EXTREMES[kind], why
+    if constant or kind not in (Add, Sub):
+        return None
+    return "charge", "it is 0" if _is(right, 0) or (kind is Add and _is(left, 0)) else ""
+
+
+def _multiplied(given: Locals, _: Expr, __: Observed) -> Judged:
+    left, right = given["left"], given["right"]
+    if isinstance(left, Lit) and isinstance(right, Lit):
+        return None
+    return "charge", "its factor is 0" if _is(left, 0) or _is(right, 0) else ""
+
+
+def _divided(given: Locals, result: Expr, _: Observed) -> Judged:
+    return None if isinstance(result, Lit) else ("rounding", "it divides by 1" if given["divisor"] == 1 else "")
+
+
+def _is(term: Expr, value: int) -> bool:
+    return isinstance(term, Lit) and term.value == value
+
+
+EXTREMES = {Min: "minimum", Max: "maximum"}
+JUDGES: Mapping[CodeType, Callable[[Locals, Expr, Observed], Judged]] = {
+    nodes._compare.__code__: _compared,
+    nodes.arith.__code__: _computed,
+    nodes.product.__code__: _multiplied,
+    expr.ite.__code__: _chosen,
+    expr.floor_div.__code__: _divided,
+}
+"""The functions of the language that every term goes through, by their code."""

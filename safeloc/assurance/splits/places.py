@@ -1,0 +1,35 @@
+"""The expressions of a machine through which a term of it was reached."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from types import CodeType, FrameType
+
+from safeloc.assurance.source_places import DECLARING, Place, place_of, shown
+
+MOST_CHARACTERS = 60
+BESIDE = ("picture", "recordings", "scenes", "simulate", "simulation")
+"""Files and folders of a machine that declare nothing of it."""
+
+
+def source_of(place: Place) -> str:
+    """Return the text of a place, cut where it is long."""
+    return place.text if len(place.text) <= MOST_CHARACTERS else f"{place.text[:MOST_CHARACTERS]} ..."
+
+
+def way_to(frame: FrameType | None) -> tuple[Place, ...]:
+    """The expressions of machine, world and claims that are being computed, the innermost first."""
+    found = []
+    while frame is not None:
+        if declares(frame.f_code):
+            found.append(place_of(frame.f_code, frame.f_lasti))
+        frame = frame.f_back
+    return tuple(found)
+
+
+@cache
+def declares(code: CodeType) -> bool:
+    """Whether code is of a machine, a world or a claim, not of the engine."""
+    file = Path(shown(code.co_filename))
+    return file.parts[0] in DECLARING and not any(part in BESIDE for part in file.with_suffix("").parts)

@@ -1,0 +1,204 @@
+"""What of the laws of a world can be seen to hold in operation: by who knows inputs and state, and not the truth.
+
+    seen(system).stated       every clause of every machine, with wires put in
+    seen(system).observables  what follows from them and reads nothing hidden
+
+Hidden are the ghosts, but for those that an observer works out, since they start at a known value and move by inputs and by
+each other: "the last distance that was delivered", "a train is in the area". They are the observer's memory.
+
+A clause is observable as a whole where it reads nothing hidden, and in part where some parts of its conjunction do not. Two
+clauses are observable together where both bound the same hidden quantity: two sources that exclude each other cannot both
+hold the truth. If something observable is violated, at least one of its clauses certainly is. The reverse does not hold: a
+clause of which everything observable is seen to hold may be violated all the same.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+from safeloc.language.expr import Bool, Expr, Lit, Var, all_of
+from safeloc.language.hidden_bounds import Divided, Hidden, all_compatible, compatible, divided
+from safeloc.language.machine import ANY, Machine
+from safeloc.language.nodes import Value
+from safeloc.language.running_sums import Running, running, steady
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import Sharing, Substitution, variables
+from safeloc.language.world import Law
+
+
+@dataclass(frozen=True, eq=False)
+class Stated:
+    """A clause as it stands in a system.
+
+    term        over state before the step, inputs, and what stands for state after the step (`Seen.after`)
+    guaranteed  an earlier machine of the composition guarantees it, and that is proved
+    """
+
+    machine: Machine
+    name: str
+    term: Bool
+    guaranteed: bool = False
+
+    @property
+    def law(self) -> Law:
+        """The clause as it was declared."""
+        return self.machine.world.laws[self.name]
+
+    def __str__(self) -> str:
+        return f"{self.machine.name}: {self.name}"
+
+
+@dataclass(frozen=True, eq=False)
+class Observable:
+    """A condition that follows from one clause, or from two together, and that reads nothing hidden.
+
+    is_whole  it says all that its clause says
+    """
+
+    clauses: tuple[Stated, ...]
+    term: Bool
+    is_whole: bool = False
+
+    def __str__(self) -> str:
+        return " / ".join(map(str, self.clauses))
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A system as an observer sees it.
+
+    at_once  one short condition: where it holds, nothing observable is violated that reads no memory
+    recalled the same of what does
+    hidden   the ghosts that nobody on board can know
+    after    what stands in terms for a state variable after the step -> that variable
+    memory   what an observer works out: ghosts and running sums, where something observable reads them -> next values
+    first    their values at the beginning
+    """
+
+    stated: tuple[Stated, ...]
+    observables: tuple[Observable, ...]
+    at_once: Bool
+    recalled: Bool
+    hidden: Hidden
+    after: Mapping[Var, Var]
+    memory: Mapping[Var, Expr]
+    first: Mapping[Var, Value]
+
+    def of(self, clause: Stated) -> list[Observable]:
+        """Return what is observable of a clause, alone and together with others."""
+        return [one for one in self.observables if clause in one.clauses]
+
+    def recalls(self, one: Observable) -> bool:
+        """Return whether it reads the observer's memory."""
+        return not self.memory.keys().isdisjoint(variables([one.term]))
+
+
+_SEEN: weakref.WeakKeyDictionary[TransitionSystem, Seen] = weakref.WeakKeyDictionary()
+
+
+def seen(system: TransitionSystem) -> Seen:
+    """Return the system with ghosts as an observer without them sees it; worked out once."""
+    if system not in _SEEN:
+        _SEEN[system] = _seen(system)
+    return _SEEN[system]
+
+
+def _seen(system: TransitionSystem) -> Seen:
+    worked_out = _worked_out(system)
+    hidden = system.ghosts - worked_out
+    after = {replace(var, name=f"{var.name} after"): var for var in system.state if var not in system.ghosts}
+    cut = Substitution({}, _ends(system, after))
+    stated = tuple(replace(one, term=cut.bool(one.term)) for one in _stated(system))
+    known = {one: divided(one.term, hidden) for one in stated}
+    sums = dict(_running(known, system))
+    observables = (*_alone(known), *_together(known), *sums)
+    first: dict[Var, Value] = {var: _initial(system, var) for var in system.state if var in worked_out}
+    moves: dict[Var, Expr] = {var: cut(system.next[var]) for var in first}
+    for one in (one for found in sums.values() for one in found):
+        first[one.total], moves[one.total] = 0, one.move
+    memory = _memory([one.term for one in observables], moves)
+    recalling = [one for one in observables if not memory.keys().isdisjoint(variables([one.term]))]
+    at_once = _at_once([one for one in observables if one not in recalling], known, frozenset(memory))
+    share = Sharing()  # what conditions and memory have in common is computed once
+    return Seen(
+        stated, observables, share.bool(at_once), share.bool(all_of(one.term for one in recalling)), hidden, after,
+        {var: share(move) for var, move in memory.items()}, {var: first[var] for var in memory},
+    )  # fmt: skip
+
+
+def _stated(system: TransitionSystem) -> Iterator[Stated]:
+    if not system.parts:
+        for machine in system.machines:
+            yield from (Stated(machine, name, term) for name, term in machine.world.terms.items())
+    for part in system.parts:
+        for name, term in part.clauses.items():
+            yield Stated(part.machine, name, term, name in part.guaranteed)
+
+
+def _ends(system: TransitionSystem, after: Mapping[Var, Var]) -> list[tuple[Expr, Expr]]:
+    """The next values that belong to one variable only, each with what stands for it; of two alike the first."""
+    ends = [(system.next[var], stands) for stands, var in after.items()]
+    return [(term, stands) for term, stands in reversed(ends) if not isinstance(term, Var) and variables([term])]
+
+
+def _worked_out(system: TransitionSystem) -> Hidden:
+    """The ghosts that start at a known value and move by inputs, state on board, and each other."""
+    found = {var for var in system.ghosts if var in system.next and system.initial[var] is not ANY}
+    reads = {var: system.ghosts.intersection(variables([system.next[var]])) for var in found}
+    while unknown := {var for var in found if not reads[var] <= found}:
+        found -= unknown
+    return frozenset(found)
+
+
+def _initial(system: TransitionSystem, var: Var) -> Value:
+    """Return the value that a variable starts at; it is declared."""
+    value = system.initial[var]
+    assert isinstance(value, (int, Lit))
+    return value.value if isinstance(value, Lit) else value
+
+
+def _memory(terms: Iterable[Expr], moves: Mapping[Var, Expr]) -> dict[Var, Expr]:
+    """The part of the memory that the terms read, with what that is worked out from."""
+    read, new = set[Var](), set(variables(terms))
+    while new:
+        read |= new
+        new = set(variables(moves[var] for var in new if var in moves)) - read
+    return {var: move for var, move in moves.items() if var in read}
+
+
+def _alone(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
+    for one, said in known.items():
+        if said.visible:
+            yield Observable((one,), one.term if said.is_whole else all_of(said.visible), said.is_whole)
+
+
+def _together(known: Mapping[Stated, Divided]) -> Iterator[Observable]:
+    """Clauses that bound the same; where several pairs say the same, as machines on one line do of its ends, the first."""
+    bounding = [one for one, said in known.items() if said.bounds]
+    share, met = Sharing(), set[Bool]()
+    for one, other in combinations(bounding, 2):
+        parts = compatible(known[one].bounds, known[other].bounds)
+        term = share.bool(all_of(parts))
+        if parts and term not in met:
+            met.add(term)
+            yield Observable((one, other), term)
+
+
+def _running(known: Mapping[Stated, Divided], system: TransitionSystem) -> Iterator[tuple[Observable, list[Running]]]:
+    """Clauses that bound the same but for what wanders: over a run they are compared by running sums."""
+    bounds = {one: [steady(bound, system.next) for bound in said.bounds] for one, said in known.items()}
+    for one, other in combinations([one for one, found in bounds.items() if found], 2):
+        found = list(running(bounds[one], bounds[other], (str(one), str(other))))
+        if found:
+            yield Observable((one, other), all_of(part.term for part in found)), found
+
+
+def _at_once(observables: Sequence[Observable], known: Mapping[Stated, Divided], memory: frozenset[Var]) -> Bool:
+    """The condition under which none of them is violated; it may fail where none is, and is never too lax."""
+    alone = [one.term for one in observables if len(one.clauses) == 1]
+    paired = dict.fromkeys(clause for one in observables if len(one.clauses) > 1 for clause in one.clauses)
+    bounds = [bound for clause in paired for bound in known[clause].bounds if memory.isdisjoint(bound.reads)]
+    return all_of([*alone, all_compatible(bounds)])

@@ -1,0 +1,233 @@
+"""The laws of the worlds, judged on a recording: how near each came to being broken, and every cycle in which one was.
+
+    judge_recording(target, path)  ->  Judged(laws=[...], clocks=[...], ...)
+
+A recording with the ghosts of the machine has the truth, and every law is judged. Of one without, what is observable is: laws
+that read nothing hidden, and two laws together where they exclude each other (safeloc.language.observable).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from safeloc.language.distance import Distance, distance
+from safeloc.language.expr import Bool, Var
+from safeloc.language.nodes import Value
+from safeloc.language.observable import Observable, Seen, Stated, seen
+from safeloc.language.system import without_ghosts
+from safeloc.language.terms import variables
+from safeloc.language.trace import Trace
+from safeloc.proof.runs.quick import Quick
+from safeloc.proof.verification.recordings import recorded_times
+from safeloc.proof.verification.replay import is_whole, read_recording, run_of
+from safeloc.runtime.breaches import Breach, BrokenLaw
+from safeloc.runtime.embedding.laws import broken, read_values
+from safeloc.runtime.source_clocks import CLOCK_LAW, SourceClocks
+from safeloc.target import Target
+
+By = Literal["inputs", "part", "truth"]
+"""What a law was judged by: inputs, which say all of it; the part of it that they say; the truth in the recording."""
+
+
+@dataclass(frozen=True)
+class AtCycle:
+    """A breach in its cycle. `seen` tells whether inputs alone show it; without that, only the truth does."""
+
+    cycle: int
+    breach: Breach
+    seen: bool
+
+
+@dataclass(frozen=True)
+class JudgedLaw:
+    """A law, or two that may exclude each other, on a recording.
+
+    least   the least distance to being violated, in `unit`; below 0 where it was. None where no cycle had a distance
+    cycle   where that was
+    """
+
+    laws: tuple[BrokenLaw, ...]
+    by: By
+    unit: str
+    least: int | None = None
+    cycle: int | None = None
+    breaches: tuple[AtCycle, ...] = ()
+
+
+@dataclass(frozen=True)
+class SourceClock:
+    """How far a source's records came behind the latest time of another source, ms; below 0 where they were the latest.
+
+    `least_ms` that is far above 0 means a clock that is behind, or a delay of every record.
+    """
+
+    source: str
+    least_ms: int
+    greatest_ms: int
+    behind: str
+
+
+@dataclass(frozen=True)
+class Judged:
+    """All laws of a target on one recording.
+
+    laws      what was judged
+    unjudged  laws of which this recording shows nothing
+    clocks    of a recording of single records: the lags of sources
+    """
+
+    target: str
+    cycles: int
+    with_truth: bool
+    laws: tuple[JudgedLaw, ...]
+    unjudged: tuple[BrokenLaw, ...] = ()
+    clocks: tuple[SourceClock, ...] = ()
+    one_clock: JudgedLaw | None = None
+
+    @property
+    def every(self) -> tuple[JudgedLaw, ...]:
+        """What was judged, the law of one clock included."""
+        return self.laws if self.one_clock is None else (*self.laws, self.one_clock)
+
+    @property
+    def broken(self) -> list[JudgedLaw]:
+        """What was violated in some cycle."""
+        return [one for one in self.every if one.breaches]
+
+
+def judge_recording(target: Target, path: Path, *, period_ms: int | None = None, run: str | None = None) -> Judged:
+    """Judge the laws of a target on a recording; arguments and errors are those of `replay_stream`."""
+    stream, _ = read_recording(target, path, period_ms=period_ms, run=run)
+    whole = is_whole(target, stream)
+    trace = run_of(target.system if whole else without_ghosts(target.system), path, stream)
+    around = seen(target.system)
+    asked = _asked(around, with_truth=whole)
+    found = _Judging(asked, around).on(trace)
+    told = {law for one in found for law in one.laws}
+    unjudged = tuple(law for one in around.stated if (law := broken(one)) not in told)
+    if period_ms is None:  # steps have lost the times of their records
+        return Judged(target.name, len(trace.steps), whole, found, (*unjudged, CLOCK_LAW))
+    return Judged(target.name, len(trace.steps), whole, found, unjudged, *_clocks(target, path, period_ms))
+
+
+# ------------------------------------------------------------------ what is asked, cycle by cycle
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """A condition to be judged: of one clause or two, with its distance."""
+
+    clauses: tuple[Stated, ...]
+    by: By
+    term: Bool
+    distance: Distance
+
+    def breach(self, values: Mapping[Var, Value], by: int) -> Breach:
+        """Return its breach in a cycle with these values, by this distance."""
+        read = {var: values[var] for var in variables([self.term])}
+        laws = tuple(map(broken, self.clauses))
+        return Breach(laws, self.distance.told(by), self.distance.unit.name, read_values(read))
+
+
+def _asked(around: Seen, *, with_truth: bool) -> list[_Asked]:
+    """What a recording with the truth, or without it, can be asked."""
+    observables = [one for one in around.observables if len(one.clauses) > 1 or not with_truth]
+    stated = around.stated if with_truth else ()
+    return [*(_clause(around, one) for one in stated), *map(_observable, observables)]
+
+
+def _clause(around: Seen, one: Stated) -> _Asked:
+    hides = not around.hidden.isdisjoint(variables([one.term]))
+    return _Asked((one,), "truth" if hides else "inputs", one.term, distance(one.term, around.hidden))
+
+
+def _observable(one: Observable) -> _Asked:
+    is_part = len(one.clauses) == 1 and not one.is_whole
+    return _Asked(one.clauses, "part" if is_part else "inputs", one.term, distance(one.term))
+
+
+class _Judging:
+    """Judges the conditions in every cycle of a run, by generated code that the interpreter checks now and then."""
+
+    def __init__(self, asked: Sequence[_Asked], around: Seen) -> None:
+        self._asked, self._around = asked, around
+        self._shown_by_inputs = {one: around.of(one) for one in around.stated}
+        terms = [term for one in asked for term in (one.term, one.distance.term)]
+        self._judge = Quick(terms)
+        self._seen = Quick([one.term for one in around.observables])
+        self._remember = Quick(list(around.memory.values()))
+
+    def on(self, trace: Trace) -> tuple[JudgedLaw, ...]:
+        """Return what was asked, judged in every cycle of the run."""
+        found = [_Found() for _ in self._asked]
+        for cycle, values in enumerate(self._cycles(trace), 1):
+            told = self._judge(values)
+            for one, so_far, holds, by in zip(self._asked, found, told[::2], told[1::2], strict=True):
+                so_far.near(cycle, one.distance.told(int(by)))
+                if not holds:
+                    seen_by_inputs = one.by != "truth" or self._is_seen(one.clauses[0], values)
+                    so_far.breaches.append(AtCycle(cycle, one.breach(values, int(by)), seen_by_inputs))
+        return tuple(so_far.law(one) for one, so_far in zip(self._asked, found, strict=True))
+
+    def _is_seen(self, clause: Stated, values: Mapping[Var, Value]) -> bool:
+        """Return whether something observable of the clause is violated in this cycle too."""
+        holds = dict(zip(self._around.observables, self._seen(values), strict=True))
+        return not all(holds[one] for one in self._shown_by_inputs[clause])
+
+    def _cycles(self, trace: Trace) -> Iterator[dict[Var, Value]]:
+        """The values of each cycle: state before it, inputs, state after it, and what an observer remembers."""
+        system, before = trace.system, trace.initial
+        memory = dict(self._around.first)
+        for step in trace.steps:
+            values: dict[Var, Value] = {
+                **{var: step.state[now.name] for var, now in self._around.after.items()},
+                **memory,
+                **{var: before[var.name] for var in system.state},
+                **{var: step.inputs[var.name] for var in system.inputs},
+            }
+            yield values
+            memory = dict(zip(memory, self._remember(values), strict=True))
+            before = step.state
+
+
+@dataclass
+class _Found:
+    """What was found so far of one condition."""
+
+    least: int | None = None
+    cycle: int | None = None
+    breaches: list[AtCycle] = field(default_factory=list)
+
+    def near(self, cycle: int, by: int | None) -> None:
+        """Take the distance of a cycle, where it has one."""
+        if by is not None and (self.least is None or by < self.least):
+            self.least, self.cycle = by, cycle
+
+    def law(self, one: _Asked) -> JudgedLaw:
+        """Return it as it is told."""
+        laws = tuple(map(broken, one.clauses))
+        return JudgedLaw(laws, one.by, one.distance.unit.name, self.least, self.cycle, tuple(self.breaches))
+
+
+# ------------------------------------------------------------------ the clocks of sources
+
+
+def _clocks(target: Target, path: Path, period_ms: int) -> tuple[tuple[SourceClock, ...], JudgedLaw]:
+    """The lags of the sources of a recording of single records, and whether they tell the time of one clock."""
+    clocks, found, latest_ms = SourceClocks(), _Found(), 0
+    for source, time_ms in recorded_times(target, path):
+        latest_ms = max(latest_ms, time_ms)
+        cycle = max(1, -(-latest_ms // period_ms))
+        lag = clocks.hear(source, time_ms)
+        if lag is None:
+            continue
+        found.near(cycle, lag.distance_ms(period_ms))
+        if lag.distance_ms(period_ms) < 0:
+            found.breaches.append(AtCycle(cycle, lag.breach(period_ms), seen=True))
+    told = tuple(
+        SourceClock(source, clocks.least[source], lag.lag_ms, lag.behind) for source, lag in clocks.greatest.items()
+    )
+    return told, JudgedLaw((CLOCK_LAW,), "inputs", "ms", found.least, found.cycle, tuple(found.breaches))

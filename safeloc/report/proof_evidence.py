@@ -1,0 +1,35 @@
+"""What the proofs of a target rest on, and what becomes of it when a clause is broken, as data for the report."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from safeloc.assurance.evidence.core_work import as_data
+from safeloc.assurance.evidence.cut_sets import cut_sets, numbered
+from safeloc.assurance.evidence.effects import Effect
+from safeloc.assurance.evidence.fault_data import faults_data
+from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.proof.cores.cores import Core
+from safeloc.report.fault_tree import fault_tree
+from safeloc.target import Target
+
+
+def evidence_data(target: Target, cores: Sequence[Core], effects: Sequence[Effect]) -> dict[str, Any]:
+    """Return the cores of all claims, the effects of broken clauses, and the picture of the cut sets ("" without an interval)."""
+    sets = cut_sets(effects)
+    told = as_data(target, cores, whole=True)
+    found = {
+        "cores": [{**one, "rows_of": _row_count(target, one["kept_by"])} for one in told["cores"]],
+        "needed_by_none": told["needed_by_none"],
+        "faults": faults_data(target, effects, sets),
+        "picture": "" if holds_truth(target) is None else fault_tree(target.name, sets, numbered(target.system)),
+    }
+    plain: dict[str, Any] = json.loads(json.dumps(found))
+    return plain
+
+
+def _row_count(target: Target, kept_by: str) -> int:
+    """How many rows the machine has on which the claim was proved."""
+    return sum(len(machine.transitions) for machine in target.machines if kept_by in ("", machine.name))

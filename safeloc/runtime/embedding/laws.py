@@ -1,0 +1,113 @@
+"""The observable laws of a program's worlds, judged in each cycle by generated code (safeloc.language.observable).
+
+In a cycle without a breach one short condition is all that is computed. Only where it fails is every law judged by itself,
+with its distance and values.
+
+    laws = ObservableLaws(target)
+    memory = laws.begin()
+    breaches, memory = laws.judged(before, inputs, after, memory)
+
+The memory is what an observer works out from inputs, cycle by cycle, such as "a train is in the area". It is None where cycles
+were missed: laws that need it are not judged then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from safeloc.codegen.compiled import Row, compile_rows
+from safeloc.language.distance import distance
+from safeloc.language.expr import Expr, NumVar, Var
+from safeloc.language.nodes import Value
+from safeloc.language.observable import Observable, Seen, Stated, seen
+from safeloc.language.system import TransitionSystem
+from safeloc.language.terms import variables
+from safeloc.language.trace import shown
+from safeloc.language.units import Enumeration
+from safeloc.runtime.breaches import Breach, BrokenLaw, Shown
+
+Memory = Row | None
+PRESENT = ".present"
+
+
+class ObservableLaws:
+    """The laws of a system that can be seen to hold on board.
+
+    whole   the system with its ghosts
+    board   the same as it runs on board: rows are in the order of its state and inputs
+    """
+
+    def __init__(self, whole: TransitionSystem, board: TransitionSystem) -> None:
+        self.seen: Seen = seen(whole)
+        self._rows: Mapping[str, Sequence[Var]] = {
+            "before": board.state,
+            "inputs": board.inputs,
+            "after": tuple(self.seen.after),
+            "memory": tuple(self.seen.memory),
+        }
+        moves = list(self.seen.memory.values())
+        self._at_once = compile_rows(self._rows, [self.seen.at_once, self.seen.recalled, *moves])
+        self._judges = [
+            _Judge(self.seen, one, self._rows) for one in self.seen.observables
+        ]  # made before a cycle waits
+        self._first: Row = tuple(self.seen.first.values())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of what is remembered, in the order of the memory."""
+        return tuple(var.name for var in self.seen.memory)
+
+    def begin(self) -> Memory:
+        """Return the memory at the beginning of the world."""
+        return self._first
+
+    def judged(self, before: Row, inputs: Row, after: Row, memory: Memory) -> tuple[tuple[Breach, ...], Memory]:
+        """Return every breach of the cycle, and the memory after it."""
+        holds, recalled, *moved = self._at_once(before, inputs, after, self._first if memory is None else memory)
+        if holds and (recalled or memory is None):
+            return (), memory if memory is None else tuple(moved)
+        rows = {"before": before, "inputs": inputs, "after": after, "memory": memory or self._first}
+        judges = [one for one in self._judges if memory is not None or not one.recalls]
+        found = [breach for one in judges if (breach := one.breach(rows)) is not None]
+        return tuple(found), None if memory is None else tuple(moved)
+
+
+class _Judge:
+    """One observable condition: whether it is violated, by how much, and what it read."""
+
+    def __init__(self, around: Seen, one: Observable, rows: Mapping[str, Sequence[Var]]) -> None:
+        self.recalls = around.recalls(one)
+        self._laws = tuple(broken(clause) for clause in one.clauses)
+        self._distance = distance(one.term)
+        self._judge: Callable[..., Row] = compile_rows(rows, [one.term, self._distance.term])
+        self._reads = read_places(one.term, rows)
+
+    def breach(self, rows: Mapping[str, Row]) -> Breach | None:
+        """Return the breach in a cycle with these rows of values; None without one."""
+        holds, by = self._judge(*rows.values())
+        if holds:
+            return None
+        values = {var: rows[row][place] for var, (row, place) in self._reads.items()}
+        return Breach(self._laws, self._distance.told(int(by)), self._distance.unit.name, read_values(values))
+
+
+def broken(clause: Stated) -> BrokenLaw:
+    """Return the law that a clause states, as a breach names it."""
+    return BrokenLaw(clause.machine.name, clause.name, clause.law.statement, clause.law.owner)
+
+
+def read_places(term: Expr, rows: Mapping[str, Sequence[Var]]) -> dict[Var, tuple[str, int]]:
+    """Return where the variables of a term stand: the name of the row, and the place in it."""
+    read = set(variables([term]))
+    return {var: (name, place) for name, row in rows.items() for place, var in enumerate(row) if var in read}
+
+
+def read_values(values: Mapping[Var, Value]) -> dict[str, Shown]:
+    """Return values by name, members by label; what was absent is None, and presence is not told besides."""
+    by_name = {var.name: _shown(var, value) for var, value in values.items()}
+    absent = {name.removesuffix(PRESENT) for name, value in by_name.items() if name.endswith(PRESENT) and not value}
+    return {name: None if name in absent else value for name, value in by_name.items() if not name.endswith(PRESENT)}
+
+
+def _shown(var: Var, value: Value) -> Shown:
+    return shown(var, value) if isinstance(var, NumVar) and isinstance(var.unit, Enumeration) else value

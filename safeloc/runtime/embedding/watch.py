@@ -1,0 +1,58 @@
+"""The watch that a controller keeps over the assumptions of its machine, cycle by cycle: it reads, and changes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from safeloc.codegen.compiled import Row
+from safeloc.language.nodes import Value
+from safeloc.runtime.breaches import Breach
+from safeloc.runtime.embedding.laws import Memory
+from safeloc.runtime.embedding.program import Program
+from safeloc.runtime.source_clocks import lag_of
+from safeloc.runtime.streams.records import Record, TruthRecord, Unusable
+
+Latest = Mapping[str, tuple[int, int | None]]
+TRUTH = "truth"
+
+
+class Watch:
+    """What a controller remembers for the laws: an observer's memory, and what of the open cycle came too late."""
+
+    def __init__(self, program: Program, period_ms: int) -> None:
+        self._laws, self._period_ms = program.laws, period_ms
+        self._memory: Memory = self._laws.begin()
+        self._lagging: list[Breach] = []
+
+    def late(self, record: Record | Unusable, latest: Latest) -> None:
+        """Take a record of a cycle that is over; `latest` is the newest time of every channel, as the border has it."""
+        if isinstance(record, (Unusable, TruthRecord)):  # no measurement: its time is of no device's clock
+            return
+        told = {channel: time_ms for channel, (time_ms, _) in latest.items() if channel != TRUTH}
+        lag = lag_of(record.channel, record.time_ms, told)
+        if lag is not None and lag.distance_ms(self._period_ms) < 0:
+            self._lagging.append(lag.breach(self._period_ms))
+
+    def judge(self, before: Row, inputs: Row, after: Row) -> tuple[Breach, ...]:
+        """Return the breaches of the cycle."""
+        found, self._memory = self._laws.judged(before, inputs, after, self._memory)
+        return (*self._late_ones(), *found) if self._lagging else found
+
+    def begin_anew(self) -> tuple[Breach, ...]:
+        """The machine begins anew, and what an observer works out with it; return what late records show all the same."""
+        self._memory = self._laws.begin()
+        return self._late_ones()
+
+    @property
+    def observed(self) -> dict[str, Value] | None:
+        """What an observer has worked out, by name, for a snapshot; None where that is not known."""
+        return None if self._memory is None else dict(zip(self._laws.names, self._memory, strict=True))
+
+    def restore(self, observed: Mapping[str, Value] | None) -> None:
+        """Go on with what a snapshot holds. Without it, laws that need it are not judged until the machine begins anew."""
+        known = observed if observed is not None or self._laws.names else {}
+        self._memory, self._lagging = (None if known is None else tuple(known.values())), []
+
+    def _late_ones(self) -> tuple[Breach, ...]:
+        lagging, self._lagging = self._lagging, []
+        return tuple(lagging)

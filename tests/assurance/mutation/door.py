@@ -1,0 +1,53 @@
+"""A small composition: a watch tells whether a vehicle is slow and whether it is silent, and a door opens for slow ones."""
+
+from __future__ import annotations
+
+from safeloc.language.composition import Composition, compose
+from safeloc.language.expr import Expr, NumVar, Var, boolean, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import Property, always
+from safeloc.language.units import COUNT, MM_S
+from safeloc.target import Target
+
+SLOW_MM_S = 50
+SPEED, LOUD = number("speed_mm_s", MM_S, 0, 100), boolean("loud")
+SEEN, LAST = number("seen_mm_s", MM_S, 0, 100), boolean("last_loud")
+SLOW, SILENT = boolean("slow"), boolean("silent")
+OPENED = number("opened", COUNT, 0, 9)
+
+
+def watch() -> Machine:
+    """Remembers what it saw."""
+    (on,) = modes("ON")
+    sees = Transition("sees", on, on, set={SEEN: SPEED, LAST: LOUD}, requirements=("REQ-1",))
+    told = {"slow": SEEN <= SLOW_MM_S, "silent": ~LAST}
+    return Machine("watch", (on,), [SPEED, LOUD], {SEEN: 100, LAST: True}, told, [sees])
+
+
+def door() -> Machine:
+    """Opens for slow vehicles that are silent."""
+    shut, open_ = table = modes("SHUT", "OPEN")
+    rows = [
+        Transition("opens", shut, open_, SLOW & SILENT, {OPENED: 1}, ("REQ-2",)),
+        Transition("shuts", open_, shut, ~SLOW, {OPENED: 0}, ("REQ-2",)),
+    ]
+    return Machine("door", table, [SLOW, SILENT], {OPENED: 0}, {"opened": OPENED}, rows)
+
+
+def target() -> Target:
+    """Both, with one claim of the door by itself and one of the whole."""
+    first, second = watch(), door()
+    wires: dict[Var, Expr] = {SLOW: first.flag("slow"), SILENT: first.flag("silent")}
+    whole = compose("watched_door", [first, second], wires)
+    by_itself = always("shut is counted", second.mode.eq(second.modes[0]).implies(OPENED.eq(0)), unconditional=True)
+    return Target(
+        "watched_door", (first, second), whole.system, tuple(_claims(whole, second)), members={"door": (by_itself,)}
+    )
+
+
+def _claims(whole: Composition, second: Machine) -> list[Property]:
+    """In a figure of its own, from what the watch hears."""
+    speed = whole.system.variable("watch.speed_mm_s")
+    assert isinstance(speed, NumVar)
+    is_open = whole.of(second).bool(second.mode.eq(second.modes[1]))
+    return [always("open for slow ones only", is_open.implies(speed <= SLOW_MM_S), unconditional=True)]

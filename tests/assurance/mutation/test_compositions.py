@@ -1,0 +1,121 @@
+"""Wrong machines and wrong wires of a composition: the machine's own claims come first, then those of the whole."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from safeloc.assurance.mutation.claims import Canon
+from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
+from safeloc.assurance.mutation.members import Composed, composed, joined
+from safeloc.assurance.mutation.places import Places, noted
+from safeloc.assurance.mutation.results import Judged, by_requirement
+from safeloc.assurance.mutation.whole_judging import shared
+from safeloc.assurance.mutation.wires import wire_edits
+from safeloc.assurance.mutation.work import Plan
+from safeloc.errors import InputError
+from safeloc.proof.cache.store import Store
+from safeloc.proof.provers.limits import Limits
+from tests.assurance.mutation.door import target
+
+PLAN = Plan(Limits(seconds=2), 0, 2)
+
+
+@cache
+def loaded() -> tuple[Composed, Places]:
+    """The composition, and where its terms are written."""
+    with noted() as places:
+        whole = target()
+    return composed(whole, places), places
+
+
+@cache
+def all_judged() -> tuple[Judged, ...]:
+    """All mutants of both machines and of the wires."""
+    whole, places = loaded()
+    return tuple(JudgingComposed(whole, PLAN, lambda _: None).all(parts(whole, places, most=None, seed=0)))
+
+
+def found(words: str, where: str) -> Judged:
+    """The one mutant of these words."""
+    [one] = [one for one in all_judged() if one.words == words and where in str(one.where)]
+    return one
+
+
+def test_the_same_machine_makes_the_same_whole() -> None:
+    """Made again with nothing wrong, nothing is seen to have changed."""
+    whole, _ = loaded()
+    canon = Canon()
+    was = shared(whole.target.system, canon)
+    for name in whole.members:
+        now = shared(joined(whole, whole.members[name].machine), canon)
+        assert all(now.next[var] is was.next[var] for var in was.state)
+        assert {name: now.outputs[name] is term for name, term in was.outputs.items()} == dict.fromkeys(
+            was.outputs, True
+        )
+        assert [(part.heard, part.owed) for part in now.parts] == [(part.heard, part.owed) for part in was.parts]
+
+
+def test_its_own_claim_comes_first() -> None:
+    """What the door's own claim notices is not asked of the whole."""
+    one = found("opened keeps its value", "row 'shuts'")
+    assert ("door", "property shut is counted") == (one.machine, one.everywhere.by[0])
+
+
+def test_the_whole_notices_what_the_machine_does_not() -> None:
+    """Of the watch by itself nothing is claimed; with it wrong the door opens for fast ones."""
+    for words, where in (("50 becomes 51", "output slow"), ("seen_mm_s keeps its value", "row 'sees'")):
+        one = found(words, where)
+        assert ("no longer proved", ("property open for slow ones only",)) == (one.everywhere.fate, one.everywhere.by)
+
+
+def test_a_wrong_wire() -> None:
+    """A crossed wire lets fast ones in; one that is cut keeps the door shut, which nothing claims it must not be."""
+    crossed, cut = found("slow hears what silent hears", "wire"), found("silent hears nothing", "wire")
+    assert ("no longer proved", ("property open for slow ones only",)) == (
+        crossed.everywhere.fate,
+        crossed.everywhere.by,
+    )
+    assert "survived" == cut.everywhere.fate
+    assert {"watched_door"} == {crossed.machine, cut.machine}
+
+
+def test_what_nothing_notices_survives() -> None:
+    """Nobody claims that silence is asked for."""
+    assert "survived" == found("condition 2 is left out", "opens").everywhere.fate
+
+
+def test_every_mutant_is_told_once() -> None:
+    """Machines and wires, each with its own requirement."""
+    whole, places = loaded()
+    some = parts(whole, places, most=None, seed=0)
+    assert some.of == some.number == len(all_judged()) == len({one.id for one in all_judged()})
+    assert {"REQ-1", "REQ-2"} == set(by_requirement(all_judged()))
+    assert 4 == len(wire_edits(whole))
+
+
+def test_what_was_judged_is_kept(tmp_path: Path) -> None:
+    """A second run takes it from there, and it is the same."""
+    whole, places = loaded()
+    store, some = Store(tmp_path), parts(whole, places, most=5, seed=1)
+    first = JudgingComposed(whole, PLAN, lambda _: None, keep_in=store).all(some)
+    heard = list[Judged]()
+    again = JudgingComposed(whole, PLAN, heard.append, look_in=store).all(some)
+    assert [asdict(one) for one in first] == [asdict(one) for one in again]
+    assert sorted(one.id for one in again) == sorted(one.id for one in heard)
+
+
+def test_an_unknown_mutant_is_refused() -> None:
+    """The message says where the ids are."""
+    whole, places = loaded()
+    with pytest.raises(InputError, match="watched_door has no mutant 'door-0'; --json lists them"):
+        parts(whole, places, most=None, seed=0, only=["door-0"])
+
+
+def test_a_composition_that_was_not_noted_is_refused() -> None:
+    """How it is wired must have been seen."""
+    with pytest.raises(InputError, match="how its machines are wired is not known"):
+        composed(target(), Places())

@@ -1,0 +1,63 @@
+"""`safeloc prove --configurations` and `safeloc list splits`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tests.cli.calling import Call
+
+ONE = ("--property", "only the own pattern passes", "--cache")
+
+
+def test_each_configuration_is_proved_and_told(call: Call, tmp_path: Path) -> None:
+    """With the figures that are not the defaults, and a line for each at the end."""
+    called = call("prove", "emitter", "--configurations", "all", *ONE, str(tmp_path))
+    assert 0 == called.code
+    assert "emitter, the defaults: no figure is changed" in called.out
+    assert "emitter, one pattern is enough: passes_to_recover = 1" in called.out
+    first, second = called.out.splitlines()[-2:]
+    assert first.startswith("the defaults ")
+    assert second.startswith("one pattern is enough ")
+    assert first.endswith(" all holds: 3 proved")
+    assert second.endswith(" all holds: 3 proved")
+
+
+def test_one_configuration_by_name(call: Call, tmp_path: Path) -> None:
+    """As JSON, a report for each name."""
+    called = call(
+        "prove", "emitter", "--configurations", "one pattern is enough", *ONE, str(tmp_path), "--json"
+    )  # fmt: skip
+    (name, report), = json.loads(called.out)["configurations"].items()  # fmt: skip
+    assert "one pattern is enough" == name
+    assert {"proved"} == {one["verdict"] for one in report["results"]}
+
+
+def test_what_is_no_configuration_is_refused(call: Call, tmp_path: Path) -> None:
+    """An unknown name, a machine of one's own, and a file besides."""
+    unknown = call("prove", "emitter", "--configurations", "none such")
+    assert 2 == unknown.code
+    assert "emitter has no configuration 'none such'; it has all, the defaults, one pattern is enough." in unknown.err
+    own = call("prove", "file.py:machine", "--configurations", "all")
+    assert (2, True) == (own.code, "only shipped machines declare configurations" in own.err)
+    file = tmp_path / "own.toml"
+    file.write_text("", encoding="utf-8")
+    both = call("prove", "emitter", "--configurations", "all", "--config", str(file))
+    assert (2, True) == (both.code, "exclude each other" in " ".join(both.err.split()))
+
+
+def test_folded_cases_are_listed(call: Call) -> None:
+    """Where each stands, what folds it, and where it is live or why it never is."""
+    emitter = call("list", "splits", "--machine", "emitter").out
+    assert "branch where it fails  models/emitter/__init__.py:" in emitter
+    assert "no code takes it; live in emitter, one pattern is enough" in emitter
+    assert "1 cases are folded away by defaults; 0 of them are live in no configuration." in emitter
+    (row,) = json.loads(call("list", "splits", "--machine", "transmission", "--json").out)
+    assert "the ranges of its variables decide it" == row["folded"]
+    assert row["live"].startswith("never live: ")
+
+
+def test_splits_of_an_unknown_machine_are_refused(call: Call) -> None:
+    """Only shipped machines declare configurations."""
+    called = call("list", "splits", "--machine", "none_such")
+    assert (2, True) == (called.code, "no shipped machine 'none_such'" in called.err)
