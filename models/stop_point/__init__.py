@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, Expr, Lit, Num, ite
+from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, ite
 from safeloc.language.machine import Machine, current_mode, modes
 from safeloc.language.units import MM_S
 from safeloc.models.stop_point.cycle import Judged, judge
@@ -111,11 +111,12 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """A stop is pending just in the modes that speak of one; without one no distance is shown."""
+    """A stop is pending just in the modes that speak of one; without one no place is kept and no distance shown."""
     idle = current.eq(table[0])
     return {
         "a stop is pending unless idle": idle.iff(own.pending.eq(0)),
         "no distance while idle": idle.implies(own.distance.eq(0)),
+        "no place while idle": idle.implies(all_of(kept.eq(0) for kept in (own.stop, own.before, own.after))),
     }
 
 
