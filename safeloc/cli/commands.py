@@ -73,18 +73,18 @@ COMMANDS: Mapping[str, Known] = {
     ),
     "cache": Known("keeping", "cache", "Show the size of the cache of earlier results, or clear it."),
     "prove": Known(
-        "verify",
+        "prove",
         "prove",
         "Prove the properties and obligations of a machine for all streams that obey its assumption.",
     ),
-    "test": Known("verify", "test", "Run property tests along plausible and faulty streams."),
+    "test": Known("property_tests", "test", "Run property tests along plausible and faulty streams."),
     "replay": Known(
-        "verify",
+        "replay",
         "replay",
         "Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world.",
     ),
     "report": Known(
-        "verify", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
+        "report", "report", "Render the page of a report folder again, or unpack the report's certificates and traces."
     ),
     "mutate": Known(
         "mutate",

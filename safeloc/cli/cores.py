@@ -11,8 +11,8 @@ from safeloc.assurance.evidence.core_work import SCHEMA, as_data, cores_of, need
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
+from safeloc.cli.options import ConfigOption, JobsOption, SecondsOption, TargetArgument
 from safeloc.cli.show import Progressing
-from safeloc.cli.verify import ConfigOption, JobsOption, SecondsOption, TargetArgument
 from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 

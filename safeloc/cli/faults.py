@@ -16,8 +16,8 @@ from safeloc.assurance.evidence.interval import holds_truth
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
+from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, Progressing
-from safeloc.cli.verify import ConfigOption, JobsOption, TargetArgument
 from safeloc.proof.cores.clauses import laws
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.fault_tree import fault_tree

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from safeloc.cli.console import out
+from safeloc.cli.console import err, out
 from safeloc.proof.cache.store import Store, usual_folder
 from safeloc.proof.results import Finding
 
@@ -34,6 +34,12 @@ def told(findings: Sequence[Finding]) -> str:
     if not since:
         return ""
     return f"{len(findings) - len(since)} results computed now, {len(since)} from the cache, the oldest of {min(since)}"
+
+
+def tell_kept(findings: Sequence[Finding], *, quiet: bool) -> None:
+    """Print how many findings come from the cache, where some do."""
+    if not quiet and told(findings):
+        err.print(told(findings), markup=False)
 
 
 def cache(

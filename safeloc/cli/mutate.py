@@ -23,8 +23,8 @@ from safeloc.assurance.mutation.work import Judging, Plan
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
+from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import Progressing
-from safeloc.cli.verify import ConfigOption, JobsOption, TargetArgument
 from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits

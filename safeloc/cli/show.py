@@ -96,6 +96,14 @@ def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
         out.print(summed_up(findings), markup=False)
 
 
+def print_summary(findings: Sequence[Finding]) -> None:
+    """Print the results that are neither proved nor held, and the headline."""
+    wrong = [finding for finding in findings if word(finding.result) not in ("proved", "held")]
+    if wrong:
+        findings_table(wrong, sum_up=False)
+    out.print(summed_up(findings), markup=False)
+
+
 def summed_up(findings: Sequence[Finding]) -> str:
     """Return one line with the overall verdict and the number of findings of each verdict."""
     said = [Said(finding.kind, word(finding.result)) for finding in findings]

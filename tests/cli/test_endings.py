@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from safeloc.cli import main as commands
-from safeloc.cli import show, verify
+from safeloc.cli import prove, show
 from safeloc.cli.show import Progressing
 from safeloc.language.verdict import Held
 from safeloc.proof.results import Finding
@@ -37,7 +37,7 @@ def test_no_error_looks_like_a_violation(
     def fails(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(verify, "load_target", fails)
+    monkeypatch.setattr(prove, "load_target", fails)
     called = call("prove", DOOR)
     assert (called.code, called.out) == (code, "")
     assert message in called.err

@@ -1,0 +1,69 @@
+"""The command `safeloc replay`: a recorded stream, judged by the properties or by the laws of the worlds."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from safeloc.catalogue import load_target
+from safeloc.cli.console import err, out, print_json
+from safeloc.cli.judged import tell
+from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
+from safeloc.cli.show import code, findings_table
+from safeloc.proof.verification.assumptions import judge_recording
+from safeloc.proof.verification.replay import as_table, replay_stream
+from safeloc.report.data import report_data
+from safeloc.report.folder import usable, write_folder
+
+
+def replay(
+    target: TargetArgument,
+    stream: Annotated[Path, typer.Argument(help="JSONL, CSV or Parquet with the inputs of every step")],
+    config: ConfigOption = None,
+    period: Annotated[
+        int | None,
+        typer.Option("--period-ms", help="the file holds single records; group them into steps of this period", min=1),
+    ] = None,
+    run: Annotated[
+        str | None, typer.Option("--run", help="the file holds a report's traces; replay the run of this result")
+    ] = None,
+    form: Annotated[str, typer.Option("--format", help="table or jsonl")] = "table",
+    folder: Annotated[Path | None, typer.Option("--out", help="folder for a report with pictures")] = None,
+    assumptions: Annotated[
+        bool,
+        typer.Option(
+            "--assumptions",
+            help="judge the laws of the worlds instead: how near each came to being broken, and every breach",
+        ),
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a recorded stream through a machine and check every property on it, or what the proofs assume of the world."""
+    if form not in ("table", "jsonl"):
+        raise typer.BadParameter(f"--format {form!r}: choose table or jsonl.")
+    if run is not None and period is not None:
+        raise typer.BadParameter("--period-ms is for single records; the run of --run has steps already.")
+    loaded = load_target(target, config)
+    if assumptions:
+        if folder is not None or form != "table":
+            raise typer.BadParameter("--assumptions goes with neither --out nor --format; give --json for data.")
+        judged = judge_recording(loaded, stream, period_ms=period, run=run)
+        raise typer.Exit(tell(loaded, stream.name, judged, as_json=as_json))
+    if folder is not None:
+        usable(folder)
+    rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
+    if folder is not None:
+        err.print(f"report: {write_folder(folder, findings, [loaded])}", markup=False)
+    if as_json:
+        print_json(report_data(findings, [loaded]))
+    elif form == "jsonl":
+        for row in rows:
+            sys.stdout.write(row.as_json() + "\n")
+    else:
+        for line in as_table(rows):
+            out.print(line, markup=False)
+        findings_table(findings)
+    raise typer.Exit(code(findings))
