@@ -29,6 +29,7 @@ def with_told_error(world: World, own: Surroundings, check: UnitCheck) -> World:
         "of both units that the machine has not yet added to its error bound counts as well. A definition: it excludes nothing.",
         source="[D] a definition",
         owner="nobody",
+        shares="it defines the error of what the machine tells, and so says what the machine has not charged yet",
     )
     return replace(
         world,

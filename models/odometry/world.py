@@ -39,7 +39,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.odometry.distance_device import Unit
 from safeloc.models.odometry.marker_reading import Reader
 from safeloc.models.odometry.variables import OdometryConfig, Parts
-from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import CAN_BE_RUN, THOUSAND, Measuring, Physics
 
 ENDS = ("front", "rear")
 
@@ -132,6 +132,7 @@ def _unit_law(own: Parts, index: int) -> Law:
         "[S] SUBSET-041: 5 m + 5 % of every measured distance, speed accuracy; figures of other kinds [M]",
         "supplier",
         "type test; in operation the other unit of the device, and the run between two markers against the map",
+        CAN_BE_RUN,
     )
 
 
@@ -189,6 +190,7 @@ def _reader_law(own: Parts, end: int) -> Law:
         "[S] balise reader 10 +- 2 ms; the distance told since then [D]: by counting units, over less than a cycle",
         "supplier",
         "type test of reader and time stamp at the highest speed",
+        "how far the vehicle ran since the reading, either way, is one input or 0; both speak of its size",
     )
 
 
@@ -214,6 +216,7 @@ def _map_law(own: Parts, end: int) -> Law:
         "[M] Q_NVLOCACC 12 m; overridden per marker",
         "infrastructure",
         "survey; after works on the track; two markers against the distance measured between them",
+        "the accuracy that comes with a marker, or the default, is an input read in its unit and nothing more",
     )
 
 
@@ -255,6 +258,7 @@ def _far_law(own: Parts, end: int) -> Law:
         "[D] layout: nearer than that, no window could tell it from the marker that is due",
         "infrastructure",
         "layout check of neighbouring tracks; survey of mounted markers",
+        "where a reading puts the reader is the sum of two inputs; a stray reading has no true place to speak of instead",
     )
 
 

@@ -27,6 +27,11 @@ from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.vocabulary.error_law import ErrorLaw
 
 THOUSAND = 1_000
+CAN_BE_RUN = (
+    "which distance no vehicle can have run in a cycle is computed here and in the machine, each from the highest speed; "
+    "the formula is the same, its two places are not"
+)
+"""Why a law of a unit has a part in common with a machine that tries the distance too."""
 
 
 @dataclass(frozen=True)

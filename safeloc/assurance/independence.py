@@ -9,10 +9,10 @@ values of one declared variable, such as two modes: they compute nothing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from safeloc.language.checks.machine import read_of_machine
-from safeloc.language.nodes import Compare, Expr, Lit, Not, NumVar, Or, Var
+from safeloc.language.nodes import Choose, ChooseBool, Compare, Expr, Lit, Not, NumVar, Or, Var
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.terms import Sharing, Substitution, children, in_order, text, variables
@@ -32,6 +32,7 @@ class Shared:
     term   the sub-term, written out
     used   what the machine computes with it: "next value of x", "output y"
     src    file and line of the claim or of the machine
+    reason  why the clause says the same as the machine, as its law declares; "" where nobody has said so
     """
 
     of: str
@@ -39,6 +40,7 @@ class Shared:
     term: str
     used: tuple[str, ...]
     src: str
+    reason: str = ""
 
 
 def shared_terms(target: Target) -> list[Shared]:
@@ -50,18 +52,33 @@ def shared_terms(target: Target) -> list[Shared]:
     ]
     for machine in target.machines:
         laws = _Comparison(lower(machine))
-        for name, term in machine.world.terms.items():
-            found += laws.shared(f"clause {name} of {machine.name}", [term], machine.src)
+        for name, law in machine.world.laws.items():
+            common = laws.shared(f"clause {name} of {machine.name}", [law.term], machine.src)
+            found += [replace(one, reason=law.shares) for one in common]
     return found
 
 
-def follows_machine(target: Target) -> dict[str, tuple[str, ...]]:
-    """Return each clause and ghost's move that reads what its machine computes, with the names of what it reads."""
-    return {
-        f"{what} of {machine.name}": tuple(var.name for var in read)
+@dataclass(frozen=True)
+class Follows:
+    """A clause or a ghost's move that reads what its machine computes.
+
+    of      the clause or move ("clause 'the vehicle stays on the line' of odometry")
+    reads   names of what it reads
+    reason  why, as the world declares it
+    """
+
+    of: str
+    reads: tuple[str, ...]
+    reason: str
+
+
+def follows_machine(target: Target) -> list[Follows]:
+    """Return each clause and ghost's move that reads what its machine computes."""
+    return [
+        Follows(f"{what} of {machine.name}", tuple(var.name for var in read), machine.world.reads_machine)
         for machine in target.machines
         for what, read in read_of_machine(machine).items()
-    }
+    ]
 
 
 def _terms(prop: Property) -> list[Expr]:
@@ -73,7 +90,7 @@ class _Comparison:
 
     def __init__(self, system: TransitionSystem) -> None:
         self._share = Sharing()
-        self._outputs = {self._share(term) for term in system.outputs.values()}
+        self._outputs = {self._share(term) for output in system.outputs.values() for term in _put_out(output)}
         self._used: dict[Expr, list[str]] = {}
         for what, term in _computed(system):
             for node in in_order([self._share(term)]):
@@ -100,6 +117,14 @@ def _computed(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
     yield from ((f"next value of {var.name}", term) for var, term in system.next.items() if var not in system.ghosts)
     yield from ((f"output {name}", term) for name, term in system.outputs.items())
     yield from (("transition that fires", term) for term in system.fired.values())
+
+
+def _put_out(term: Expr) -> Iterator[Expr]:
+    """List what an output may be: itself, and each alternative of its choices, which a wire passes on without the condition."""
+    yield term
+    if isinstance(term, (Choose, ChooseBool)):
+        yield from _put_out(term.then)
+        yield from _put_out(term.other)
 
 
 def _names_values(term: Expr) -> bool:

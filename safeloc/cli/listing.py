@@ -27,6 +27,7 @@ from safeloc.proof.cache.store import Store
 
 SHOWN = 3
 TERM_CHARACTERS = 200
+NO_REASON = "no reason is declared"
 HIDDEN = "live in no configuration"
 Listed = tuple[Any, Sequence[str]]
 """Data for JSON, and the same as lines."""
@@ -168,13 +169,13 @@ def _shared(chosen: _Chosen) -> Listed:
     """Sub-terms that claims and clauses share with rows, and clauses that read what their machine computes."""
     targets = list(map(load_target, dict.fromkeys(chosen.machines or ENTRIES)))
     shared = [{"machine": target.name, **asdict(one)} for target in targets for one in shared_terms(target)]
-    follows = [
-        {"machine": target.name, "of": what, "reads": read}
-        for target in targets
-        for what, read in follows_machine(target).items()
-    ]
+    follows = [{"machine": target.name, **asdict(one)} for target in targets for one in follows_machine(target)]
     lines = [line for target in targets for line in _shared_lines(target)]
-    lines += [f"{one['machine']}  {one['of']}  reads {_first_few(one['reads'])}" for one in follows]
+    for one in follows:
+        lines += [
+            f"{one['machine']}  {one['of']}  reads {_first_few(one['reads'])}",
+            f"    because       {one['reason']}",
+        ]
     return {"shared": shared, "reads_machine": follows}, lines or ["nothing is shared."]
 
 
@@ -187,6 +188,7 @@ def _shared_lines(target: Target) -> Iterator[str]:
         yield f"{target.name}  {speakers[0].nodes} nodes  {shorten(term, TERM_CHARACTERS, placeholder=' ...')}"
         yield f"    computed for  {_first_few(speakers[0].used)}"
         yield f"    shared by     {_first_few(list(dict.fromkeys(one.of for one in speakers)))}"
+        yield from (f"    because       {one}" for one in dict.fromkeys(one.reason or NO_REASON for one in speakers))
 
 
 def _first_few(names: Sequence[str]) -> str:

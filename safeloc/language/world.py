@@ -30,6 +30,8 @@ class Law:
     owner      the party that ensures it: the supplier of the device, the infrastructure manager, or the operator; nobody where
                it excludes nothing: a definition, or arithmetic that solvers find slowly by themselves
     check      how it can be checked in operation: a monitor, maintenance, a type test
+    shares     why the term has a part in common with what the machine computes: the machine may be wrong in that part, and
+               the law then moves with it. `safeloc list shared` shows each common part with this reason, or that there is none
     """
 
     term: Bool
@@ -38,6 +40,7 @@ class Law:
     source: str = ""
     owner: Owner = ""
     check: str = ""
+    shares: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from safeloc.assurance.independence import Shared, follows_machine, shared_terms
+from safeloc.catalogue import load_target
 from safeloc.errors import ModelError
-from safeloc.language.expr import Bool, before, boolean, choice, enumeration, members, number
+from safeloc.language.expr import Bool, before, boolean, choice, enumeration, ite, members, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
@@ -105,7 +106,34 @@ def test_a_clause_that_repeats_a_guard_is_told() -> None:
     guard = (Y + 3 > X) & (X + Y * 2 > Y)
     around = World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": (Y + 3 > X) & (X + Y * 2 > Y)})
     made = Machine("m", (ON, OFF), [X, Y], {N: 0}, {}, [Transition("far", ON, OFF, guard)], world=around)
-    assert ["clause the law of m"] == [one.of for one in shared_terms(Target("m", (made,), lower(made), ()))]
+    (one,) = shared_terms(Target("m", (made,), lower(made), ()))
+    assert ("clause the law of m", "") == (one.of, one.reason)
+
+
+def test_a_law_says_why_it_shares() -> None:
+    """The reason stands in the law, and comes with each part that it has in common with the machine."""
+    law = Law((Y + 3 > X) & (X + Y * 2 > Y), shares="both are one input's meaning")
+    around = World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": law})
+    made = Machine("m", (ON, OFF), [X, Y], {N: 0}, {}, [Transition("far", ON, OFF, law.term)], world=around)
+    assert ["both are one input's meaning"] == [
+        one.reason for one in shared_terms(Target("m", (made,), lower(made), ()))
+    ]
+
+
+def test_what_an_output_may_be_is_put_out() -> None:
+    """A wire passes on the value of an output without the condition under which there is one."""
+    made = machine()
+    chosen = replace(made, outputs={"sum": ite(N > 3, N * 2 + N * 3 + 7, 0)})
+    claim = always("of the sum", N * 2 + N * 3 + 7 < 900)
+    assert [] == shared_terms(Target("m", (chosen,), lower(chosen), (claim,)))
+
+
+@pytest.mark.parametrize("name", ["odometry", "balise", "fibre_area", "guard", "localizer"])
+def test_a_shipped_machine_shares_nothing_without_a_reason(name: str) -> None:
+    """Each part that a law has in common with its machine has a written reason; claims have none in common."""
+    shared = shared_terms(load_target(name))
+    assert [] == [(one.of, one.term) for one in shared if not one.reason]
+    assert [] == [one.of for one in shared if one.of.startswith("property")]
 
 
 def test_a_law_that_reads_state_is_refused_without_a_reason() -> None:
@@ -113,7 +141,8 @@ def test_a_law_that_reads_state_is_refused_without_a_reason() -> None:
     with pytest.raises(ModelError, match=r"clause 'the law' reads 'n', which the machine computes; the world knows"):
         machine(N < 50)
     made = machine(Law(N < 50, "n stays low"), reads_machine="for the test")
-    assert {"clause 'the law' of m": ("n",)} == follows_machine(Target("m", (made,), lower(made), ()))
+    (one,) = follows_machine(Target("m", (made,), lower(made), ()))
+    assert ("clause 'the law' of m", ("n",), "for the test") == (one.of, one.reads, one.reason)
 
 
 def test_a_move_that_reads_state_is_refused() -> None:
@@ -129,7 +158,7 @@ def test_a_figure_of_the_site_may_be_read() -> None:
     made = machine()
     state, world = {**made.state, place: ANY}, World({TRUTH: ANY}, [NEXT], {TRUTH: NEXT}, {"the law": TRUTH < place})
     fixed = replace(made, state=state, world=world)
-    assert {} == follows_machine(Target("m", (fixed,), lower(fixed), ()))
+    assert [] == follows_machine(Target("m", (fixed,), lower(fixed), ()))
     rows = [replace(row, set={**row.set, place: X + Y}) for row in fixed.transitions]
     with pytest.raises(ModelError, match=r"clause 'the law' reads 'place', which the machine computes"):
         replace(fixed, transitions=rows)
