@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import z3
-
 from safeloc.codegen.smt import Unrolling
+from safeloc.language.expr import Var
 from safeloc.language.spec import Goal, Watch
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
-from safeloc.proof.provers.asking import ask, new_solver, why_unknown
+from safeloc.proof.provers.asking import new_solver
+from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.replayed_evidence import confirmed
 
@@ -50,36 +49,20 @@ def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
 
 
 def _search(goal: Goal, limits: Limits) -> Trace | Exhausted:
-    unrolling, solver = Unrolling(goal.system), new_solver(limits.seed)
-    ends = deadline(limits.seconds)
-    solver.add(unrolling.initially())
-    for depth in range(limits.depth + 1):
+    runs, ends = Deepening(Unrolling(goal.system), new_solver(limits.seed)), deadline(limits.seconds)
+    while runs.depth < limits.depth:
         if ends.passed:
-            return Exhausted(depth - 1, f"time limit of {limits.seconds:g} s")
-        broken = z3.Not(unrolling.at(goal.good, depth))
-        solver.push()
-        solver.add(broken)
-        answer = ask(solver, ends.left)
-        if answer == z3.sat:
-            return confirmed(goal, *run_of(goal, unrolling, solver.model(), depth), "bmc")
-        if answer == z3.unknown:
-            return Exhausted(depth - 1, f"solver: {why_unknown(solver)}")
-        solver.pop()
-        solver.add(z3.Not(broken), unrolling.transition(depth))
+            return Exhausted(runs.depth, f"time limit of {limits.seconds:g} s")
+        model = runs.run(runs.fails(goal.good), ends)
+        if model is not None:
+            return confirmed(goal, runs.first(model, declared_state(goal)), runs.stream(model), "bmc")
+        if runs.stuck:
+            return Exhausted(runs.depth, f"solver: {runs.stuck}")
+        runs.deeper(goal.good)
     return Exhausted(limits.depth, f"depth limit of {limits.depth} steps")
 
 
-def run_of(
-    goal: Goal | Watch, unrolling: Unrolling, model: z3.ModelRef, depth: int
-) -> tuple[dict[str, int | bool], list[dict[str, int | bool]]]:
-    """First state and inputs of every step, read from a model."""
+def declared_state(goal: Goal | Watch) -> list[Var]:
+    """Return the state variables without those that watch a claim."""
     hidden = set(goal.observers)
-    first = unrolling.values(model, 0, [var for var in goal.system.state if var not in hidden])
-    return first, list(_inputs(goal, unrolling, model, depth))
-
-
-def _inputs(
-    goal: Goal | Watch, unrolling: Unrolling, model: z3.ModelRef, depth: int
-) -> Iterator[dict[str, int | bool]]:
-    for number in range(depth):
-        yield unrolling.values(model, number, goal.system.inputs)
+    return [var for var in goal.system.state if var not in hidden]

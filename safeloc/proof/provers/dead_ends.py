@@ -26,6 +26,7 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
 from safeloc.proof.provers.cover import Cover, Group, Learned, State, cover_facts
+from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.further_assumption import EMPTY
@@ -90,11 +91,11 @@ class _Search:
         """One look after the other: a verdict, or None where it does not decide."""
         yield self._beginning()
         yield self._facts()
-        steps = _Steps(self.system, self.limits.seed)
-        yield self._bounded(steps, SHALLOW, self._share(SEARCH))
+        runs = Deepening(Unrolling(self.system), new_solver(self.limits.seed))
+        yield self._bounded(runs, SHALLOW, self._share(SEARCH))
         yield self._recorded()
         yield self._induction(self._share(INDUCTION))
-        yield self._bounded(steps, max(self.limits.depth, DEEPEST), self._share(SEARCH))
+        yield self._bounded(runs, max(self.limits.depth, DEEPEST), self._share(SEARCH))
         yield self._invariant()
         yield self._runs()
 
@@ -198,7 +199,7 @@ class _Search:
             answer = ask(solver, ends.left)
             if answer != z3.sat:
                 return Learned.COVERED if answer == z3.unsat else Learned.UNDECIDED
-            learned = self._learn(_state(unrolling, solver.model(), k))
+            learned = self._learn(_of_state(self.system, unrolling.values(solver.model(), k, self.system.state)))
             if learned is not Learned.COVERED:
                 return learned
         return Learned.UNDECIDED
@@ -215,21 +216,22 @@ class _Search:
 
     # -------------------------------------------------------------- a run into a dead end
 
-    def _bounded(self, steps: _Steps, depth: int, ends: Deadline) -> Verdict | None:
+    def _bounded(self, runs: Deepening, depth: int, ends: Deadline) -> Verdict | None:
         """Find the shortest run into a dead end, up to the depth limit."""
-        while steps.depth < depth and not ends.passed:
-            model = steps.uncovered(self._covered(), ends)
+        while runs.depth < depth and not ends.passed:
+            model = runs.run(runs.fails(self._covered()), ends)
+            if runs.stuck:
+                break
             if model is None:
-                if steps.stuck:
-                    break
+                runs.deeper()
                 continue
-            learned = self._learn(_state(steps.unrolling, model, steps.depth + 1))
+            learned = self._learn(_of_state(self.system, runs.end(model, self.system.state)))
             if learned is Learned.DEAD:
-                return self._dead_end(*steps.run(model), "bmc")
+                return self._dead_end(runs.first(model, self.system.state), runs.stream(model), "bmc")
             if learned is Learned.UNDECIDED:
                 break
-        self.depth = steps.depth
-        self.said.append(f"no dead end in {steps.depth} steps")
+        self.depth = runs.depth
+        self.said.append(f"no dead end in {runs.depth} steps")
         return None
 
     def _recorded(self) -> Verdict | None:
@@ -270,37 +272,8 @@ class _Search:
 _FINE = {Learned.COVERED.value}
 
 
-class _Steps:
-    """Bounded search that goes on where it left off; `depth` steps were searched completely."""
-
-    def __init__(self, system: TransitionSystem, seed: int) -> None:
-        self.unrolling, self._solver = Unrolling(system), new_solver(seed)
-        self._solver.add(self.unrolling.initially())
-        self.depth, self.stuck = -1, False
-
-    def uncovered(self, covered: Bool, ends: Deadline) -> z3.ModelRef | None:
-        """A run of depth + 1 steps to a state that is not covered; None where there is none, or it is not decided."""
-        self._solver.push()
-        self._solver.add(z3.Not(self.unrolling.at(covered, self.depth + 1)))
-        answer = ask(self._solver, ends.left)
-        model = self._solver.model() if answer == z3.sat else None
-        self._solver.pop()
-        self.stuck = bool(answer == z3.unknown)
-        if answer == z3.unsat:
-            self.depth += 1
-            self._solver.add(self.unrolling.transition(self.depth))
-        return model
-
-    def run(self, model: z3.ModelRef) -> tuple[dict[str, Value], list[dict[str, Value]]]:
-        """First state and inputs of every step of a run that was found."""
-        system = self.unrolling.system
-        stream = [self.unrolling.values(model, number, system.inputs) for number in range(self.depth + 1)]
-        return self.unrolling.values(model, 0, system.state), stream
-
-
-def _state(unrolling: Unrolling, model: z3.ModelRef, at: int) -> State:
-    named = unrolling.values(model, at, unrolling.system.state)
-    return {var: named[var.name] for var in unrolling.system.state}
+def _of_state(system: TransitionSystem, named: Mapping[str, Value]) -> State:
+    return {var: named[var.name] for var in system.state}
 
 
 def _after(system: TransitionSystem, first: Inputs, stream: Sequence[Inputs]) -> State:

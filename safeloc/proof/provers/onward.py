@@ -18,7 +18,8 @@ from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
-from safeloc.proof.provers.asking import ask, new_solver
+from safeloc.proof.provers.asking import new_solver
+from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Deadline, deadline
 from safeloc.proof.provers.recorded_witnesses import Recording, Replay, known_first
 from safeloc.proof.provers.replayed_evidence import confirmed
@@ -51,16 +52,16 @@ def onward(
         left = {number: goal for number, goal in goals.items() if number not in found}
         if ends.passed or not left:
             break
-        suffix = _suffix(system, unrolling, replay.watched.state, start.state, list(left.values()), ends)
+        begins = zip(replay.watched.state, start.state, strict=True)
+        suffix = _suffix(unrolling, [unrolling.at(var, 0) == value for var, value in begins], left, ends)
         if suffix is not None:
             names = {var.name for var in system.inputs}
             recorded: list[Mapping[str, object]] = [
                 {k: v for k, v in one.items() if k in names} for one in start.recording.steps[: start.steps]
             ]
-            for number, goal in left.items():
-                if _broken(goal, unrolling, suffix):
-                    first, stream = known_first(system, start.recording), [*recorded, *suffix.stream]
-                    found[number] = confirmed(goal, first, stream, "bmc")
+            for number in suffix.reached:
+                first, stream = known_first(system, start.recording), [*recorded, *suffix.stream]
+                found[number] = confirmed(left[number], first, stream, "bmc")
     return found
 
 
@@ -83,37 +84,24 @@ def _is_label(var: Var) -> bool:
 
 @dataclass(frozen=True)
 class _Suffix:
-    """The steps that a solver found."""
+    """The steps that a solver found, and the goals that they reach."""
 
-    model: z3.ModelRef
+    reached: list[int]
     stream: list[dict[str, Value]]
 
 
 def _suffix(
-    system: TransitionSystem,
-    unrolling: Unrolling,
-    variables: Sequence[Var],
-    state: Sequence[Value],
-    goals: Sequence[Goal],
-    ends: Deadline,
+    unrolling: Unrolling, begins: Sequence[z3.BoolRef | bool], goals: Mapping[int, Goal], ends: Deadline
 ) -> _Suffix | None:
     """The fewest steps from a state to one of the goals."""
-    solver, ends = new_solver(), deadline(min(SECONDS_EACH, ends.left))
-    solver.add(*(unrolling.at(var, 0) == value for var, value in zip(variables, state, strict=True)))
-    for depth in range(1, FURTHER + 1):
-        solver.add(unrolling.transition(depth - 1))
-        solver.push()
-        solver.add(z3.Or(*(z3.Not(unrolling.at(goal.good, depth)) for goal in goals)))
-        answer = ask(solver, ends.left)
-        if answer == z3.sat:
-            model = solver.model()
-            return _Suffix(model, [unrolling.values(model, step, system.inputs) for step in range(depth)])
-        if answer == z3.unknown:
+    ends = deadline(min(SECONDS_EACH, ends.left))
+    runs = Deepening(unrolling, new_solver(), begins)
+    while runs.depth + 1 < FURTHER:
+        runs.deeper()
+        model = runs.run(runs.fails(*(goal.good for goal in goals.values())), ends)
+        if model is not None:
+            reached = [number for number, goal in goals.items() if runs.failed(model, goal.good)]
+            return _Suffix(reached, runs.stream(model))
+        if runs.stuck:
             return None
-        solver.pop()
     return None
-
-
-def _broken(goal: Goal, unrolling: Unrolling, suffix: _Suffix) -> bool:
-    good = unrolling.at(goal.good, len(suffix.stream))
-    return bool(z3.is_false(suffix.model.eval(good, model_completion=True)))

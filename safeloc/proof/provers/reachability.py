@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import z3
-
 from safeloc.codegen.smt import Unrolling
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import Bool, Lit, NumVar, before, was
@@ -19,8 +17,9 @@ from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
-from safeloc.proof.provers.asking import ask, plain_solver
-from safeloc.proof.provers.bmc import run_of
+from safeloc.proof.provers.asking import plain_solver
+from safeloc.proof.provers.bmc import declared_state
+from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
@@ -54,36 +53,29 @@ def first_runs(goals: Sequence[Goal], limits: Limits, known: Container[Goal] = (
     if not goals:
         return Runs({}, limits.depth)
     watched = watch(goals[0].plain, goals)
-    unrolling, solver, found = Unrolling(watched.system), plain_solver(limits.seed), dict[Goal, Trace]()
+    runs, found = Deepening(Unrolling(watched.system), plain_solver(limits.seed)), dict[Goal, Trace]()
     ends = deadline(limits.seconds)
-    solver.add(unrolling.initially())
-    for depth in range(limits.depth + 1):
-        if not _search_depth(watched, unrolling, solver, depth, found, ends):
-            return Runs(found, depth - 1)
+    while runs.depth < limits.depth:
+        if not _search_length(watched, runs, found, ends):
+            return Runs(found, runs.depth)
         if all(goal in found or goal in known for goal in goals):
-            return Runs(found, depth)
-        solver.add(unrolling.transition(depth))
+            return Runs(found, runs.depth + 1)
+        runs.deeper()
     return Runs(found, limits.depth)
 
 
-def _search_depth(
-    watched: Watch, unrolling: Unrolling, solver: z3.Solver, depth: int, found: dict[Goal, Trace], ends: Deadline
-) -> bool:
-    """Adds what is found at this depth; whether the depth was searched completely."""
+def _search_length(watched: Watch, runs: Deepening, found: dict[Goal, Trace], ends: Deadline) -> bool:
+    """Adds the targets found at this length; whether the length was searched completely."""
     while left := [goal for goal in watched.goals if goal not in found]:
         if ends.passed:
             return False
-        solver.push()
-        solver.add(z3.Or(*(z3.Not(unrolling.at(goal.good, depth)) for goal in left)))
-        answer = ask(solver, ends.left)
-        model = solver.model() if answer == z3.sat else None
-        solver.pop()
+        model = runs.run(runs.fails(*(goal.good for goal in left)), ends)
         if model is None:
-            return bool(answer == z3.unsat)
-        run = run_of(watched, unrolling, model, depth)
+            return not runs.stuck
+        first, stream = runs.first(model, declared_state(watched)), runs.stream(model)
         for goal in left:
-            if z3.is_false(model.eval(unrolling.at(goal.good, depth), model_completion=True)):
-                found[goal] = confirmed(goal, *run, "bmc")
+            if runs.failed(model, goal.good):
+                found[goal] = confirmed(goal, first, stream, "bmc")
     return True
 
 

@@ -8,6 +8,7 @@ from safeloc.errors import EngineError
 from safeloc.language.spec import always, observe, reachable
 from safeloc.language.verdict import Proved, Unknown, Violated
 from safeloc.proof.provers import bmc as module
+from safeloc.proof.provers import deepening
 from safeloc.proof.provers.asking import ask, new_solver
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.limits import Limits
@@ -70,7 +71,7 @@ def test_an_unlucky_seed_is_not_the_end(monkeypatch: pytest.MonkeyPatch) -> None
     """What is not decided with one seed is asked once more with another one."""
     seeds: list[int] = []
     monkeypatch.setattr(module, "new_solver", lambda seed: seeds.append(seed) or new_solver(seed))
-    monkeypatch.setattr(module, "ask", lambda *given: z3.unknown if seeds[-1] == 7 else ask(*given))
+    monkeypatch.setattr(deepening, "ask", lambda *given: z3.unknown if seeds[-1] == 7 else ask(*given))
     assert isinstance(bmc(goal(counter(), LEVEL < 3), Limits(seed=7)), Violated)
     assert seeds == [7, 8]
     seeds.clear()
