@@ -17,14 +17,15 @@ from pathlib import Path
 from benchmarks.satellite_recorded import Recording, as_told, geodetic, phone, told, truth
 from benchmarks.satellite_tally import Cycle, Tally, quantiles
 from safeloc.models.satellite.chain import ChainConfig
-from safeloc.models.satellite.simulate import FINE, FINE_RECEIVER, Journey, passed
+from safeloc.models.satellite.simulate import FINE, Journey, passed
 from safeloc.report.stanford import stanford_diagram
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.satellite.constellation import GALILEO, GPS
+from safeloc.simulation.satellite.receiver import ReceiverConfig
 from safeloc.simulation.satellite.run import Outages, Spoofer
 
 CONFIG = ChainConfig(satellite=FINE)
-SKY = Journey(walkers=(GPS, GALILEO), receiver=FINE_RECEIVER)
+SKY = Journey(walkers=(GPS, GALILEO))
 OPEN = replace(SKY, from_m=4_150, to_m=5_900, scenes=())
 QUARTER = frozenset(f"{letter}{number:02d}" for letter in "GE" for number in range(1, 31, 4))
 CONDITIONS: dict[str, Journey] = {
@@ -60,7 +61,7 @@ HEADS = (
 
 def simulated(name: str, journey: Journey, runs: int) -> Tally:
     """One condition."""
-    tally = Tally(name, FINE_RECEIVER.code_bound_mm / 1_000, bound_m(CONFIG))
+    tally = Tally(name, ReceiverConfig().code_bound_mm / 1_000, bound_m(CONFIG), hidden_m(CONFIG))
     for seed in range(1, runs + 1):
         tally.add(_cycles(journey, seed))
     return tally
@@ -70,22 +71,26 @@ def _cycles(journey: Journey, seed: int) -> Iterator[Cycle]:
     for one in passed(CONFIG, journey, seed=seed):
         true = one.truth
         errors = {name: true.healthy_m[name] + true.error_m[name] for name in true.error_m}
-        yield as_told(one.outcome, round(true.place_m * 1_000), errors, true.error_m)
+        yield as_told(CONFIG, one.outcome, round(true.place_m * 1_000), errors, true.error_m)
 
 
 def recorded(recording: Recording, name: str, disturbances: tuple[Fault, ...]) -> Tally:
     """One disturbance of a recording."""
     healthy_m = recording.config.satellite.selection.range_noise_mm / 1_000
-    tally = Tally(f"{recording.name}: {name}", healthy_m, bound_m(recording.config))
+    tally = Tally(f"{recording.name}: {name}", healthy_m, bound_m(recording.config), hidden_m(recording.config))
     tally.add(told(recording, truth(recording), disturbances))
     return tally
 
 
 def bound_m(config: ChainConfig) -> float:
     """What a solution counts for each used satellite."""
-    bound_mm = config.bounds.range_mm
-    assert bound_mm is not None
-    return bound_mm / 1_000
+    return float(config.satellite.selection.usable_range_error_mm + config.map_error_mm) / 1_000
+
+
+def hidden_m(config: ChainConfig) -> float:
+    """What prediction and clock are assumed to make of a difference at most."""
+    chosen = config.satellite.selection
+    return (chosen.range_prediction_mm + chosen.range_clock_mm) / 1_000
 
 
 @dataclass(frozen=True)

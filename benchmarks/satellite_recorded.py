@@ -16,6 +16,7 @@ from safeloc.models.satellite.chain import ChainConfig, Cycle, EpochChain, Outco
 from safeloc.models.satellite.variables import ACCEPTED, FIX, SatelliteConfig
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.sensing.satellite.android import read_android
+from safeloc.sensing.satellite.channels import satellite_name
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.navigation import Navigation, read_navigation
 from safeloc.sensing.satellite.observations import read_observations
@@ -110,19 +111,26 @@ def slopes(recording: Recording, known: Sequence[Residuals]) -> Mapping[float, M
     }
 
 
-def told(recording: Recording, known: Sequence[Residuals], disturbances: Sequence[Fault]) -> Iterator[Told]:
+def told(
+    recording: Recording,
+    known: Sequence[Residuals],
+    disturbances: Sequence[Fault],
+    chain_of: type[EpochChain] = EpochChain,
+) -> Iterator[Told]:
     """The recording through the chain; the known point, at rest, is a reference at the beginning, and every two minutes."""
     by_time = slopes(recording, known)
     made = disturb(recording.epochs, disturbances, by_time.__getitem__)
-    chain = EpochChain(recording.config, recording.navigation, lambda *_: [recording.track])
+    chain = chain_of(recording.config, recording.navigation, lambda *_: [recording.track])
     for number, (epoch, found, added) in enumerate(zip(made.epochs, known, made.error_m, strict=True)):
         reference = Reference(round(HALF_M * 1_000), 1_000, 0, 100) if number % REFERENCE_EPOCHS == 0 else None
         outcome = chain.step(Cycle(epoch, reference))
         errors = {name: found.pseudorange_m.get(name, 0.0) + added.get(name, 0.0) for name in outcome.standings}
-        yield as_told(outcome, round(HALF_M * 1_000), errors, added)
+        yield as_told(recording.config, outcome, round(HALF_M * 1_000), errors, added)
 
 
-def as_told(outcome: Outcome, truth_mm: int, error_m: Mapping[str, float], added_m: Mapping[str, float]) -> Told:
+def as_told(
+    config: ChainConfig, outcome: Outcome, truth_mm: int, error_m: Mapping[str, float], added_m: Mapping[str, float]
+) -> Told:
     """A cycle for the tally: judged are the satellites that were compared, with a covariance."""
     outputs, inputs = outcome.outputs, outcome.inputs
     position, below, above = (
@@ -130,15 +138,30 @@ def as_told(outcome: Outcome, truth_mm: int, error_m: Mapping[str, float], added
     )
     fix = inputs.get("position.fix_mm")
     judged = [name for name, standing in outcome.standings.items() if standing in ("USABLE", "EXCLUDED")]
+    off_m = _differences_m(outcome, config.satellite.selection.channels)
+    level_mm = 0
+    if fix is not None:
+        charged_mm = int(inputs["position.fix_dilution_permille"]) * config.satellite.selection.usable_range_error_mm
+        level_mm = math.ceil(charged_mm / 1_000) + int(inputs["position.fix_further_mm"])
     return Told(
         truth_mm,
         (position - below, position, position + above) if outputs["position.valid"] else None,
         int(outputs["position.drift_bound_mm"]) if outputs["position.drift_checked"] else None,
-        None if fix is None else (int(fix), int(inputs["position.fix_protection_mm"])),
+        None if fix is None else (int(fix), level_mm),
         int(outputs["position.fix"]) == ACCEPTED.value,
         FIX[int(outputs["position.fix"])].label,
         outcome.usable,
         frozenset() if outcome.solution is None else outcome.solution.used,
         {name: error_m[name] for name in judged},
         added_m,
+        {name: off_m[name] - error_m[name] for name in judged if name in off_m},
     )
+
+
+def _differences_m(outcome: Outcome, channels: int) -> dict[str, float]:
+    """Of every satellite whose pseudorange was compared: measured less predicted."""
+    inputs, found = outcome.inputs, dict[str, float]()
+    for channel in (f"selection.channel_{number}" for number in range(1, channels + 1)):
+        if (off := inputs.get(f"{channel}_range_off_mm")) is not None:
+            found[satellite_name(int(inputs[f"{channel}_satellite"]))] = int(off) / 1_000
+    return found

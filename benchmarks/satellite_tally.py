@@ -25,6 +25,7 @@ class Cycle:
     accepted      the machine took the solution on
     usable, used  satellites in the list of usable ones, and in the solution
     error_m       of every judged satellite the whole error of its pseudorange; added_m: what disturbs it
+    hidden_m      of every judged satellite what prediction and clock make of its difference
     """
 
     truth_mm: int
@@ -37,6 +38,7 @@ class Cycle:
     used: frozenset[str]
     error_m: Mapping[str, float]
     added_m: Mapping[str, float]
+    hidden_m: Mapping[str, float]
 
 
 @dataclass
@@ -44,11 +46,13 @@ class Tally:
     """Counts over the cycles of one condition.
 
     healthy_m  up to here a signal's error is that of a healthy one; bound_m: what a solution counts for a used one
+    hidden_m   what prediction and clock are assumed to make of a difference at most
     """
 
     name: str
     healthy_m: float
     bound_m: float
+    hidden_m: float = 0.0
     cycles: int = 0
     signals: Counter[str] = field(default_factory=Counter)
     kept: Counter[str] = field(default_factory=Counter)
@@ -60,10 +64,13 @@ class Tally:
     wrong: Counter[str] = field(default_factory=Counter)
     drifted_beyond: int = 0
     broken: bool = False
+    uncompared: int = 0
+    unseen: int = 0
+    longest_unseen: int = 0
 
     def add(self, cycles: Iterable[Cycle]) -> None:
         """One run: where the assumption broke in it, everything after counts as after that."""
-        self.broken = False
+        self.broken, self.unseen = False, 0
         for cycle in cycles:
             self.cycles += 1
             self._signals(cycle)
@@ -71,6 +78,7 @@ class Tally:
             assumed = all(abs(cycle.error_m[name]) <= self.bound_m for name in cycle.used)
             self._solution(cycle, "kept" if assumed else "broken")
             self.broken |= cycle.accepted and not assumed
+            self.uncompared += any(abs(cycle.hidden_m.get(name, 0.0)) > self.hidden_m for name in cycle.used)
             self._report(cycle)
 
     def _signals(self, cycle: Cycle) -> None:
@@ -99,8 +107,11 @@ class Tally:
 
     def _report(self, cycle: Cycle) -> None:
         if cycle.reported is None:
+            self.unseen = 0
             return
         low, position, high = cycle.reported
+        self.unseen = 0 if low <= cycle.truth_mm <= high else self.unseen + 1
+        self.longest_unseen = max(self.longest_unseen, self.unseen)
         margin = high - position if cycle.truth_mm >= position else position - low
         self.reports.append(Report(abs(cycle.truth_mm - position), margin))
         self.drifted_beyond += cycle.drift_bound is not None and abs(cycle.truth_mm - position) > cycle.drift_bound

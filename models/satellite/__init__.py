@@ -37,10 +37,18 @@ from safeloc.language.expr import (
     minimum,
 )
 from safeloc.language.machine import Machine, Transition, current_mode, modes
-from safeloc.language.units import COUNT, MM, NM, UM_S
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, UM_S
 from safeloc.models.satellite.anchor import Anchor, carried
 from safeloc.models.satellite.lemmas import lemmas
-from safeloc.models.satellite.motion import confirmed, fixed, predicted, referred, reportable, solved
+from safeloc.models.satellite.motion import (
+    confirmed,
+    fixed,
+    predicted,
+    protection_level,
+    referred,
+    reportable,
+    solved,
+)
 from safeloc.models.satellite.variables import (
     ACCEPTED,
     COASTED_OUT,
@@ -64,7 +72,7 @@ from safeloc.models.satellite.variables import (
     held,
     parts,
 )
-from safeloc.models.satellite.world import SELECTED, Trusted, can_stop, world
+from safeloc.models.satellite.world import SELECTED, Trusted, can_stop, hidden_errors, signal_errors, world
 from safeloc.models.satellite_selection import USABLE, Channel, Selection
 from safeloc.models.satellite_selection import build as build_selection
 from safeloc.models.satellite_selection import parts as selection_parts
@@ -73,9 +81,10 @@ from safeloc.models.vocabulary.absent import margin_if, position_if
 NAMES: dict[Trusted, str] = {"satellites": "satellite", "odometry": "satellite_drift"}
 ASSUMED: dict[Trusted, str] = {
     "satellites": (
-        "a solution is within its protection level if every satellite in it keeps the bound, and signals are compared with a "
-        "prediction and a clock as good as configured; that usable satellites then keep the bound is proved. A common drift of all satellites within their bounds, cycle by cycle, is "
-        "noticed by a reference, or by odometry where that is at hand, and by nothing else."
+        "a solution is off by no more than its dilution times the bound of the signals, and what is told beside, if every "
+        "satellite in it keeps the bound; and signals are compared with a prediction and a clock as good as configured. That "
+        "usable satellites then keep the bound is proved. A common drift of all satellites within their bounds, cycle by "
+        "cycle, is noticed by a reference, or by odometry where that is at hand, and by nothing else."
     ),
     "odometry": "the run that odometry gives is within its error. Nothing is assumed of any solution.",
 }
@@ -120,9 +129,8 @@ def selection_wires(own: Parts, selection: Selection, trusted: Trusted = "satell
 def _true_of_signal(selection: Selection, one: Channel) -> tuple[Bool, Bool]:
     """Prediction and clock leave no more in the differences than configured; the signal's errors keep their bounds."""
     config, own = selection.own.config, selection.own
-    hidden = config.range_prediction_mm + config.range_clock_mm
-    hidden_speed = config.speed_prediction_mm_s + config.speed_clock_mm_s
-    most, most_speed = config.range_threshold_mm + hidden, config.speed_threshold_mm_s + hidden_speed
+    hidden, hidden_speed = hidden_errors(config)
+    most, most_speed = signal_errors(config)
     compared, bounded = list[Bool](), list[Bool]()
     if config.compared != "doppler":
         compared.append(between(-hidden, one.offset - own.clock, hidden))
@@ -142,9 +150,9 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
         name="position",
         modes=table,
         inputs=[
-            *own.usable, *own.used, own.fix, own.protection, own.fix_speed, own.speed_protection, own.unknowns,
-            own.missing, own.reference, own.accuracy, own.reference_speed, own.speed_accuracy, own.odometry,
-            own.odometry_error,
+            *own.usable, *own.used, own.fix, own.dilution, own.further, own.fix_speed, own.speed_dilution,
+            own.speed_further, own.unknowns, own.missing, own.reference, own.accuracy, own.reference_speed,
+            own.speed_accuracy, own.odometry, own.odometry_error,
         ],
         state={
             own.position: 0, own.low: 0, own.high: 0, own.speed: 0, own.slowest: 0, own.fastest: 0, own.change: 0,
@@ -191,7 +199,7 @@ def enough(own: Parts) -> Bool:
 def verdict(own: Parts, located: Bool) -> Num:
     """What becomes of the solution, with the reason where it does not count."""
     foreign = any_of(used & ~usable for used, usable in zip(own.used, own.usable, strict=True))
-    coarse = own.protection > own.config.protection_limit_mm
+    coarse = protection_level(own) > own.config.protection_limit_mm * NM_PER_MM
     meets = solved(own).meets(predicted(own))
     drifted = ~carried(own, fixed(own)).holds
     judged = ite(coarse, TOO_COARSE, ite(meets, ite(drifted, DRIFTED, ACCEPTED), DISJOINT))

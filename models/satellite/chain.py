@@ -12,7 +12,7 @@ One cycle at time t:
 2. Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
    the receiver's clock goes by the median of each constellation.
 3. The selection machine gives the usable satellites (LSVU) of this cycle; position and speed are solved from these alone
-   (SAT-5), as intervals: sum |a_i| * bound_i.
+   (SAT-5), with their dilution, sum |a_i|: what a usable signal may be wrong by the machine charges itself.
 4. The composed machine takes one step with the same inputs. `outcome.inputs` is that step: written to a step stream, it
    replays to the same result.
 
@@ -69,11 +69,11 @@ class ChainConfig(Config):
 
     @property
     def bounds(self) -> Bounds:
-        """What a usable satellite may be wrong by, in the quantities that are compared."""
-        selection = self.satellite.selection
+        """What comes to a used signal's own error: the map's, in the quantities that are compared."""
+        compared = self.satellite.selection.compared
         return Bounds(
-            None if selection.compared == "doppler" else selection.range_threshold_mm + self.map_error_mm,
-            None if selection.compared == "pseudorange" else selection.speed_threshold_mm_s,
+            None if compared == "doppler" else self.map_error_mm,
+            None if compared == "pseudorange" else 0,
         )
 
 
@@ -158,7 +158,7 @@ class EpochChain:
         solution, missing = self._solution(predicted, seen, heard, usable)
         fix = no_fix(missing)
         if solution is not None and predicted is not None:
-            fix = fix_inputs(solution, predicted, seen.offset_s, self.config.satellite)
+            fix = self._fix(solution, predicted, seen.offset_s)
         inputs = {**self._channel_inputs(heard, solution), **fix, **told(cycle.reference, cycle.run)}
         self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         outputs, fired = self._code.named_outputs(self._state), self._code.fired(numbers)
@@ -225,6 +225,9 @@ class EpochChain:
             return solve(looks, usable, free=free, weighting=weighting), ""
         except NoSolution as none:
             return None, none.why
+
+    def _fix(self, solution: Solution, predicted: Ahead, offset_s: float) -> StepValues:
+        return fix_inputs(solution, predicted, offset_s, self.config.satellite)
 
     def _channel_inputs(self, heard: Heard, solution: Solution | None) -> StepValues:
         used = {heard.channels[name] for name in (frozenset() if solution is None else solution.used)}

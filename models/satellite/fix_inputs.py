@@ -1,4 +1,8 @@
-"""From a solution in exact figures to the position machine's inputs: whole mm and um/s, rounded outward."""
+"""From a solution in exact figures to the position machine's inputs: whole mm and um/s, rounded outward.
+
+What the signals' own errors make of the solution, the machine charges by itself: it is told the dilution. Told as `further`
+is what comes beside: the map's error, the bend of the track, rounding, and the time between epoch and cycle.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from fractions import Fraction
 
 from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.satellite.ahead import Ahead
-from safeloc.models.satellite.variables import SatelliteConfig
+from safeloc.models.satellite.variables import MAX_DILUTION_PERMILLE, SatelliteConfig
 from safeloc.sensing.rounding import Interval, outward
 from safeloc.sensing.satellite.solution import Solution
 
@@ -17,9 +21,11 @@ StepValues = dict[str, int | bool | str]
 def no_fix(missing: str) -> StepValues:
     """A cycle without a solution, and why."""
     return {
-        "position.fix_protection_mm": 0,
+        "position.fix_dilution_permille": 0,
+        "position.fix_further_mm": 0,
         "position.fix_speed_um_s": 0,
-        "position.fix_speed_protection_um_s": 0,
+        "position.fix_speed_dilution_permille": 0,
+        "position.fix_speed_further_um_s": 0,
         "position.fix_unknowns": 2,
         "position.fix_missing": missing,
     }
@@ -29,21 +35,33 @@ def fix_inputs(solution: Solution, ahead: Ahead, offset_s: float, config: Satell
     """The solution as inputs. `offset_s`: how long after the cycle's time it was measured.
 
     A place that is not solved is anywhere within the predicted bounds, a speed that is not solved any that a vehicle has.
-    OUT_OF_RANGE where the machine's inputs cannot hold the place, or no vehicle has the speed.
+    OUT_OF_RANGE where the machine's inputs cannot hold one of the figures.
     """
-    place_mm, error_mm = outward(_place_nm(solution, ahead, offset_s), NM_PER_MM)
-    speed = _speed_um_s(solution, ahead, offset_s, config)
-    if abs(place_mm) > config.position_limit_mm or error_mm > 10 * config.protection_limit_mm or speed is None:
+    place_mm, further_mm = outward(_place_nm(solution, ahead, offset_s), NM_PER_MM)
+    speed_um_s, speed_further_um_s = _speed_um_s(solution, ahead, offset_s, config)
+    dilutions = _permille(solution.dilution()), _permille(solution.speed_dilution())
+    held = (
+        abs(place_mm) <= config.position_limit_mm
+        and further_mm <= 10 * config.protection_limit_mm
+        and speed_further_um_s <= 2 * config.max_speed_mm_s * UM_PER_MM
+        and max(dilutions) <= MAX_DILUTION_PERMILLE
+    )
+    if not held:
         return no_fix("OUT_OF_RANGE")
-    speed_um_s, speed_error_um_s = outward(speed)
     return {
         "position.fix_mm": place_mm,
-        "position.fix_protection_mm": error_mm,
+        "position.fix_dilution_permille": dilutions[0],
+        "position.fix_further_mm": further_mm,
         "position.fix_speed_um_s": speed_um_s,
-        "position.fix_speed_protection_um_s": speed_error_um_s,
+        "position.fix_speed_dilution_permille": dilutions[1],
+        "position.fix_speed_further_um_s": speed_further_um_s,
         "position.fix_unknowns": solution.unknowns,
         "position.fix_missing": "NOTHING",
     }
+
+
+def _permille(dilution: Fraction) -> int:
+    return math.ceil(dilution * 1_000)
 
 
 def _place_nm(solution: Solution, ahead: Ahead, offset_s: float) -> Interval:
@@ -56,12 +74,13 @@ def _place_nm(solution: Solution, ahead: Ahead, offset_s: float) -> Interval:
     return Interval(found.low * NM_PER_MM, found.high * NM_PER_MM).widened(drift).moved(ahead.position_nm)
 
 
-def _speed_um_s(solution: Solution, ahead: Ahead, offset_s: float, config: SatelliteConfig) -> Interval | None:
-    """Within what a vehicle has; None where it has none of these speeds."""
+def _speed_um_s(solution: Solution, ahead: Ahead, offset_s: float, config: SatelliteConfig) -> tuple[int, int]:
+    """The speed, and what comes to its error. One that no vehicle has is told as the nearest that one has, and as far off."""
     fast, found = config.max_speed_mm_s * UM_PER_MM, solution.speed_off_mm_s()
     if found is None:
-        return Interval(-fast, fast)
+        return 0, fast
     gained = math.ceil(Fraction(abs(offset_s)) * ahead.max_acceleration_mm_s2 * UM_PER_MM)
     whole = Interval(found.low * UM_PER_MM, found.high * UM_PER_MM).widened(gained).moved(ahead.speed_um_s)
-    low, high = max(whole.low, -fast), min(whole.high, fast)
-    return Interval(low, high) if low <= high else None
+    speed, further = outward(whole)
+    nearest = max(-fast, min(speed, fast))
+    return nearest, further + abs(speed - nearest)

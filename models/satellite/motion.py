@@ -7,7 +7,7 @@ follows the latest solution within them. So a solution with wide bounds still le
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, floor_div, ite, maximum, minimum
-from safeloc.language.units import MS, NM, NM_PER_MM, UM_S
+from safeloc.language.units import MM, MM_S, MS, NM, NM_PER_MM, UM_S
 from safeloc.models.satellite.variables import Parts, State, around
 
 
@@ -26,10 +26,22 @@ def predicted(own: Parts) -> State:
     )
 
 
+def protection_level(own: Parts) -> Num:
+    """How far the solution's place may be off, in nm: every used signal wrong by all that a usable one may be."""
+    signals = own.dilution * Lit(own.config.selection.usable_range_error_mm, MM)
+    return exact_to(signals, NM) + exact_to(own.further, NM)
+
+
+def speed_level(own: Parts) -> Num:
+    """How far its speed may be off, in um/s."""
+    return (
+        exact_to(own.speed_dilution * Lit(own.config.selection.usable_speed_error_mm_s, MM_S), UM_S) + own.speed_further
+    )
+
+
 def solved(own: Parts) -> State:
     """What the solution says."""
-    place, error = exact_to(own.fix.value, NM), exact_to(own.protection, NM)
-    return around(place, error, own.fix_speed, own.speed_protection)
+    return around(exact_to(own.fix.value, NM), protection_level(own), own.fix_speed, speed_level(own))
 
 
 def referred(own: Parts) -> State:
@@ -44,7 +56,7 @@ def referred(own: Parts) -> State:
 def fixed(own: Parts) -> State:
     """Prediction and solution together: both hold the truth, and the solution's estimates lead on, smoothed in place."""
     found, ahead = solved(own), predicted(own)
-    knows_speed = own.speed_protection < own.config.max_speed_mm_s * 1_000
+    knows_speed = speed_level(own) < own.config.max_speed_mm_s * 1_000
     nearer = ahead.position + floor_div((found.position - ahead.position) * own.config.place_gain_percent, 100)
     return _both(ahead, found, nearer, ite(knows_speed, found.speed, ahead.speed))
 

@@ -43,12 +43,10 @@ MM = 1_000
 
 FINE = SatelliteConfig(
     selection=SelectionConfig(
-        channels=32, range_threshold_mm=9_000, range_noise_mm=4_000, range_prediction_mm=3_200, range_clock_mm=1_500,
-        range_covariance_mm2=9_000_000, speed_threshold_mm_s=1_150, speed_noise_mm_s=300, speed_clock_mm_s=100,
-        speed_covariance_mm2_s2=160_000,
+        channels=32, range_threshold_mm=9_000, range_prediction_mm=3_200, range_clock_mm=1_500,
+        range_covariance_mm2=9_000_000, speed_covariance_mm2_s2=160_000,
     )
 )  # fmt: skip
-FINE_RECEIVER = ReceiverConfig(code_bound_mm=4_000, rate_bound_mm_s=300)
 """A geodetic receiver of 32 channels: healthy signals keep 4 m and 0.3 m/s, as the recorded one does (1.6 m RMS)."""
 
 
@@ -78,7 +76,7 @@ class Journey:
 STREET = Journey(620, 760, 14_000)
 SHIPPED: Mapping[str, tuple[Journey, int]] = {
     "satellite-station-hall": (Journey(0, 180, 14_000, lawful=False), 7),
-    "satellite-street": (STREET, 5),
+    "satellite-street": (STREET, 3),
     "satellite-tunnel": (Journey(4_240, 4_640, scenes=(tunnel(4_300, 4_420),), lawful=False), 2),
     "satellite_drift-spoofed": (
         Journey(

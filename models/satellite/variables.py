@@ -21,7 +21,7 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, UM_S
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM, PER_MILLE, UM_S
 from safeloc.models.satellite_selection import SelectionConfig
 
 REASON = members("reason", "LOCATED", "NO_REFERENCE", "TOLERANCE", "COASTED_OUT", "CONTRADICTION", "DRIFT")
@@ -33,7 +33,7 @@ NO_FIX, ACCEPTED, NOT_USABLE, TOO_FEW, DISJOINT, TOO_COARSE, NOT_LOCATED, DRIFTE
 MISSING = members(
     "missing", "NOTHING", "NO_EPOCH", "NO_PREDICTION", "TWO_PORTIONS", "NONE_LEFT", "FEW_LEFT", "ALIKE", "OUT_OF_RANGE"
 )  # fmt: skip
-MAX_UNKNOWNS = 8
+MAX_UNKNOWNS, MAX_DILUTION_PERMILLE = 8, 20_000
 Redundancy = Literal["solve", "detect", "exclude"]
 SPARE: dict[Redundancy, int] = {"solve": 0, "detect": 1, "exclude": 2}
 """Satellites beyond the unknowns: along the track 2, 3 and 4 of them, free of it 4, 5 and 6 (figures, section 6)."""
@@ -72,6 +72,22 @@ class SatelliteConfig(Config):
         least = 2 + SPARE[self.redundancy]
         if least > self.selection.channels:
             raise ValueError(f"{least} satellites are needed, and the receiver has {self.selection.channels} channels.")
+        return self
+
+    @model_validator(mode="after")
+    def _bounds_signals(self) -> SatelliteConfig:
+        """A protection level follows from what a usable signal may be wrong by, and is never below it."""
+        chosen = self.selection
+        if chosen.removal == "both":
+            raise ValueError(
+                "removal 'both' keeps signals of any error, so that no protection level follows for a position; take 'either'."
+            )
+        if chosen.compared != "doppler" and chosen.usable_range_error_mm > self.protection_limit_mm:
+            raise ValueError(
+                f"a usable signal may be {chosen.usable_range_error_mm} mm wrong (threshold, prediction and clock together), "
+                f"and no solution is better: none would be within protection_limit_mm {self.protection_limit_mm}; lower "
+                "the thresholds or raise the limit."
+            )
         return self
 
     @model_validator(mode="after")
@@ -126,7 +142,10 @@ class Parts:
     """The variables of the position machine.
 
     usable, used  inputs per channel: it is in the list (wired from the selection); the solution uses it
-    fix           input: along-track place of the solution; protection: its bound by the bounds of the used satellites
+    fix           input: along-track place of the solution
+    dilution      input: how far errors of one metre in each used signal can move it at most, the sum of |weight|
+    further       input: what comes to its error beside the signals': map, bend of the track, time, rounding
+    fix_speed, speed_dilution, speed_further   the same of its speed, from range rates
     unknowns      input: what the solution solved for: 2 along the track, 4 free of it, one more for each further clock
     missing       input: why there is no solution
     reference     input: a trusted place (a balise) with its accuracy; reference_speed: trusted too, where it is known
@@ -136,7 +155,7 @@ class Parts:
     anchored      position and odometry since the last reference are comparable; anchor_offset: the position less that
                   place, anchor_margin: what odometry may be wrong by
     truth, true_speed  ghosts: nm and um/s
-    bounded, compared  ghosts per channel: the signal's error keeps the bound that the solver is to be given; prediction
+    bounded, compared  ghosts per channel: the signal's error keeps the bound that a usable one is to keep; prediction
                   and clock are as good as configured
     """
 
@@ -144,9 +163,11 @@ class Parts:
     usable: tuple[BoolVar, ...]
     used: tuple[BoolVar, ...]
     fix: Optional
-    protection: NumVar
+    dilution: NumVar
+    further: NumVar
     fix_speed: NumVar
-    speed_protection: NumVar
+    speed_dilution: NumVar
+    speed_further: NumVar
     unknowns: NumVar
     missing: NumVar
     reference: Optional
@@ -188,9 +209,11 @@ def parts(config: SatelliteConfig) -> Parts:
         tuple(boolean(f"usable_{n}") for n in channels),
         tuple(boolean(f"used_{n}") for n in channels),
         optional("fix_mm", MM, -limit, limit),
-        number("fix_protection_mm", MM, 0, 10 * config.protection_limit_mm),
+        number("fix_dilution_permille", PER_MILLE, 0, MAX_DILUTION_PERMILLE),
+        number("fix_further_mm", MM, 0, 10 * config.protection_limit_mm),
         number("fix_speed_um_s", UM_S, -fast, fast),
-        number("fix_speed_protection_um_s", UM_S, 0, widest),
+        number("fix_speed_dilution_permille", PER_MILLE, 0, MAX_DILUTION_PERMILLE),
+        number("fix_speed_further_um_s", UM_S, 0, widest),
         number("fix_unknowns", COUNT, 2, MAX_UNKNOWNS),
         choice("fix_missing", enumeration(MISSING)),
         optional("reference_mm", MM, -limit, limit),

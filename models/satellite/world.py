@@ -10,9 +10,10 @@ from typing import Literal
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, as_num, between, exact_to, ite
 from safeloc.language.machine import ANY
-from safeloc.language.units import COUNT, MS, NM, UM_S
+from safeloc.language.units import COUNT, MM, MM_S, MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.satellite.variables import Parts
+from safeloc.models.satellite_selection import SelectionConfig
 
 Trusted = Literal["satellites", "odometry"]
 """satellites: the solver and what it is told can be trusted; odometry: any solution may be false, the run is true."""
@@ -108,14 +109,15 @@ def _references(own: Parts) -> dict[str, Law]:
 def _signals(own: Parts) -> dict[str, Law]:
     told = tuple(f"selection.{kind}_{what}" for kind in ("range", "speed") for what in FIGURES[kind])
     return {
-        "a solution is within its protection level": Law(
+        "a solution is off by no more than its signals make of it": Law(
             _solution_holds(own),
-            "A solution from at least as many satellites as it has unknowns is within the protection level given with it, if "
-            "the error of each of them keeps the bound: threshold, prediction and clock together.",
+            "A solution from at least as many satellites as it has unknowns is off by no more than the dilution given with "
+            "it times the bound of its signals, and what is given beside, if the error of each of them keeps the bound: "
+            "threshold, prediction and clock together.",
             told,
-            "[D] linear in the errors: the sum of |weight| x bound",
+            "[D] linear in the errors: dilution is the sum of |weight|",
             "supplier",
-            "type test against a simulator of the constellation; the bound that the solver is given is not below the sum",
+            "type test against a simulator of the constellation, with errors at the bound",
         ),
         SELECTED: Law(
             all_of(
@@ -146,14 +148,27 @@ FIGURES = {
 }
 
 
+def hidden_errors(config: SelectionConfig) -> tuple[int, int]:
+    """What prediction and clock, as good as configured, leave in the differences: mm of range, mm/s of range rate."""
+    return config.range_prediction_mm + config.range_clock_mm, config.speed_prediction_mm_s + config.speed_clock_mm_s
+
+
+def signal_errors(config: SelectionConfig) -> tuple[int, int]:
+    """The bound that a usable satellite's error is proved to keep: the threshold, and what may be hidden."""
+    hidden, hidden_speed = hidden_errors(config)
+    return config.range_threshold_mm + hidden, config.speed_threshold_mm_s + hidden_speed
+
+
 def _solution_holds(own: Parts) -> Bool:
-    """Place and speed hold the true ones within the protection levels, for a solution that can be solved at all."""
+    """Place and speed hold the true ones within what their signals make of it, for a solution that can be solved at all."""
     satellites, solvable = as_num(0, COUNT), own.unknowns
     for used in own.used:
         satellites = satellites + ite(~used, as_num(0, COUNT), 1)
     good = all_of(bounded | ~used for used, bounded in zip(own.used, own.bounded, strict=True))
     off, off_speed = own.next_truth - exact_to(own.fix.value, NM), own.next_speed - own.fix_speed
-    level, speed_level = exact_to(own.protection, NM), own.speed_protection
+    most, most_speed = signal_errors(own.config.selection)
+    level = exact_to(own.dilution * Lit(most, MM), NM) + exact_to(own.further, NM)
+    speed_level = exact_to(own.speed_dilution * Lit(most_speed, MM_S), UM_S) + own.speed_further
     holds = (off <= level) & (off >= -level) & (off_speed <= speed_level) & (off_speed >= -speed_level)
     return (own.fix.present & good & (satellites >= solvable)).implies(holds)
 

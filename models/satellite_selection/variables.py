@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from safeloc.config import Config, quantity
+from safeloc.config import Config, derived, quantity
 from safeloc.language.expr import (
     BoolVar,
     NumVar,
@@ -40,18 +40,18 @@ class SelectionConfig(Config):
     channels: int = quantity(8, "count", 1, 32, "[D] satellites in view at a time, several constellations up to 32")
     compared: Compared = Field(default="both", description="Doppler, pseudorange, or both")
     removal: Removal = Field(default="either", description="what removes a satellite")
-    range_threshold_mm: int = quantity(15_000, "mm", 1, 10_000_000, "[D] above prediction error and noise")
-    speed_threshold_mm_s: int = quantity(1_500, "mm/s", 1, 1_000_000, "[D] above prediction error and noise")
-    range_covariance_mm2: int = quantity(25_000_000, "mm2", 1, 10**14, "[D] (5 m)2; line of sight p50 2.56 m")
+    range_threshold_mm: int = quantity(9_500, "mm", 1, 10_000_000, "[D] above noise, prediction and clock error")
+    speed_threshold_mm_s: int = quantity(1_150, "mm/s", 1, 1_000_000, "[D] above noise, prediction and clock error")
+    range_covariance_mm2: int = quantity(16_000_000, "mm2", 1, 10**14, "[D] (4 m)2; recorded 1.6 m RMS")
     speed_covariance_mm2_s2: int = quantity(250_000, "mm2/s2", 1, 10**12, "[D] (0.5 m/s)2; line of sight 0.19 m/s")
-    range_noise_mm: int = quantity(8_000, "mm", 0, 10_000_000, "[D] 3 x 2.56 m: pseudorange error of a healthy signal")
+    range_noise_mm: int = quantity(4_000, "mm", 0, 10_000_000, "[D] 2.5 x 1.6 m RMS, geodetic receiver, healthy signal")
     speed_noise_mm_s: int = quantity(
-        600, "mm/s", 0, 1_000_000, "[D] 3 x 0.19 m/s: range rate error of a healthy signal"
+        300, "mm/s", 0, 1_000_000, "[D] 1.5 x 0.19 m/s: range rate error of a healthy signal"
     )
-    range_prediction_mm: int = quantity(4_000, "mm", 0, 10_000_000, "[D] A T^2 at 0.2 s, and the state's own error")
+    range_prediction_mm: int = quantity(3_100, "mm", 0, 10_000_000, "[D] A T^2 at 0.2 s, and the state's own error")
     speed_prediction_mm_s: int = quantity(700, "mm/s", 0, 1_000_000, "[D] 2 A T at 0.2 s, and the state's own error")
-    range_clock_mm: int = quantity(2_500, "mm", 0, 10_000_000, "[D] 3 x 1.25 x 2.56 m / sqrt(16): a median's error")
-    speed_clock_mm_s: int = quantity(150, "mm/s", 0, 1_000_000, "[D] 3 x 1.25 x 0.19 m/s / sqrt(25): a median's error")
+    range_clock_mm: int = quantity(2_100, "mm", 0, 10_000_000, "[D] 3 x 1.25 x 1.6 m / sqrt(8): a median's error")
+    speed_clock_mm_s: int = quantity(100, "mm/s", 0, 1_000_000, "[D] 3 x 1.25 x 0.075 m/s / sqrt(8): a median's error")
     warm_up_cycles: int = quantity(2, "cycles", 1, 1_000, "[S] [0071]: variability needs two samples at least")
     last_identity: int = quantity(1_000, "count", 1, 1_000_000, "[D] satellites of all constellations")
 
@@ -69,6 +69,20 @@ class SelectionConfig(Config):
                     "would be excluded while the train brakes; raise it."
                 )
         return self
+
+    @derived("mm", "[D] threshold, prediction and clock error: what a usable pseudorange may be wrong by")
+    def usable_range_error_mm(self) -> int:
+        """What a usable satellite's pseudorange may be wrong by: the threshold, and what prediction and clock may hide.
+
+        The criterion compares the signal's error with those of prediction and clock in it. Only the strict one
+        (removal "either") bounds it.
+        """
+        return self.range_threshold_mm + self.range_prediction_mm + self.range_clock_mm
+
+    @derived("mm/s", "[D] threshold, prediction and clock error: what a usable range rate may be wrong by")
+    def usable_speed_error_mm_s(self) -> int:
+        """The same of its range rate."""
+        return self.speed_threshold_mm_s + self.speed_prediction_mm_s + self.speed_clock_mm_s
 
     @property
     def range_off_at_most_mm(self) -> int:

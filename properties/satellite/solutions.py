@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite
+from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, as_num, exact_to, ite, maximum, minimum
 from safeloc.language.spec import Property, always, earlier_bool
-from safeloc.language.units import COUNT
+from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.satellite import Satellite
 from safeloc.models.satellite.variables import (
     ACCEPTED,
@@ -24,7 +24,14 @@ from safeloc.models.satellite.variables import (
 from safeloc.models.satellite_selection.variables import EXCLUDED, USABLE
 from safeloc.properties.satellite.state import (
     channels,
+    kept_before,
     meets,
+    most_change,
+    most_off,
+    most_speed_off,
+    most_way,
+    now_kept,
+    run_at,
 )
 from safeloc.properties.satellite_selection import violated
 
@@ -87,6 +94,27 @@ def _satellites(used: Sequence[Bool]) -> Num:
     return total
 
 
+def narrowed(model: Satellite) -> Iterator[Property]:
+    """What a solution that counts leaves of the interval: its level charges all that a usable signal may be wrong by."""
+    own, of, now, was = model.own, model.composition.of(model.machine), now_kept(model), kept_before(model)
+    place, level, way = exact_to(of.num(own.fix.value), NM), most_off(model), most_way(model)
+    speed, speed_level, gained = of.num(own.fix_speed), most_speed_off(model), most_change(model)
+    fast = own.config.max_speed_mm_s * 1_000
+    ends = [
+        now.low.eq(maximum(place - level, was.low + run_at(model, was.slowest) - way)),
+        now.high.eq(minimum(place + level, was.high + run_at(model, was.fastest) + way)),
+        now.slowest.eq(maximum(maximum(speed - speed_level, was.slowest - gained), -fast)),
+        now.fastest.eq(minimum(minimum(speed + speed_level, was.fastest + gained), fast)),
+    ]
+    yield for_all_inputs(
+        "a solution narrows to its protection level and no farther",
+        of.bool(model.machine.fired("solution counts")).implies(all_of(ends)),
+        statement="a solution that counts leaves of the predicted interval what is within its protection level: its dilution "
+        "times threshold, prediction and clock error together, and what is told beside; the same of the speed",
+        requirements=("SAT-4", "SAT-5"),
+    )
+
+
 def judged(model: Satellite) -> Iterator[Property]:
     """What becomes of a solution, and why there is none: in this order of reasons."""
     own, of = model.own, model.composition.of(model.machine)
@@ -94,7 +122,7 @@ def judged(model: Satellite) -> Iterator[Property]:
     used = [of.bool(flag) for flag in own.used]
     foreign = [flag & standing.ne(USABLE) for flag, (_, standing) in zip(used, channels(model), strict=True)]
     few = _satellites(used) - SPARE[own.config.redundancy] < of.num(own.unknowns)
-    coarse = of.num(own.protection) >= own.config.protection_limit_mm + 1
+    coarse = most_off(model) >= exact_to(Lit(own.config.protection_limit_mm, MM), NM) + 1
     apart = ite(meets(model), told.one_of(ACCEPTED, DRIFTED), told.eq(DISJOINT))
     apart = ite(few, told.eq(TOO_FEW), ite(coarse, told.eq(TOO_COARSE), apart))
     apart = ite(located, ite(any_of(foreign), told.eq(NOT_USABLE), apart), told.eq(NOT_LOCATED))

@@ -6,13 +6,13 @@ from dataclasses import dataclass, fields
 
 from safeloc.language.expr import Bool, Lit, Num, all_of, exact_to
 from safeloc.language.spec import earlier_num
-from safeloc.language.units import MS, NM
+from safeloc.language.units import MM, MM_S, MS, NM, UM_S
 from safeloc.models.satellite import Satellite
 from safeloc.models.satellite_selection.variables import Channel
 
 LAW = (
-    "greatest acceleration; a solution of satellites that keep their bounds is within its protection level, compared with a "
-    "prediction and a clock as good as configured; a reference within its accuracy"
+    "greatest acceleration; a solution of satellites that keep their bounds is off by no more than dilution times bound and the "
+    "rest given with it; signals compared with a prediction and a clock as good as configured; a reference within its accuracy"
 )
 MOVES = "greatest acceleration"
 FALSE_SIGNALS = (
@@ -60,6 +60,20 @@ def most_change(model: Satellite) -> int:
     return model.own.config.period_ms * model.own.config.max_acceleration_mm_s2
 
 
+def most_off(model: Satellite) -> Num:
+    """What a solution's place may be off by, in nm: dilution times all that a usable range may be wrong by, and the rest."""
+    own, of, chosen = model.own, model.composition.of(model.machine), model.own.config.selection
+    wrong = Lit(chosen.range_clock_mm + chosen.range_prediction_mm + chosen.range_threshold_mm, MM)
+    return exact_to(wrong * of.num(own.dilution), NM) + exact_to(of.num(own.further), NM)
+
+
+def most_speed_off(model: Satellite) -> Num:
+    """What its speed may be off by, in um/s."""
+    own, of, chosen = model.own, model.composition.of(model.machine), model.own.config.selection
+    wrong = Lit(chosen.speed_clock_mm_s + chosen.speed_prediction_mm_s + chosen.speed_threshold_mm_s, MM_S)
+    return exact_to(wrong * of.num(own.speed_dilution), UM_S) + of.num(own.speed_further)
+
+
 def channels(model: Satellite) -> list[tuple[Channel, Num]]:
     """The channels with what each is after the step."""
     of = model.composition.of(model.selection.machine)
@@ -69,8 +83,8 @@ def channels(model: Satellite) -> list[tuple[Channel, Num]]:
 def meets(model: Satellite) -> Bool:
     """The solution and what the vehicle can have come to have a place and a speed in common."""
     own, of, was = model.own, model.composition.of(model.machine), kept_before(model)
-    place, level = (exact_to(of.num(one), NM) for one in (own.fix.value, own.protection))
-    speed, speed_level = of.num(own.fix_speed), of.num(own.speed_protection)
+    place, level = exact_to(of.num(own.fix.value), NM), most_off(model)
+    speed, speed_level = of.num(own.fix_speed), most_speed_off(model)
     fast, gained, way = own.config.max_speed_mm_s * 1_000, most_change(model), most_way(model)
     before_it = place - was.high <= level + run_at(model, was.fastest) + way
     behind_it = was.low - place <= level + way - run_at(model, was.slowest)

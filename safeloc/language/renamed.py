@@ -16,6 +16,11 @@ SIDES = {"over": "margin_above", "under": "margin_below"}
 """The sides of an interval: `over` was ETCS's under-reading amount, and `under` its over-reading amount."""
 FIELDS = {"mute_limit_cycles": "mute_ms", "integrity_limit_cycles": "integrity_wait_ms"}
 """Fields of configurations; their figure was a number of cycles, and is a time."""
+PARTED = {
+    "fix_protection_mm": ("fix_dilution_permille", "fix_further_mm"),
+    "fix_speed_protection_um_s": ("fix_speed_dilution_permille", "fix_speed_further_um_s"),
+}
+"""Inputs that are told in two parts now, since the machine charges the rest itself. The old figure says neither part."""
 _SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(SIDES)})(?=_(?:mm|nm)$)")
 
 
@@ -26,8 +31,17 @@ def name_now(name: str) -> str:
 
 def renamed(names: Iterable[str], known: Collection[str]) -> str:
     """Return `; 'over_mm' is now 'margin_above_mm'` for each former name of one of `known`, to be appended; else ""."""
-    pairs = ((name, name_now(name)) for name in sorted(names) if name not in known)
-    return "".join(f"; {name!r} is now {new!r}" for name, new in pairs if new in known)
+    former = [name for name in sorted(names) if name not in known]
+    pairs = ((name, name_now(name)) for name in former)
+    told = "".join(f"; {name!r} is now {new!r}" for name, new in pairs if new in known)
+    apart = ((name, parts) for name in former if (parts := parted(name)) and parts[0] in known)
+    return told + "".join(f"; {name!r} is told as {' and '.join(map(repr, parts))} now" for name, parts in apart)
+
+
+def parted(name: str) -> tuple[str, ...]:
+    """Return the inputs that have taken the place of a former one; none where none have."""
+    machine, dot, bare = name.rpartition(".")
+    return tuple(machine + dot + part for part in PARTED.get(bare, ()))
 
 
 def hint(name: str, known: Collection[str]) -> str:

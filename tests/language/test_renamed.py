@@ -170,6 +170,16 @@ def test_a_name_of_somebody_elses_is_not_corrected() -> None:
     assert "" == renamed(["over_mm"], ["over_mm", "margin_above_mm"])
 
 
+def test_what_is_told_in_parts_now_names_both() -> None:
+    """The level of a solution, which the machine charges itself: with the machine's name, and only where there are the parts."""
+    parts = ["position.fix_dilution_permille", "position.fix_further_mm"]
+    told = (
+        "; 'position.fix_protection_mm' is told as 'position.fix_dilution_permille' and 'position.fix_further_mm' now"
+    )
+    assert told == renamed(["position.fix_protection_mm"], parts)
+    assert "" == renamed(["fix_protection_mm"], parts)
+
+
 def test_a_hint_says_the_new_name_or_the_nearest_one() -> None:
     """Or nothing, where nothing is near."""
     assert " 'over_mm' is now 'margin_above_mm'." == hint("over_mm", ["margin_above_mm"])

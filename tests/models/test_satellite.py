@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import pytest
 
@@ -13,31 +13,35 @@ from safeloc.language.interpret import run
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
-from safeloc.language.units import MS, NM, UM_S
+from safeloc.language.units import MM, MS, NM, UM_S
 from safeloc.language.verdict import Proved, word
 from safeloc.models.satellite import Satellite, build, compose_machines
 from safeloc.models.satellite.anchor import Anchor
-from safeloc.models.satellite.simulate import STREET, first_of, simulate
+from safeloc.models.satellite.configurations import CONFIGURATIONS
+from safeloc.models.satellite.simulate import FINE, STREET, first_of, simulate
 from safeloc.models.satellite.variables import FIX, MISSING, REASON, Parts, Redundancy, SatelliteConfig, State, parts
-from safeloc.models.satellite.world import Trusted
+from safeloc.models.satellite.world import Trusted, signal_errors
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.testing import run_tests
 from safeloc.properties.satellite import drift_properties, properties
+from tests.models.one_step import not_kept_by
 from tests.models.wrong_edits import lost_by
 
 CONFIG = SatelliteConfig(selection=SelectionConfig(channels=4))
 MACHINE = build(parts(CONFIG))
 SYSTEM = without_ghosts(lower(MACHINE))
 CHANNELS = range(1, 5)
+Kind = Literal["range", "speed"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 def cycle(**changes: int | bool) -> dict[str, int | bool]:
     """A cycle in which nothing is solved; all satellites are usable and used."""
     quiet: dict[str, int | bool] = {
-        "fix_protection_mm": 5_000, "fix_speed_um_s": 0, "fix_speed_protection_um_s": 500_000, "fix_unknowns": 2,
-        "fix_missing": 0, "reference_accuracy_mm": 0, "reference_speed_accuracy_um_s": 0, "odometry_error_mm": 100,
+        "fix_dilution_permille": 0, "fix_further_mm": 5_000, "fix_speed_um_s": 0, "fix_speed_dilution_permille": 0,
+        "fix_speed_further_um_s": 500_000, "fix_unknowns": 2, "fix_missing": 0, "reference_accuracy_mm": 0, "reference_speed_accuracy_um_s": 0, "odometry_error_mm": 100,
     }  # fmt: skip
     return {**quiet, **{f"usable_{n}": True for n in CHANNELS}, **{f"used_{n}": True for n in CHANNELS}, **changes}
 
@@ -70,13 +74,34 @@ def test_only_a_reference_starts_it() -> None:
 
 def test_a_solution_narrows() -> None:
     """A solution that counts bounds the place; the estimate goes a quarter of the way to it."""
-    trace = driven(START, cycle(fix_mm=1_001_000, fix_protection_mm=2_000, fix_speed_um_s=10_000_000))
+    trace = driven(START, cycle(fix_mm=1_001_000, fix_further_mm=2_000, fix_speed_um_s=10_000_000))
     assert ("ACCEPTED", "LOCATED") == (verdict(trace), mode(trace))
     position, below, above = (
         trace.steps[-1].outputs[f"{name}_mm"] for name in ("position", "margin_below", "margin_above")
     )
     assert (999_000, 1_003_001) == (position - below, position + above)
     assert 1_000_250 == position
+
+
+def test_a_level_charges_all_that_usable_signals_may_be_wrong_by() -> None:
+    """A dilution of 1 in range and rate: 9.5 + 3.1 + 2.1 m, 1.15 + 0.7 + 0.1 m/s, and what is told beside."""
+    wide = {
+        **START,
+        "reference_accuracy_mm": 25_000,
+        "reference_speed_um_s": 0,
+        "reference_speed_accuracy_um_s": 4_000_000,
+    }
+    told = {"fix_dilution_permille": 1_000, "fix_speed_dilution_permille": 1_000, "fix_further_mm": 300}
+    trace = driven(wide, cycle(fix_mm=1_000_000, fix_speed_um_s=0, **(told | {"fix_speed_further_um_s": 0})))
+    state = trace.steps[-1].state
+    assert ("ACCEPTED", 14_700, 1_950) == (verdict(trace), *bounds_in_figures(CONFIG))
+    assert [-15_000_000_000, 15_000_000_000] == [int(state[f"{end}_nm"]) - 10**12 for end in ("low", "high")]
+    assert [-1_950_000, 1_950_000] == [state["slowest_um_s"], state["fastest_um_s"]]
+
+
+def bounds_in_figures(config: SatelliteConfig) -> tuple[int, int]:
+    """What a usable signal may be wrong by: mm and mm/s."""
+    return config.selection.usable_range_error_mm, config.selection.usable_speed_error_mm_s
 
 
 @pytest.mark.parametrize(
@@ -86,7 +111,8 @@ def test_a_solution_narrows() -> None:
         ({"used_1": False, "used_2": False}, "TOO_FEW"),
         ({"fix_unknowns": 4}, "TOO_FEW"),
         ({"fix_mm": 2_000_000}, "DISJOINT"),
-        ({"fix_protection_mm": 30_001}, "TOO_COARSE"),
+        ({"fix_further_mm": 30_001}, "TOO_COARSE"),
+        ({"fix_further_mm": 600, "fix_dilution_permille": 2_001}, "TOO_COARSE"),
     ],
 )
 def test_what_does_not_count(change: dict[str, int | bool], expected: str) -> None:
@@ -98,7 +124,7 @@ def test_what_does_not_count(change: dict[str, int | bool], expected: str) -> No
 
 def test_coasting_ends() -> None:
     """Without solutions the margin grows with speed and acceleration, and after the limit nothing is reported."""
-    good = cycle(fix_mm=1_000_000, fix_protection_mm=1_000, fix_speed_protection_um_s=100_000)
+    good = cycle(fix_mm=1_000_000, fix_further_mm=1_000, fix_speed_further_um_s=100_000)
     trace = driven(START, good, good, *[cycle()] * 15)
     margins = [int(step.outputs["margin_below_mm"]) for step in trace.steps[2:12]]
     assert sorted(margins) == margins
@@ -109,8 +135,8 @@ def test_coasting_ends() -> None:
 
 def test_the_prediction_is_constant_acceleration() -> None:
     """Place, speed and the last change of speed give the next place: s + v T + dv T / 2, to the nanometre."""
-    first = cycle(fix_mm=1_000_000, fix_protection_mm=1_000, fix_speed_um_s=0, fix_speed_protection_um_s=100_000)
-    second = {**first, "fix_speed_um_s": 200_000, "fix_speed_protection_um_s": 50_000}
+    first = cycle(fix_mm=1_000_000, fix_further_mm=1_000, fix_speed_um_s=0, fix_speed_further_um_s=100_000)
+    second = {**first, "fix_speed_um_s": 200_000, "fix_speed_further_um_s": 50_000}
     trace = driven(START, first, second, cycle())
     before = trace.steps[-2].state
     change, period = int(before["change_um_s"]), CONFIG.period_ms
@@ -164,7 +190,7 @@ def test_a_reference_may_know_the_speed() -> None:
 
 def drifting(cycles: int, **every: int | bool) -> list[dict[str, int | bool]]:
     """False signals that lead a standing train 400 mm on in each cycle, each within the prediction's margin."""
-    speed = {"fix_speed_um_s": 2_000_000, "fix_speed_protection_um_s": 2_500_000, "fix_protection_mm": 8_000}
+    speed = {"fix_speed_um_s": 2_000_000, "fix_speed_further_um_s": 2_500_000, "fix_further_mm": 8_000}
     return [cycle(fix_mm=1_000_000 + 400 * (n + 1), **speed, **every) for n in range(cycles)]
 
 
@@ -219,6 +245,12 @@ def test_wrong_configurations_are_refused() -> None:
         SatelliteConfig(period_ms=1_000, state_error_mm=0)
     with pytest.raises(ValueError, match="range_prediction_mm 3000 is below the predictor's error 3080"):
         SatelliteConfig(selection=SelectionConfig(range_prediction_mm=3_000))
+    with pytest.raises(
+        ValueError, match=r"may be 14700 mm wrong .* within protection_limit_mm 14699; lower the thresholds"
+    ):
+        SatelliteConfig(protection_limit_mm=14_699)
+    with pytest.raises(ValueError, match="removal 'both' keeps signals of any error"):
+        SatelliteConfig(selection=SelectionConfig(removal="both"))
 
 
 def _unproved(model: Satellite, *names: str, seconds: float = 60) -> list[str]:
@@ -254,11 +286,11 @@ def test_random_runs_hold(trusted: Trusted, makes: Callable[[Satellite], list[Pr
     )
     said = {finding.id.rpartition("/")[2]: word(finding.result) for finding in found}
     assert [prop.name for prop in asked if prop.kind != "reachable"] == list(said)
-    assert {"held"} == {one for name, one in said.items() if name != NEVER_MET}
+    assert {"held"} == {one for name, one in said.items() if name not in NEVER_MET}
 
 
-NEVER_MET = "an excluded one never counts"
-"""In eight runs no satellite is excluded and used all the same."""
+NEVER_MET = ("an excluded one never counts", "channel 2: braking excludes no healthy one")
+"""In eight runs no satellite is excluded and used all the same, and none of the second channel is excluded."""
 
 
 def street(system: TransitionSystem, config: SatelliteConfig) -> Trace:
@@ -329,6 +361,7 @@ def _halved(state: State) -> State:
             "position and odometry meet",
         ),
         ("enough", lambda right: lambda own: TRUE, "no fix below the minimum"),
+        ("fixed", lambda right: lambda own: right(replace(own, further=as_num(0, MM))), "containment"),
     ],
 )
 def test_a_wrong_machine_is_noticed(
@@ -418,3 +451,99 @@ def test_the_lax_criterion_bounds_no_signal() -> None:
     lax = CONFIG.model_copy(update={"selection": CONFIG.selection.model_copy(update={"removal": "both"})})
     model = compose_machines(lax)
     assert lost_by(model.composition.system, properties(model), "containment")
+
+
+# ------------------------------------------------------------------ what a usable signal may be wrong by
+
+TERMS = ("threshold", "prediction", "clock")
+NARROWED = "a solution narrows to its protection level and no farther"
+
+
+def _without(kind: Kind, *left_out: str) -> property:
+    """What a machine charges for a usable signal that leaves some of the terms out."""
+    unit = "mm" if kind == "range" else "mm_s"
+    counted = [f"{kind}_{term}_{unit}" for term in TERMS if term not in left_out]
+    return property(lambda config: sum(getattr(config, name) for name in counted))
+
+
+LEFT_OUT = [*((term,) for term in TERMS), TERMS[1:]]
+"""One of the terms, and all but the threshold, as it once was."""
+
+
+def _uncharged(kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> Satellite:
+    """A machine that leaves these terms out of its levels; the world and the claims have figures of their own."""
+    name = "usable_range_error_mm" if kind == "range" else "usable_speed_error_mm_s"
+    monkeypatch.setattr(SelectionConfig, name, _without(kind, *left_out))
+    return compose_machines(CONFIG)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("left_out", LEFT_OUT, ids=" and ".join)
+def test_a_term_that_is_not_charged_is_noticed(
+    kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Threshold, prediction or clock left out of a level, or prediction and clock as it once was."""
+    model = _uncharged(kind, left_out, monkeypatch)
+    (asked,) = [prop for prop in properties(model) if prop.name == NARROWED]
+    assert NARROWED in not_kept_by(model.composition.system, asked)
+
+
+@pytest.mark.parametrize("kind", ["range", pytest.param("speed", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "left_out", [*(pytest.param(one, marks=pytest.mark.slow) for one in LEFT_OUT[:-1]), LEFT_OUT[-1]], ids=" and ".join
+)
+def test_a_term_that_is_not_charged_misses_the_truth(
+    kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same, as a run whose reported interval does not hold the truth while every law is kept."""
+    model = _uncharged(kind, left_out, monkeypatch)
+    assert {"containment": "violated"} == lost_by(model.composition.system, properties(model), "containment")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_unit_less_is_noticed(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that charges 1 mm, or 1 mm/s, less than a usable signal may be wrong by; in place with a run that misses the truth."""
+    name = "usable_range_error_mm" if kind == "range" else "usable_speed_error_mm_s"
+    right = bounds_in_figures(CONFIG)[KINDS.index(kind)]
+    monkeypatch.setattr(SelectionConfig, name, property(lambda _: right - 1))
+    model = compose_machines(CONFIG)
+    (asked,) = [prop for prop in properties(model) if prop.name == NARROWED]
+    assert NARROWED in not_kept_by(model.composition.system, asked)
+    if kind == "range":
+        assert {"containment": "violated"} == lost_by(model.composition.system, properties(model), "containment")
+
+
+def test_the_right_machine_keeps_its_levels() -> None:
+    """Nothing is noticed of the machine as it is."""
+    model = compose_machines(CONFIG)
+    (asked,) = [prop for prop in properties(model) if prop.name == NARROWED]
+    assert set() == not_kept_by(model.composition.system, asked)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("less", [(1, 0), (0, 1)])
+def test_the_selection_does_not_guarantee_less(less: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the world takes from the selection is proved of it, in range and in rate; 2 mm (or 2 mm/s) less is not.
+
+    Differences are whole mm below the threshold: 1 less is as true.
+    """
+
+    def smaller(config: SelectionConfig) -> tuple[int, ...]:
+        return tuple(most - 2 * one for most, one in zip(signal_errors(config), less, strict=True))
+
+    monkeypatch.setattr("safeloc.models.satellite.signal_errors", smaller)
+    model = compose_machines(CONFIG)
+    assert lost_by(model.composition.system, properties(model), "containment")
+
+
+@pytest.mark.parametrize(
+    "config", [CONFIG, FINE, *CONFIGURATIONS.named.values()], ids=["defaults", "fine", *CONFIGURATIONS.named]
+)
+def test_machine_and_world_have_the_same_figure(config: SatelliteConfig) -> None:
+    """What the machine charges, what the world takes from the selection, and the sum of the configured terms."""
+    chosen = config.selection
+    figures = (
+        chosen.range_threshold_mm + chosen.range_prediction_mm + chosen.range_clock_mm,
+        chosen.speed_threshold_mm_s + chosen.speed_prediction_mm_s + chosen.speed_clock_mm_s,
+    )
+    assert figures == bounds_in_figures(config) == signal_errors(chosen)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import get_args
+from typing import Literal, get_args
 
 import pytest
 
-from safeloc.language.expr import FALSE, TRUE, Expr, as_num, ite
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Num, as_num, between, ite
 from safeloc.language.interpret import run
+from safeloc.language.spec import always
 from safeloc.language.system import lower, without_ghosts
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved
@@ -120,9 +121,9 @@ def test_a_duplicate_counts_once() -> None:
 def test_thresholds_below_noise_are_refused() -> None:
     """A threshold that healthy satellites pass while the train brakes is no threshold."""
     with pytest.raises(
-        ValueError, match=r"range_threshold_mm 14500 is not above noise, prediction and clock error .* 14500"
+        ValueError, match=r"range_threshold_mm 9200 is not above noise, prediction and clock error .* 9200"
     ):
-        SelectionConfig(range_threshold_mm=14_500)
+        SelectionConfig(range_threshold_mm=9_200)
     with pytest.raises(ValueError, match="speed_threshold_mm_s 100 is not above"):
         SelectionConfig(speed_threshold_mm_s=100)
 
@@ -210,3 +211,48 @@ def test_the_other_criterion_in_its_place_is_noticed(removal: Removal, monkeypat
     monkeypatch.setattr(selection, "accepts", lambda one, config, _: accepts(one, config, other))
     wrong = build(parts(SelectionConfig(channels=2, removal=removal)))
     assert lost(wrong.machine, properties(wrong), "channel 1: exclusion leaves no trace")
+
+
+# ------------------------------------------------------------------ what a usable satellite may be wrong by
+
+Quantity = Literal["range", "speed"]
+
+
+def _wrong_by(model: selection.Selection, quantity: Quantity) -> tuple[Num, Bool]:
+    """The first channel's error, where prediction and clock are as good as configured."""
+    one, own, config = model.own.channels[0], model.own, model.own.config
+    if quantity == "range":
+        hidden, clock = between(-config.range_prediction_mm, one.offset, config.range_prediction_mm), own.clock
+        return one.error, hidden & between(-config.range_clock_mm, clock, config.range_clock_mm)
+    hidden = between(-config.speed_prediction_mm_s, one.speed_offset, config.speed_prediction_mm_s)
+    return one.speed_error, hidden & between(-config.speed_clock_mm_s, own.speed_clock, config.speed_clock_mm_s)
+
+
+@pytest.mark.parametrize(("quantity", "most"), [("range", 14_700), ("speed", 1_950)])
+def test_the_bound_of_a_usable_satellite_is_tight(quantity: Quantity, most: int) -> None:
+    """Threshold, prediction and clock together: 14.7 m and 1.95 m/s are never reached; 1 mm, or 1 mm/s, less is, in a run."""
+    model = build(parts(CONFIG))
+    error, as_configured = _wrong_by(model, quantity)
+    usable = model.own.channels[0].standing.eq(selection.USABLE) & as_configured
+    asked = [
+        always(f"below {n}", usable.implies((error < n) & (error > -n)), statement=f"below {n}")
+        for n in (most, most - 1)
+    ]
+    assert {f"below {most - 1}": "violated"} == lost(model.machine, asked)
+    assert (CONFIG.usable_range_error_mm, CONFIG.usable_speed_error_mm_s) == (14_700, 1_950)
+
+
+@pytest.mark.parametrize("term", ["threshold", "prediction", "clock"])
+@pytest.mark.parametrize("quantity", get_args(Quantity))
+def test_no_term_of_that_bound_can_be_left_out(quantity: Quantity, term: str) -> None:
+    """A usable satellite may be wrong by more than any two of the three terms make."""
+    model = build(parts(CONFIG))
+    error, as_configured = _wrong_by(model, quantity)
+    terms = {one: getattr(CONFIG, f"{quantity}_{one}_{'mm' if quantity == 'range' else 'mm_s'}") for one in TERMS}
+    most = sum(terms.values()) - terms[term]
+    usable = model.own.channels[0].standing.eq(selection.USABLE) & as_configured
+    claim = always("less", usable.implies((error < most) & (error > -most)), statement="two of the three terms")
+    assert {"less": "violated"} == lost(model.machine, [claim])
+
+
+TERMS = ("threshold", "prediction", "clock")

@@ -12,7 +12,6 @@ from safeloc.language.interpret import run
 from safeloc.models.satellite.chain import ChainConfig
 from safeloc.models.satellite.simulate import (
     FINE,
-    FINE_RECEIVER,
     SHIPPED,
     STREET,
     Journey,
@@ -33,7 +32,7 @@ from safeloc.simulation.satellite.scenery import SceneKind, tunnel
 
 pytest.importorskip("pyproj")
 CONFIG = SatelliteConfig()
-BOTH = Journey(walkers=(GPS, GALILEO), receiver=FINE_RECEIVER)
+BOTH = Journey(walkers=(GPS, GALILEO))
 SPOOFED = replace(
     BOTH, from_m=4_150, to_m=4_900, scenes=(), spoofers=(Spoofer(5.0, 3.0, 0.3),), odometry=True, balises=False
 )

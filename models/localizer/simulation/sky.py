@@ -7,8 +7,10 @@ import numpy as np
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.runtime.streams.steps import Cell
 
-PROTECTION_MM, SPEED_PROTECTION_UM_S, SHARE = 8_000, 300_000, 0.6
-"""Bounds of a solution, and how much of them its error uses up."""
+DILUTION_PERMILLE, FURTHER_MM, SPEED_FURTHER_UM_S = 1_500, 500, 5_000
+"""Of a solution along the track, as of the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
+ERROR_MM, SPEED_ERROR_UM_S = 4_800, 180_000
+"""A solution is off by no more."""
 MULTIPATH_MM = 60_000
 """A signal that comes by a detour is too long by so much."""
 
@@ -52,13 +54,14 @@ def solution(
         for number in range(1, config.channels + 1)
     }
     step |= {
-        "position.fix_protection_mm": PROTECTION_MM, "position.fix_speed_um_s": 0, "position.fix_unknowns": 2,
-        "position.fix_speed_protection_um_s": SPEED_PROTECTION_UM_S,
+        "position.fix_dilution_permille": DILUTION_PERMILLE, "position.fix_further_mm": FURTHER_MM,
+        "position.fix_speed_um_s": 0, "position.fix_speed_dilution_permille": DILUTION_PERMILLE,
+        "position.fix_speed_further_um_s": SPEED_FURTHER_UM_S, "position.fix_unknowns": 2,
         "position.fix_missing": "NOTHING" if solved else missing,
         "position.reference_speed_accuracy_um_s": 0, "position.odometry_error_mm": 0,
     }  # fmt: skip
     if not solved:
         return step
-    place = place_mm + int(rng.uniform(-SHARE, SHARE) * PROTECTION_MM)
-    speed = speed_um_s + int(rng.uniform(-SHARE, SHARE) * SPEED_PROTECTION_UM_S)
+    place = place_mm + int(rng.uniform(-ERROR_MM, ERROR_MM))
+    speed = speed_um_s + int(rng.uniform(-SPEED_ERROR_UM_S, SPEED_ERROR_UM_S))
     return step | {"position.fix_mm": place, "position.fix_speed_um_s": speed}

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from safeloc.errors import StreamError
-from safeloc.language.renamed import name_now
+from safeloc.language.renamed import name_now, parted
 from safeloc.runtime.migration.changes import Change, summed, with_names
 from safeloc.runtime.outside import quoted
 from safeloc.runtime.streams.files import json_object, lines_of, streaming
@@ -40,6 +40,12 @@ def _old_names(path: Path, number: int, line: Mapping[str, Any], ships: Collecti
     """The names of before that the line says, each with the one of today."""
     said = list(_names(path, number, line))
     names = {old: new for old in said if (new := name_now(old)) != old}
+    if gone := [
+        f"{name!r}, which is told as {' and '.join(map(repr, parts))} now" for name in said if (parts := parted(name))
+    ]:
+        raise StreamError(
+            f"{path}:{number}: says {gone[0]}: the old figure does not tell them. Record the stream anew."
+        )
     both = [f"{old!r} and {new!r}" for old, new in names.items() if new in said]
     if both:
         raise StreamError(f"{path}:{number}: has both {both[0]}, an old name and the new one; keep one of them.")

@@ -1,8 +1,9 @@
 """A cycle's solution along the track, from usable satellites alone, as an interval that holds the truth (SAT-5).
 
-Each used satellite's error is bounded by its threshold. To that bound comes what linearising costs: the vehicle may be
+The errors of each used satellite's differences are bounded. To a bound comes what linearising costs: the vehicle may be
 anywhere within the prediction's margin, the track bends there, and the sight turns a little. While every bound holds, the
-place and the speed lie in the interval: sum |a_i| * bound_i on either side, to the last digit.
+place and the speed lie in the interval: sum |a_i| * bound_i on either side, to the last digit. Where bounds leave out what
+all satellites have alike, `dilution` tells how often that counts.
 """
 
 from __future__ import annotations
@@ -112,6 +113,14 @@ class Solution:
     def unknowns(self) -> int:
         """The greatest number of unknowns of its fits."""
         return max(one.unknowns for both in self.solved for one in (both.place, both.speed) if one is not None)
+
+    def dilution(self) -> Fraction:
+        """Return how far an error of 1 in each used range moves the place at most, on any portion; 0 if none was solved."""
+        return max((one.place.dilution for one in self.solved if one.place is not None), default=Fraction(0))
+
+    def speed_dilution(self) -> Fraction:
+        """Return the same of the speed and the range rates."""
+        return max((one.speed.dilution for one in self.solved if one.speed is not None), default=Fraction(0))
 
     def off_mm(self) -> Interval | None:
         """Return the vehicle's distance beyond the prediction; None if it was not solved on every portion."""

@@ -62,6 +62,11 @@ class TrackFit:
         """The number of solved unknowns."""
         return len(self.shares) - self.degrees_of_freedom
 
+    @property
+    def dilution(self) -> Fraction:
+        """Sum |a_i|: how far errors of 1 in each satellite move the correction at most. At least 1, as no slope is steeper."""
+        return _sum(abs(share) for share in self.shares.values())
+
     def protection_level(self, bound: int | Mapping[str, int]) -> int:
         """sum |a_i| * bound_i, rounded up: no larger error is possible while each satellite's is within its bound."""
         bounds = dict.fromkeys(self.shares, bound) if isinstance(bound, int) else bound

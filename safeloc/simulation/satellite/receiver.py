@@ -33,8 +33,8 @@ class ReceiverConfig(Config):
     system_time_ns: int = quantity(30, "ns", 0, 100_000, "[M] a constellation's time against that of the first")
     ionosphere_percent: int = quantity(30, "%", 0, 100, "[S] IS-GPS-200: the model takes away half and more")
     troposphere_percent: int = quantity(3, "%", 0, 100, "[M] a tenth of a metre at the zenith")
-    code_bound_mm: int = quantity(8_000, "mm", 1, 1_000_000, "[D] 3 x 2.56 m, as the selection has it")
-    rate_bound_mm_s: int = quantity(600, "mm/s", 1, 1_000_000, "[D] 3 x 0.19 m/s, as the selection has it")
+    code_bound_mm: int = quantity(4_000, "mm", 1, 1_000_000, "[D] 2.5 x 1.6 m, as the selection has it")
+    rate_bound_mm_s: int = quantity(300, "mm/s", 1, 1_000_000, "[D] 1.5 x 0.19 m/s, as the selection has it")
     orbit_mm: int = quantity(500, "mm", 0, 100_000, "[M] error of broadcast orbits and clocks along the sight")
 
 

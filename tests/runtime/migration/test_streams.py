@@ -81,6 +81,11 @@ def test_a_stream_of_today_is_left_alone(tmp_path: Path, text: str) -> None:
             '{"schema": "safeloc-stream/1", "machine": "crane", "kept": ["over_mm"]}\n',
             ":1: a stream of 'crane', which does not ship; what its names are only its owner knows.",
         ),
+        (
+            '{"position.fix_protection_mm": 5000}\n',
+            ":1: says 'position.fix_protection_mm', which is told as 'position.fix_dilution_permille' and "
+            "'position.fix_further_mm' now: the old figure does not tell them. Record the stream anew.",
+        ),
         ('{"schema": "safeloc-stream/9"}\n', ":1: schema is 'safeloc-stream/9'; this version carries"),
         ('{"schema": "safeloc-stream/1", "first": 3}\n', ":1: `first` must be an object of initial values"),
         ('{"schema": "safeloc-stream/1", "kept": [3]}\n', ":1: `first` must be an object of initial values"),

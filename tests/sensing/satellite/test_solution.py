@@ -112,6 +112,18 @@ def test_the_hull_of_two_portions() -> None:
     assert placeless.off_mm() is None
 
 
+def test_the_dilution_is_that_of_the_worse_portion() -> None:
+    """Of place and speed; what is not solved moves nothing."""
+    looks = [looked(TrackState(at, 20.0, 0.0), TrackState(200.0, 20.0, 0.0), 1, 5.0, 1.0) for at in (150.0, 250.0)]
+    both, alone = solve(looks, frozenset(NAMES)), [solve([one], frozenset(NAMES)) for one in looks]
+    assert both.dilution() == max(one.dilution() for one in alone) > min(one.dilution() for one in alone) >= 1
+    assert both.speed_dilution() == max(one.speed_dilution() for one in alone)
+    assert both.solved[0].speed is not None
+    placeless = Solution((type(both.solved[0])(Bounds(None, 800), None, both.solved[0].speed),), both.used)
+    assert placeless.dilution() == 0
+    assert placeless.speed_dilution() == both.solved[0].speed.dilution > 0
+
+
 def _low(interval: Interval | None) -> Fraction:
     assert interval is not None
     return Fraction(interval.low)

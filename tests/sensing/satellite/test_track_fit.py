@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from fractions import Fraction
 
@@ -47,6 +48,13 @@ def test_the_protection_level_holds_exactly() -> None:
     level = found.protection_level(threshold)
     assert z3.unsat == _error_beyond(found, Fraction(level), threshold)
     assert z3.sat == _error_beyond(found, Fraction(level - 1), threshold)
+
+
+def test_the_dilution_is_the_level_of_a_unit() -> None:
+    """What errors of 1 m in each satellite make of the position, exactly: at least 1 m, as no slope is steeper than 1."""
+    found = _fit({})
+    assert found.protection_level(1_000_000) == math.ceil(found.dilution * 1_000_000)
+    assert found.dilution >= 1
 
 
 def test_a_fault_shows_in_chi_square_and_stays_within_its_share() -> None:

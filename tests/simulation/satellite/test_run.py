@@ -51,7 +51,7 @@ def test_healthy_errors_keep_their_bound() -> None:
     loud = ReceiverConfig(code_noise_mm=30_000, rate_noise_mm_s=5_000)
     run = simulate(World(sky(), straight(), receiver=loud), ride(), seed=3)
     every = [value for truth in run.truth for value in truth.healthy_m.values()]
-    assert 8.0 == max(every) == -min(every)
+    assert 4.0 == max(every) == -min(every)
 
 
 def test_a_tunnel_silences_and_gives_back() -> None:
