@@ -156,7 +156,7 @@ def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.M
     monkeypatch.setattr(localizer_streams, "SPOOFED_MM", 300)
     told = run(replace(NOMINAL["freight"], troubles=[Fault("spoofing", "", 800, 1_400)]))
     often = told.fired["arbitration: sources contradict each other"]
-    assert often == 5
+    assert often == 6
     named = [
         (out, {out["arbitration.contradicting_first"], out["arbitration.contradicting_second"]})
         for one, out in pairwise(told.outputs)

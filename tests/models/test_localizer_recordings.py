@@ -15,10 +15,10 @@ from tests.models.localizer_runs import run
 
 LEADS = {
     "metro": {"ODOMETRY", "REFLECTOR"},
-    "main-line": {"ODOMETRY", "SATELLITE"},
-    "freight": {"BALISE", "SATELLITE", "FIBRE"},
+    "main-line": {"ODOMETRY"},
+    "freight": {"BALISE", "FIBRE"},
     "metro-silent-odometer-corrupted-balise": {"ODOMETRY", "REFLECTOR"},
-    "freight-fibre-error-no-satellites": {"BALISE", "SATELLITE", "FIBRE"},
+    "freight-fibre-error-no-satellites": {"BALISE", "FIBRE"},
 }
 
 

@@ -60,7 +60,7 @@ RUNS: Mapping[str, Run] = {
     ),
     "freight": Run(
         FREIGHT,
-        "Through a fibre area: its position comes by the downlink; balises, and for a while satellites, narrow it.",
+        "Through a fibre area: its position comes by the downlink; balises narrow it, and for a while satellites confirm it.",
     ),
     "metro-silent-odometer-corrupted-balise": Run(
         replace(STATION, troubles=SILENT_BALISE),
