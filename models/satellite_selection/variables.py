@@ -46,12 +46,14 @@ class SelectionConfig(Config):
     speed_covariance_mm2_s2: int = quantity(250_000, "mm2/s2", 1, 10**12, "[D] (0.5 m/s)2; line of sight 0.19 m/s")
     range_noise_mm: int = quantity(4_000, "mm", 0, 10_000_000, "[D] 2.5 x 1.6 m RMS, geodetic receiver, healthy signal")
     speed_noise_mm_s: int = quantity(
-        300, "mm/s", 0, 1_000_000, "[D] 1.5 x 0.19 m/s: range rate error of a healthy signal"
+        300, "mm/s", 0, 1_000_000, "[D] geodetic receiver, healthy signal: 0.012 m/s RMS recorded at rest, more driving"
     )
     range_prediction_mm: int = quantity(3_100, "mm", 0, 10_000_000, "[D] A T^2 at 0.2 s, and the state's own error")
     speed_prediction_mm_s: int = quantity(700, "mm/s", 0, 1_000_000, "[D] 2 A T at 0.2 s, and the state's own error")
     range_clock_mm: int = quantity(2_100, "mm", 0, 10_000_000, "[D] 3 x 1.25 x 1.6 m / sqrt(8): a median's error")
-    speed_clock_mm_s: int = quantity(100, "mm/s", 0, 1_000_000, "[D] 3 x 1.25 x 0.075 m/s / sqrt(8): a median's error")
+    speed_clock_mm_s: int = quantity(
+        100, "mm/s", 0, 1_000_000, "[D] a third of the noise: the error of a median of eight"
+    )
     warm_up_cycles: int = quantity(2, "cycles", 1, 1_000, "[S] [0071]: variability needs two samples at least")
     last_identity: int = quantity(1_000, "count", 1, 1_000_000, "[D] satellites of all constellations")
 

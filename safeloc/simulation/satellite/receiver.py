@@ -34,7 +34,7 @@ class ReceiverConfig(Config):
     ionosphere_percent: int = quantity(30, "%", 0, 100, "[S] IS-GPS-200: the model takes away half and more")
     troposphere_percent: int = quantity(3, "%", 0, 100, "[M] a tenth of a metre at the zenith")
     code_bound_mm: int = quantity(4_000, "mm", 1, 1_000_000, "[D] 2.5 x 1.6 m, as the selection has it")
-    rate_bound_mm_s: int = quantity(300, "mm/s", 1, 1_000_000, "[D] 1.5 x 0.19 m/s, as the selection has it")
+    rate_bound_mm_s: int = quantity(300, "mm/s", 1, 1_000_000, "[D] geodetic receiver, as the selection has it")
     orbit_mm: int = quantity(500, "mm", 0, 100_000, "[M] error of broadcast orbits and clocks along the sight")
 
 
