@@ -35,7 +35,7 @@ from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.telegram import LINKED, NOMINAL, PASSED, REVERSE, UNKNOWN
 from safeloc.models.balise.variables import BaliseConfig, Parts
-from safeloc.models.vocabulary.measuring_world import CAN_BE_RUN, THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 
 ODOMETER = "the odometer keeps its law"
 """The clause that an earlier machine can be made to keep, if it judges the distance."""
@@ -130,7 +130,6 @@ def _odometer_law(own: Parts) -> Law:
         "[S] SUBSET-041: 5 m + 5 % of every measured distance",
         "supplier",
         "type test; in operation the run between two groups against the map",
-        CAN_BE_RUN,
     )
 
 
@@ -216,7 +215,6 @@ def _counter_law(own: Parts) -> Law:
         "[D] the same wheel counts",
         "supplier",
         "type test; the run between two groups against the map",
-        CAN_BE_RUN,
     )
 
 
@@ -239,7 +237,6 @@ def _age_law(own: Parts) -> Law:
         "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
         "supplier",
         "type test of reader and time stamp",
-        CAN_BE_RUN,
     )
 
 

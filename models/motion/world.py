@@ -32,7 +32,7 @@ from safeloc.language.machine import ANY, Initial
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.error_law import ErrorLaw
-from safeloc.models.vocabulary.measuring_world import CAN_BE_RUN, THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 from safeloc.models.vocabulary.odometer import Odometer
 
 LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
@@ -215,7 +215,6 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
         "[S] SUBSET-041: 5 m + 5 % of every measured distance, speed accuracy",
         "supplier",
         "the other unit; no common cause (adhesion on two wheels, snow on two radars) may break both",
-        CAN_BE_RUN,
     )
 
 
@@ -234,5 +233,4 @@ def _standing(own: Surroundings, seen: CheckGhosts) -> Law:
         "[M] a wheel that stands while the vehicle creeps for long is noticed by brake and wheel slide protection",
         "supplier",
         "wheel slide protection; cold movement detection while parked",
-        CAN_BE_RUN,
     )

@@ -39,7 +39,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.odometry.distance_device import Unit
 from safeloc.models.odometry.marker_reading import Reader
 from safeloc.models.odometry.variables import OdometryConfig, Parts
-from safeloc.models.vocabulary.measuring_world import CAN_BE_RUN, THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 
 ENDS = ("front", "rear")
 
@@ -132,7 +132,6 @@ def _unit_law(own: Parts, index: int) -> Law:
         "[S] SUBSET-041: 5 m + 5 % of every measured distance, speed accuracy; figures of other kinds [M]",
         "supplier",
         "type test; in operation the other unit of the device, and the run between two markers against the map",
-        CAN_BE_RUN,
     )
 
 

@@ -11,11 +11,9 @@ Nothing is assumed of what is not seen, nor of what the map says of the other ro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, between, exact_to, ite
 from safeloc.language.machine import ANY
-from safeloc.language.units import MM, NM
+from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.route.variables import Hypothesis, Parts
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
@@ -52,24 +50,10 @@ def world(own: Parts) -> World:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class _Odometer(Measuring):
-    """The odometer as the world has it: what can be run lies between limits either way."""
-
-    @property
-    def can_be_run(self) -> Bool:
-        """A distance was delivered, and a vehicle can have run it: by its speed, and since the last such distance."""
-        step, physics = self.step.value, self.physics
-        since = with_unit((self.silent + 1) * physics.change_mm, MM)
-        unheard = self.silent > physics.gap_limit_cycles
-        changed = unheard | between(-since, step - self.heard, since)
-        return all_of([self.step.present, between(-physics.farthest_mm, step, physics.farthest_mm), changed])
-
-
 def measuring(own: Parts) -> Measuring:
     """The odometer as the world has it."""
     seen = own.ghosts
-    return _Odometer(own.odometer.law, own.odometer.step, seen.heard, seen.silent, own.config.physics)
+    return Measuring(own.odometer.law, own.odometer.step, seen.heard, seen.silent, own.config.physics)
 
 
 def _after(own: Parts) -> Num:

@@ -118,6 +118,7 @@ def _signals(own: Parts) -> dict[str, Law]:
             "[D] linear in the errors: dilution is the sum of |weight|",
             "supplier",
             "type test against a simulator of the constellation, with errors at the bound",
+            "dilution times bound is what a least-squares solution is worth, and both say so; the law's bound is its own figure",
         ),
         SELECTED: Law(
             all_of(

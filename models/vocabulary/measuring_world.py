@@ -15,8 +15,9 @@ from safeloc.language.expr import (
     NumVar,
     Optional,
     Var,
-    abs_,
+    all_of,
     as_num,
+    between,
     ite,
     maximum,
     minimum,
@@ -27,11 +28,6 @@ from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.vocabulary.error_law import ErrorLaw
 
 THOUSAND = 1_000
-CAN_BE_RUN = (
-    "which distance no vehicle can have run in a cycle is computed here and in the machine, each from the highest speed; "
-    "the formula is the same, its two places are not"
-)
-"""Why a law of a unit has a part in common with a machine that tries the distance too."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +69,15 @@ class Measuring:
 
     @property
     def can_be_run(self) -> Bool:
-        """A distance was delivered, and a vehicle can have run it: by its speed, and since the last such distance."""
-        step, change = self.step.value, with_unit((self.silent + 1) * self.physics.change_mm, MM)
-        too_far = abs_(step) > self.physics.farthest_mm
-        changed_too_fast = (self.silent <= self.physics.gap_limit_cycles) & (abs_(step - self.heard) > change)
-        return self.step.present & ~too_far & ~changed_too_fast
+        """A distance was delivered, and a vehicle can have run it: by its speed, and since the last such distance.
+
+        Written as limits either way, where machines compare sizes: no wrong edit of a machine's term is repeated here.
+        """
+        step, farthest_mm = self.step.value, self.physics.farthest_mm
+        change = with_unit((self.silent + 1) * self.physics.change_mm, MM)
+        unheard = self.silent > self.physics.gap_limit_cycles
+        changed = unheard | between(-change, step - self.heard, change)
+        return all_of([self.step.present, between(-farthest_mm, step, farthest_mm), changed])
 
     def first(self) -> dict[Var, Initial]:
         """Ghosts with initial values: nothing was delivered yet."""

@@ -101,8 +101,8 @@ def narrowed(model: Satellite) -> Iterator[Property]:
     speed, speed_level, gained = of.num(own.fix_speed), most_speed_off(model), most_change(model)
     fast = own.config.max_speed_mm_s * 1_000
     ends = [
-        now.low.eq(maximum(place - level, was.low + run_at(model, was.slowest) - way)),
-        now.high.eq(minimum(place + level, was.high + run_at(model, was.fastest) + way)),
+        now.low.eq(maximum(place - level, was.low - way + run_at(model, was.slowest))),
+        now.high.eq(minimum(place + level, was.high + way + run_at(model, was.fastest))),
         now.slowest.eq(maximum(maximum(speed - speed_level, was.slowest - gained), -fast)),
         now.fastest.eq(minimum(minimum(speed + speed_level, was.fastest + gained), fast)),
     ]
